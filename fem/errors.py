@@ -1,4 +1,4 @@
-"""Errors with which an analysis ends without an answer."""
+"""Defines the errors that end an analysis without an answer."""
 
 from meshes.errors import NoAnswerError
 
@@ -11,7 +11,7 @@ class UnstableError(NoAnswerError):
     reason : str
         Why the ground fails, such as the share of its weight that is in equilibrium.
     remedy : str
-        What the user can change.
+        Advice on what the user can change.
     """
 
 

@@ -1,1 +1,1 @@
-"""The ground as a discretised continuum: elements, loads, strengths, fields."""
+"""Represents the ground as a discretised continuum: elements, loads, strengths and fields."""

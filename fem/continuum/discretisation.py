@@ -31,8 +31,8 @@ class Discretisation:
     hourglass : ndarray (nc or 0, nd, nd)
         Stiffness against hourglass modes, for a shear modulus of 1 (-).
     divergence : ndarray (nc, nq, nd)
-        Volumetric strain (1/m) by the shape functions, on which pore pressure does work; the volumetric strain in
-        ``matrix`` may be smoothed.
+        Volumetric strain (1/m) by the shape functions, on which pore pressure does work. The volumetric strain in
+        ``matrix`` may be smoothed instead.
     weights : ndarray (nc, nq)
         Areas (m²) of the quadrature points.
     shapes : ndarray (nq, nodes)
@@ -52,7 +52,7 @@ class Discretisation:
     node_points : ndarray (nodes of all ranks, 2)
         Coordinates of the nodes (m).
     size, owned : int
-        Number of displacement components on all ranks, and on this rank.
+        Number of displacement components on all ranks (``size``), and on this rank (``owned``).
     sides : dict of str to ndarray
         Global numbers of the nodes on every boundary.
     """
@@ -152,8 +152,8 @@ def _gauss(order: int) -> tuple[np.ndarray, np.ndarray]:
 def _strain_matrix(
     degree: int, gauss: np.ndarray, weight: np.ndarray, points: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return B (nc, nq, 4, nd) and the areas (nc, nq) of quadrature points of cells with corners ``points`` (nc,
-    4, 2)."""
+    """Return the strain-displacement matrix B (nc, nq, 4, nd) and the areas (nc, nq) of quadrature points of cells with
+    corners ``points`` (nc, 4, 2)."""
     _, gradients = api.tabulate(degree, gauss)
     _, corner_gradients = api.tabulate(1, gauss)
     jacobian = np.einsum("qad,cai->cqid", corner_gradients, points)
@@ -168,8 +168,8 @@ def _strain_matrix(
 
 
 def _modes(element: Element, gauss: np.ndarray, points: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return polynomials to which the volumetric strain is fitted, at the points (nc, nq, k): 1, and x and y if
-    quadratic."""
+    """Return the values at the points (nc, nq, k) of the polynomials to which the volumetric strain is fitted: 1, and
+    also x and y if ``quadratic``."""
     modes = [np.ones_like(weights)]
     if element == "quadratic":
         place = np.einsum("qa,cai->cqi", api.tabulate(1, gauss)[0], points)

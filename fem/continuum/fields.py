@@ -24,7 +24,7 @@ class FieldState:
     Attributes
     ----------
     label : str
-        Name of the state in legends and file names.
+        Name of the state, shown in legends and used in file names.
     kh : float
         Seismic coefficient of the state (-).
     displacement : ndarray (n, 2)
@@ -113,7 +113,7 @@ def touched_sides(mesh: QuadMesh, state: FieldState) -> tuple[str, ...]:
 
 
 def is_mechanism(state: FieldState) -> bool:
-    """Return whether the ground fails: the largest plastic shear strain of the state is then many times the elastic
-    shear strain."""
+    """Return whether the ground fails: the largest plastic shear strain of the state is many times the elastic shear
+    strain."""
     elastic = (state.shear_strain - state.plastic_shear_strain).max()
     return bool(state.plastic_shear_strain.max() > STANDS_OUT * max(elastic, 1e-300))

@@ -1,5 +1,5 @@
-"""The linear system of a Newton iteration: one matrix whose entries are set anew and factorised, by MUMPS, or on one
-rank and for associated flow by CHOLMOD, which is faster."""
+"""Solves the linear system of a Newton iteration with one matrix, whose entries are set anew and factorised in every
+iteration. The solver is MUMPS, or CHOLMOD, which is faster, on one rank and for associated flow."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -48,7 +48,7 @@ class Exchange:
         return self._local.array.copy()
 
     def sum_to_owned(self, local: np.ndarray) -> np.ndarray:
-        """Return contributions (needed,) of all ranks, added up for the owned components."""
+        """Return the sum of the contributions (needed,) of all ranks to the owned components."""
         self._local.array[:] = local
         self._owned.set(0.0)
         self._scatter.scatter(
@@ -70,10 +70,10 @@ class Exchange:
 
 
 class LinearSolver:
-    """Solves K x = b; rows and columns of fixed components are those of the unit matrix.
+    """Solves K x = b. The rows and columns of fixed components are those of the unit matrix.
 
-    Components inside a cell are condensed statically: they are not in the matrix, and are computed after the others.
-    The matrix of associated flow is ``symmetric`` and, apart from rounding, positive definite.
+    Displacement components inside a cell are condensed statically: they are not in the matrix, and are computed after
+    all other components. The matrix of associated flow is ``symmetric`` and, apart from rounding, positive definite.
     """
 
     def __init__(self, d: Discretisation, exchange: Exchange, symmetric: bool) -> None:
@@ -142,8 +142,8 @@ class CholmodMatrix:
 
     @staticmethod
     def suits(rows: np.ndarray) -> bool:
-        """Return whether CHOLMOD is installed and no cell contains the same component twice, as a cell as wide as the
-        period of the section would.
+        """Return whether CHOLMOD is installed and can be used here. It cannot be used if a cell contains the same
+        component twice, as a cell as wide as the period of the section does.
         """
         return not (np.diff(np.sort(rows, axis=1), axis=1) == 0).any() and cholmod.available()
 
@@ -153,7 +153,7 @@ class CholmodMatrix:
         self._lower = LowerTriangle(starts, np.take_along_axis(rows, self._order, axis=1).ravel(), size)
 
     def factorise(self, elements: np.ndarray, ones: np.ndarray) -> None:
-        """Factorise the sum of all ``elements``, with a one on the diagonal at the components ``ones``; raise
+        """Factorise the sum of all matrices ``elements``, with a one on the diagonal at the components ``ones``. Raises
         NotPositiveDefiniteError."""
         lower = self._lower
         lower.entries[:] = 0.0
@@ -167,8 +167,8 @@ class CholmodMatrix:
 
 
 class _ByMumps:
-    """The matrix on any number of ranks, each with the rows that it owns. Of a ``symmetric`` matrix only a triangle is
-    factorised, in three quarters of the time.
+    """Factorises the matrix by MUMPS on any number of ranks; every rank stores the rows that it owns. If the matrix is
+    ``symmetric``, only one triangle is factorised, in three quarters of the time.
     """
 
     def __init__(
@@ -192,7 +192,7 @@ class _ByMumps:
         self._x, self._b = self._matrix.createVecs()
 
     def factorise(self, elements: np.ndarray, ones: np.ndarray) -> None:
-        """Factorise the sum of all ``elements``, with a one on the diagonal at the components ``ones``; raise
+        """Factorise the sum of all matrices ``elements``, with a one on the diagonal at the components ``ones``. Raises
         SingularMatrixError."""
         border = self._rows.shape[1]
         block = np.ascontiguousarray(elements[:, :border, :border]).reshape(len(self._rows), -1)
@@ -206,7 +206,7 @@ class _ByMumps:
             self._ksp.setUp()
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """Return the solution for a right-hand side, both as components that this rank owns; raise
+        """Return the solution for a right-hand side. Both vectors contain the components that this rank owns. Raises
         SingularMatrixError."""
         self._b.array[:] = right
         with _as_singular():

@@ -15,14 +15,14 @@ Direction = Literal["downhill", "uphill"]
 
 
 def seismic_sign(section: Section, settings: FemSettings) -> int:
-    """Return the direction of the seismic force: +1 to the right, -1 to the left. For "both" it is the direction that
-    is computed first.
+    """Return the direction of the seismic force: +1 to the right, -1 to the left. For the setting "both", return the
+    direction that is computed first.
     """
     return sign_of(section, direction_of(settings))
 
 
 def direction_of(settings: FemSettings, opposite: bool = False) -> Direction:
-    """Return the direction of the settings, with "downhill" for "both"; return the opposite direction if
+    """Return the direction of the settings, and "downhill" if the setting is "both". Return the opposite direction if
     ``opposite``."""
     return "uphill" if (settings.direction == "uphill") != opposite else "downhill"
 
@@ -60,5 +60,5 @@ def excess_pressure_advice(strata: Sequence[Stratum]) -> str:
 
 
 def lifted(uplift: Uplift, reason: str = "there is no equilibrium") -> UnstableError:
-    """Return the UnstableError for ground in which pore pressure exceeds the weight of the soil above (uplift)."""
+    """Return the UnstableError for uplift: the pore pressure exceeds the weight of the soil above."""
     return UnstableError(f"{reason}: {uplift.words}", "check the water levels, or relieve the pressure")

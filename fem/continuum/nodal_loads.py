@@ -82,7 +82,7 @@ def pore_force(problem: PlaneStrain, mesh: QuadMesh, pressure: Pressure) -> np.n
 
 
 def _pressed(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray:
-    """Return the nodal forces (dofs,) in N/m of the water on the ground."""
+    """Return the nodal forces (dofs,) in N/m of the pressure of free water on the ground."""
 
     def traction(ends: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:
         return -section.water_pressure.on_ground(ends, near)[:, None] * normal

@@ -37,7 +37,7 @@ class PartialProblem:
     dofs : ndarray (nc, nd)
         Numbers of the components of every cell among the k components of this part.
     matrix, weights, hourglass : ndarray
-        Arrays as in ``Discretisation``; ``hourglass`` (nc, nd, nd) in Pa.
+        Numbers of the soil of every quadrature point, which are rows of ``table``.
     stress : ndarray (points, 4)
         Accepted stress (Pa).
     material : ndarray (points,)
@@ -45,7 +45,7 @@ class PartialProblem:
     table : ndarray
         Constants of the soils, as ``mohr_coulomb.table`` returns them.
     least : ndarray (points, 4, 4)
-        Smallest stiffness, added to the tangent so that the matrix is regular (Pa).
+        Smallest stiffness (Pa). It is added to the tangent so that the matrix is regular.
     """
 
     components: np.ndarray
@@ -130,7 +130,7 @@ class PlaneStrain:
         self.hold({})
 
     def _take(self, grid: Discretisation) -> None:
-        """Set up solver and work arrays for a discretisation."""
+        """Set up the solver and the work arrays for a discretisation."""
         self.grid = grid
         self.exchange = Exchange(grid)
         self._solver: LinearSolver | None = None  # limit analysis needs none
@@ -277,7 +277,7 @@ class PlaneStrain:
         return laws
 
     def accept(self, increment: np.ndarray) -> None:
-        """Accept the state of the last ``internal_force``: the next increment starts from it."""
+        """Accept the state of the last ``internal_force``. The next increment starts from this state."""
         self.displacement = self.displacement + increment
         self.stress[:] = self._trial
         self.strain += self._strain

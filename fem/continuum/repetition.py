@@ -3,8 +3,8 @@ one before.
 
 Weight, strength and effective stress repeat from period to period. The gradient of the pore pressure, through which the
 water acts on the skeleton, repeats as well. The pore pressure itself need not repeat: under still water it is larger in
-a lower period, by γw times the difference in height. This is a load on the section, -u n on both sides, since the
-effective stresses on periodic sides balance each other and the total stresses do not.
+a lower period, by γw times the difference in height. The difference of pressure is a load on the section, -u n on both
+sides, since effective stresses on periodic sides balance each other and total stresses do not.
 """
 
 import numpy as np
@@ -28,7 +28,7 @@ def refuse_other_water(section: Section) -> None:
     """Raise InputError unless the water is periodic: pressures in and on the ground at the two sides may differ by one
     constant, excess pore pressures by shaking must be equal.
 
-    Does nothing for sections whose layers differ at the two sides: ``refuse_other_sides`` refuses them.
+    The function does nothing for sections whose layers differ at the two sides, which ``refuse_other_sides`` refuses.
     """
     water, layers = section.water_pressure, section.layering
     ends = layers.left[0], layers.right[-1]
@@ -63,9 +63,9 @@ def refuse_other_water(section: Section) -> None:
 
 
 def _along_side(section: Section, side: int, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return two arrays (n,) in Pa on the left (0) or right (1) side: the pore pressure at both ends of each interval
-    between ``depths`` (m), with the pressure of free water on the ground as last entry; and the excess pore pressure by
-    shaking.
+    """Return two arrays (n,) in Pa for the left (0) or right (1) side. The first contains the pore pressure at both
+    ends of each interval between ``depths`` (m) and, as its last entry, the pressure of free water on the ground. The
+    second contains the excess pore pressure by shaking.
     """
     water, layers = section.water_pressure, section.layering
     elevation = layers.left[0] if side == 0 else layers.right[-1]

@@ -39,8 +39,8 @@ ALIKE = 5e-4
 
 @dataclass(frozen=True)
 class ShallowFailure:
-    """Holds a straight piece of the surface of a cohesionless stratum, inclined in the direction of the seismic force,
-    with a constant pore pressure gradient.
+    """Holds a straight piece of the surface of a cohesionless stratum. The piece is inclined in the direction of the
+    seismic force, and the pore pressure gradient below it is constant.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class ShallowFailure:
     angle : float
         Inclination of the face (rad), positive.
     kh : float
-        Critical Kh of the face; negative if the face fails by its own weight.
+        Critical Kh of the face; it is negative if the face fails under its own weight.
     ratio : float
         Weight less vertical inertia and uplift, over the seismic weight (-).
     seepage : float
@@ -70,7 +70,8 @@ class ShallowFailure:
     into_water: bool = False
 
     def continues_as(self, other: "ShallowFailure") -> bool:
-        """Return whether the neighbouring piece to the right, ``other``, is a face of the same kind."""
+        """Return whether the neighbouring piece to the right, ``other``, is a face with the same stratum, slope and
+        critical Kh."""
         here, there = ((face.angle, face.kh, face.ratio, face.seepage) for face in (self, other))
         joined = (self.end, self.stratum, self.into_water) == (other.start, other.stratum, other.into_water)
         return joined and bool(np.allclose(here, there, rtol=0.0, atol=SAME))
@@ -78,7 +79,8 @@ class ShallowFailure:
 
 class _Piece(NamedTuple):
     """Holds a piece of the ground surface from ``start`` to ``end`` (m) in one ``interval`` between breakpoints of the
-    layers. Its stratum is ``number``; ``strata`` are the strata of this soil, two where the water table cuts it.
+    layers. ``number`` is the number of its stratum. ``strata`` are the strata of this soil, two if the water table
+    divides the soil.
     """
 
     start: float
@@ -145,10 +147,10 @@ def shallow_failures(
 def failing_at_rest(
     section: Section, settings: FemSettings, friction: Sequence[float] | np.ndarray | None = None
 ) -> list[ShallowFailure]:
-    """Find the cohesionless faces inclined against the seismic force that fail by their weight alone, as seepage out of
-    the ground causes.
+    """Find the cohesionless faces inclined against the seismic force that fail by their weight alone, for example
+    because seepage leaves the ground there.
 
-    No stress field is in equilibrium there without a seismic force, and they fail before the slope fails in the
+    Such a face has no stress field in equilibrium without a seismic force, and fails before the slope fails in the
     direction of the force. ``section``, ``settings``, ``friction``: as in ``shallow_failures``.
     """
     against = settings.changed(direction=direction_of(settings, opposite=True))
@@ -205,7 +207,8 @@ def least_rolling_factor(
 
 
 def _pieces(section: Section, depth: float) -> Iterator[_Piece]:
-    """Yield the ground from left to right, cut where slope, stratum or water change within a ``depth`` (m)."""
+    """Yield the pieces of the ground surface from left to right, cut where slope, stratum or water change within a
+    ``depth`` (m)."""
     layers = section.layering
     names = [stratum.name for stratum in section.strata]
     surface = np.where(layers.present().any(axis=1), layers.present().argmax(axis=1), -1).tolist()
@@ -239,12 +242,11 @@ def _is_stable_anyway(section: Section, piece: _Piece, excess_pressure: bool) ->
 def _forces(
     section: Section, piece: _Piece, settings: FemSettings, excess_pressure: bool
 ) -> Iterator[tuple[float, float]]:
-    """Yield two forces over the seismic weight: weight less Kv and uplift, and the seepage force to the right. Both
-    forces are given for the soil just below a piece of ground, and for the layer down to the least depth where this
-    layer reaches into water.
+    """Yield two forces over the seismic weight: the weight less Kv and uplift, and the seepage force to the right. The
+    first pair is that of the soil just below a piece of ground. If the layer down to the least depth reaches into
+    water, a second pair is that of this layer.
 
-    Between the two depths the forces vary linearly, so that no layer of a depth in between slides before one of these
-    two.
+    Between the two depths the forces vary linearly. So a layer of a depth in between never slides first.
     """
     layers, water = section.layering, section.water_pressure
     bounds = layers.interfaces(np.array([piece.middle]))[0]
@@ -264,8 +266,8 @@ def _forces(
 def _sheets(
     section: Section, piece: _Piece, bounds: np.ndarray, least_depth: float
 ) -> Iterator[tuple[int, float, float]]:
-    """Yield the stratum, top (m) and thickness (m) of the layers below a piece, down to the least depth. Where the part
-    above or below the water table is too thin for the section to divide the stratum, the layer is divided here.
+    """Yield stratum, top (m) and thickness (m) of the layers below a piece, down to the least depth. If the part above
+    or below the water table is so thin that the section does not divide the stratum, the layer is divided here.
     """
     for k in range(piece.number, piece.number + piece.strata):
         top, lowest = float(bounds[k]), float(max(bounds[k + 1], bounds[0] - least_depth))
@@ -279,7 +281,7 @@ def _sheets(
 
 def _level(section: Section, piece: _Piece, k: int, top: float, lowest: float) -> float:
     """Return the elevation (m) between ``lowest`` and ``top`` above which the pore pressure at rest in stratum k is
-    zero; ``top`` where the stratum is all wet or all dry. Below this elevation the pressure is linear.
+    zero; ``top`` if the stratum is entirely wet or entirely dry. Below this elevation the pressure is linear.
     """
     x, water = piece.middle, section.water_pressure
     ends = np.array([[x, top], [x, lowest + 0.1 * (top - lowest)], [x, lowest]])
@@ -301,8 +303,8 @@ def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: Fe
 
     These strata have the soil of the face and an apparent cohesion, Δγ d sin 2β / (2 cos² φ) with Δγ = γ - Kv γs and d
     the least depth, vertically. With this cohesion they resist Kh = (γ / γs - Kv) tan φ, at which the same sand would
-    fail on level ground. The cohesion goes to zero with the inclination; 0.5 m of dry sand of φ = 33° at 1:3 get 3.7
-    kPa. A stratum that is nowhere thicker than the least depth gets this cohesion as a whole.
+    fail on level ground. The cohesion goes to zero with the inclination: a depth of 0.5 m of dry sand with φ = 33° at
+    1:3 gets 3.7 kPa. A stratum that is nowhere thicker than the least depth gets this cohesion as a whole.
     """
     names = [stratum.name for stratum in section.strata]
     strata: list[Stratum] = []
@@ -327,8 +329,8 @@ def _number(section: Section, face: ShallowFailure) -> int:
 
 
 def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, settings: FemSettings) -> Iterator[Stratum]:
-    """Yield the ground of stratum k below a face, down to the least depth or to the bottom of the stratum; none where
-    there is no such ground."""
+    """Yield the outlines of the ground of stratum k below a face, down to the least depth or to the bottom of the
+    stratum; nothing if there is no such ground."""
     soil, face_soil = section.strata[k], section.strata[of_face]
     points = strip_bottom(section.layering, face.start, face.end, k, settings.least_depth)
     weight = GRAVITY * face.ratio * face_soil.density_seismic

@@ -1,9 +1,9 @@
 """The K0 stress that stays on free-field sides: for finite elements and limit analysis alike.
 
-The K0 stress grows with depth as without horizontal strain: ν / (1 - ν) of the weight of the column above, times a
-factor for each stratum. The factor makes the resultant in the stratum equal to the one of plane elasticity under weight
-with the sides held horizontally. Where the ground slopes, it is above 1 on one side and below 1 on the other. The
-stress is nearer to the plain K0 stress than to Rankine's active and passive stresses.
+The K0 stress grows with depth as in ground without horizontal strain: ν / (1 - ν) of the weight of the column above,
+times a factor for each stratum. The factor makes the resultant in the stratum equal to the one of plane elasticity
+under weight with the sides held horizontally. Where the ground slopes, the factor is above 1 on one side and below 1 on
+the other. The stress is nearer to the plain K0 stress than to Rankine's active and passive stresses.
 """
 
 from collections.abc import Sequence
@@ -49,8 +49,8 @@ class SideStress:
 
 
 def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndarray) -> SideStress:
-    """Return the K0 stress on the "left" or "right" side; ``resultants`` (strata,) are the forces in every stratum
-    there by plane elasticity (N/m, tension positive).
+    """Return the K0 stress on the "left" or "right" side. ``resultants`` (strata,) are the horizontal forces in every
+    stratum at this side by plane elasticity (N/m, tension positive).
     """
     layers = section.layering
     elevation = layers.left[0] if side == "left" else layers.right[-1]
@@ -79,7 +79,8 @@ def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.n
     """Return the vertical effective stress (strata, 2) in Pa at top and bottom of every stratum on a side, pressure
     positive.
 
-    ``elevation`` (interfaces,) is that of the layers there. Loads on the ground count as if the ground continued level.
+    ``elevation`` (interfaces,) contains the elevations of the layers at this side. Loads on the ground count as if the
+    ground continued level.
     """
     water = section.water_pressure
     strata = len(section.strata)
@@ -101,8 +102,8 @@ def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.n
 
 
 def _ends(section: Section, side: str, elevation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the top and bottom (strata, 2, 2) of every stratum on a side, and points just inside the section next to
-    them (m)."""
+    """Return the points (strata, 2, 2) at top and bottom of every stratum on a side, and points just inside the section
+    next to them (m)."""
     x, layers = section.layering.x, len(elevation) - 1
     at, inside = (x[0], x[:2].mean()) if side == "left" else (x[-1], x[-2:].mean())
     ends = np.repeat(elevation, 2)[1:-1]

@@ -64,7 +64,7 @@ def with_davis_strength(section: Section) -> Section:
     Parameters
     ----------
     section : Section
-        The ground, with the dilation angles of the section file, 0 if none is given.
+        Return the Davis factor β = cos ψ cos φ / (1 - sin ψ sin φ) of angles in rad (Davis 1968); 1 where ψ = φ.
 
     Returns
     -------

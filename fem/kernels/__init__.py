@@ -1,1 +1,1 @@
-"""The laws and sums of the finite elements on flat arrays; they know NumPy and Numba only."""
+"""Kernels of the finite elements, which work on flat arrays. They import only NumPy and Numba."""

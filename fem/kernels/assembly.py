@@ -47,7 +47,7 @@ def internal_forces(
 
 @nb.njit(cache=True, nogil=True)
 def _leave_out(matrix: np.ndarray, free: np.ndarray, dofs: np.ndarray) -> None:
-    """Set rows and columns of an element matrix that are not ``free`` to zero."""
+    """Set the rows and columns of an element matrix that are not ``free`` to zero."""
     for a in range(len(dofs)):
         if not free[dofs[a]]:
             matrix[a, :] = 0.0

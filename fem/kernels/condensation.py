@@ -15,8 +15,8 @@ def condense(elements: np.ndarray, inverse: np.ndarray) -> None:
     condensation).
 
     The blocks K_bi and K_ib stay in the matrices, for ``condense_force`` and ``expand``. K_ii⁻¹ is written to
-    ``inverse`` (nc, 2, 2); it is not finite where a cell has no stiffness inside. The border block takes the condensed
-    matrix.
+    ``inverse`` (nc, 2, 2), and is not finite for a cell that has no stiffness inside. The border block becomes the
+    condensed matrix.
     """
     cells, entries, _ = elements.shape
     inside = 2

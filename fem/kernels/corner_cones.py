@@ -1,8 +1,9 @@
-"""Kernels: second-order cones of three components, a hundred thousand at a time, in an interior-point method.
+r"""Kernels for second-order cones of three components, of which an interior-point method has a hundred thousand.
 
-Of a slack s and a multiplier z inside the cone v0 >= |(v1, v2)| the scaling of Nesterov & Todd (1997) is the symmetric
-W with W z = W⁻¹ s = λ; with J = diag(1, -1, -1) and a w of wᵀ J w = 1, w0 > 0, it is W² = η² (2 w wᵀ - J). The product
-u ∘ v is [u·v, u0 v1 + v0 u1, u0 v2 + v0 u2], and λ \\ d solves λ ∘ x = d.
+For a slack s and a multiplier z inside the cone v0 >= |(v1, v2)|, the scaling of Nesterov & Todd (1997) is the
+symmetric matrix W with W z = W⁻¹ s = λ. With J = diag(1, -1, -1) and a vector w such that wᵀ J w = 1 and w0 > 0, it is
+W² = η² (2 w wᵀ - J). The product u ∘ v is [u·v, u0 v1 + v0 u1, u0 v2 + v0 u2], and λ \ d is the solution x of λ ∘ x =
+d.
 """
 
 import math
@@ -40,7 +41,7 @@ def scalings(s: np.ndarray, z: np.ndarray, axis: np.ndarray, size: np.ndarray, s
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _scaled(w: np.ndarray, size: float, v0: float, v1: float, v2: float, sign: float) -> tuple[float, float, float]:
-    """Return W v for a ``sign`` of 1, W⁻¹ v for -1."""
+    """Return W v if ``sign`` is 1, or W⁻¹ v if it is -1."""
     along = w[1] * v1 + w[2] * v2
     more = sign * v0 + along / (1.0 + w[0])
     much = size if sign > 0.0 else 1.0 / size
@@ -49,7 +50,7 @@ def _scaled(w: np.ndarray, size: float, v0: float, v1: float, v2: float, sign: f
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _divided(l0: float, l1: float, l2: float, d0: float, d1: float, d2: float) -> tuple[float, float, float]:
-    r"""Return λ \ d."""
+    r"""Return the solution x of λ ∘ x = d, which is written λ \ d."""
     far = math.sqrt(l1 * l1 + l2 * l2)
     along = l1 * d1 + l2 * d2
     determinant = (l0 - far) * (l0 + far)
@@ -105,7 +106,7 @@ def centrality(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def longest_step(v: np.ndarray, dv: np.ndarray) -> float:
-    """Return the largest a for which all v + a dv (k, 3) lie in their cones; 1e30 if there is no limit."""
+    """Return the largest step length a for which all v + a dv (k, 3) lie in their cones; 1e30 if there is no limit."""
     best = 1e30
     for k in range(len(v)):
         v0, v1, v2, d0, d1, d2 = v[k, 0], v[k, 1], v[k, 2], dv[k, 0], dv[k, 1], dv[k, 2]

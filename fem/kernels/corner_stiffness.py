@@ -1,4 +1,4 @@
-"""Kernels: elimination of the unknowns that an interior-point method has at one corner of a cell.
+"""Kernels that eliminate the unknowns which an interior-point method has at one corner of a cell.
 
 At a corner the strain rate, q = [volume, difference, shear], and its conjugate multiplier m, minus the stress, obey q +
 C m = g with a compliance C of three rows. With friction it is U⁻¹ W² U⁻¹, U = diag(1, sin φ, sin φ), W² that of
@@ -49,7 +49,7 @@ def stiffnesses(
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _stiffness(w: np.ndarray, much: float, sine: float, is_clay: bool, soft: float, out: np.ndarray) -> None:
-    """C⁻¹ (3, 3) in closed form, in which no digits cancel."""
+    """Compute C⁻¹ (3, 3) in closed form, without cancellation of digits."""
     if is_clay:
         scale = sine * sine / (much * (1.0 + 2.0 * (w[1] * w[1] + w[2] * w[2])))
         out[0, 0] = sine * sine / (soft * much)
@@ -82,7 +82,7 @@ def _add_compliance(w: np.ndarray, much: float, sine: float, is_clay: bool, soft
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _invert(c: np.ndarray, low: np.ndarray, out: np.ndarray) -> None:
-    """The inverse of a compliance, of which the upper triangle is given, by its Cholesky factor."""
+    """Invert a compliance matrix, of which the upper triangle is given, by its Cholesky factor."""
     for j in range(3):
         for i in range(j, 3):
             value = c[j, i]

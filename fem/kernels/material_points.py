@@ -69,15 +69,15 @@ FREE, FIXED, WALL = range(3)  # of a node: free; at rest; at rest horizontally
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _weights(f: float) -> tuple[float, float, float]:
-    """Return the quadratic B-spline weights of three nodes; f is the place of the point from the first one, 0.5
-    to 1.5."""
+    """Return the quadratic B-spline weights of three nodes; f (0.5 to 1.5) is the distance of the point from the first
+    node in cells."""
     return 0.5 * (1.5 - f) ** 2, 0.75 - (f - 1.0) ** 2, 0.5 * (f - 0.5) ** 2
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _flows(state: Floats, properties: Floats, p: int) -> bool:
-    """Return whether the mean stress of a point is relaxed to that of its knot span: φ = 0, able to yield, not cracked
-    open.
+    """Return whether the mean stress of a point is relaxed towards that of its knot span, which is done in ground that
+    has φ = 0, can yield and is not cracked open.
     """
     return properties[p, SIN_PHI] == 0.0 and properties[p, STRENGTH] < properties[p, BULK] and state[p, OPENED] <= 0.0
 
@@ -184,7 +184,7 @@ def _strain_of(radius: float, shear: float, soft: float, knee: float) -> float:
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _radius_of(strain: float, shear: float, soft: float, knee: float) -> float:
-    """Return the radius of Mohr's circle (Pa) at an elastic shear strain; the inverse of `_strain_of`."""
+    """Return the radius of Mohr's circle (Pa) at an elastic shear strain. This is the inverse of `_strain_of`."""
     knee_strain = knee / soft if knee > 0.0 else 0.0
     return soft * strain if strain < knee_strain else knee + shear * (strain - knee_strain)
 
@@ -201,8 +201,8 @@ def _update_stress(
     stress: Floats, state: Floats, properties: Floats, p: int, xx: float, zz: float, xz: float, spin: float,
     relaxed: float, drained: float, dt: float,
 ) -> float:  # fmt: skip
-    """Return the stress of a point after a strain increment (tensor components) and a rotation; the energy dissipated
-    (J/m)."""
+    """Return the stress of a point after a strain increment (tensor components) and a rotation, and the energy
+    dissipated (J/m)."""
     bulk, shear, soft, knee = properties[p, BULK], properties[p, SHEAR], properties[p, SOFT], properties[p, KNEE]
     mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
     # dissipated (slip, viscosity, opening, drainage, softening): work at the mean of both stresses less elastic energy
@@ -340,7 +340,7 @@ def take_off(
     stripes: Integers, offsets: Integers, velocity: Floats, cell: float, slope: float, periodic: bool, x: Floats,
     v: Floats, affine: Floats,
 ) -> None:  # fmt: skip
-    """Subtract the velocity that the grid resolves from the velocities of the points of some stripes: (I - S) (v, C).
+    """Subtract from the velocities of the points of some stripes the velocity that the grid resolves: (I - S) (v, C).
 
     ``velocity`` (nx, nz, 4): velocities of the nodes; ``v`` (n, 2), ``affine`` (n, 4) are changed; ``stripes``,
     ``offsets``, ``x``, ``cell``, ``slope``, ``periodic``: as in `scatter`.

@@ -78,7 +78,8 @@ def _check(E: Floats, nu: Floats, c: Floats, phi: Floats, psi: Floats, T: Floats
 
 
 def _add_planes_and_lines(row: Floats) -> None:
-    """Fill in, for one material, the return to each plane and line, and p and q of its principal tangent."""
+    """For one material, fill in the constants of the return to each plane and line, and p and q of its principal
+    tangent."""
     stiffness = row[rm.LAME] + 2 * row[rm.SHEAR] * np.eye(3)
     compliance = np.linalg.inv(stiffness)
 
@@ -174,7 +175,8 @@ def update(
 
 
 def _in_chunks(work: Callable[[int, int], None], n: int, threads: int) -> None:
-    """Do the ``work`` for n points in ranges, one for each thread; it takes the first point of a range and its end."""
+    """Call ``work`` for ranges of the n points, one range for each thread; ``work`` is given the first point of a range
+    and its end."""
     chunks = max(1, min(threads, n // SMALLEST_CHUNK))
     first, *others = itertools.pairwise(n * k // chunks for k in range(chunks + 1))
     futures = [_pool(len(others)).submit(work, *bounds) for bounds in others]
@@ -206,7 +208,7 @@ if hasattr(os, "register_at_fork"):
 
 
 def _circle(stress: Floats) -> tuple[Floats, Floats]:
-    """Return the centre and radius of the largest Mohr circle, zz included."""
+    """Return centre and radius of the largest Mohr circle, with the out-of-plane stress zz included."""
     centre = 0.5 * (stress[:, 0] + stress[:, 1])
     radius = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 3])
     major = np.maximum(centre + radius, stress[:, 2])
@@ -226,7 +228,7 @@ def mobilised_strength(stress: Floats, material: Integers, table: Floats) -> Flo
 
         t / sqrt(A^2 - t^2 tan^2 phi).
 
-    The mobilised share is infinite if a plane has no strength (A <= t tan phi), as anywhere beyond the apex. At the
+    The mobilised strength is infinite if a plane has no strength (A <= t tan phi), as anywhere beyond the apex. At the
     apex, with neither shear nor strength, it is 1. The tension cut-off is disregarded.
     """
     s, t = _circle(stress)

@@ -58,7 +58,8 @@ COLUMNS = RANK_ONE + 6 * SHEAR_TENSION
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _shear_return(x1: float, x2: float, x3: float, f: float, rounding: float, table: Floats, m: int) -> Returned:
-    """Return the principal stresses on the Mohr-Coulomb surface without cut-off, and the region."""
+    """Return the principal stresses on the Mohr-Coulomb surface without cut-off, and the code of the part of the
+    surface."""
     sin, strength = table[m, SIN_PHI], table[m, STRENGTH]
     s1 = x1 - f * table[m, FLOW_1]
     s2 = x2 - f * table[m, FLOW_2]
@@ -86,7 +87,7 @@ def _shear_return(x1: float, x2: float, x3: float, f: float, rounding: float, ta
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _tension_return(x1: float, x2: float, x3: float, rounding: float, table: Floats, m: int) -> Returned:
-    """Return the principal stresses on the Rankine surface, and the region."""
+    """Return the principal stresses on the Rankine surface, and the code of the part of the surface."""
     T = table[m, TENSION]
     lateral = table[m, LATERAL] * (x1 - T)
     if x2 - lateral <= T + rounding:
@@ -99,7 +100,7 @@ def _tension_return(x1: float, x2: float, x3: float, rounding: float, table: Flo
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _shear_tension_return(x1: float, x2: float, x3: float, rounding: float, table: Floats, m: int) -> Returned:
-    """Return the principal stresses where both surfaces meet, and the region."""
+    """Return the principal stresses where both surfaces meet, and the code of the part of the surface."""
     T, minor = table[m, TENSION], table[m, MINOR_AT_TENSION]
     s2 = x2 - table[m, POISSON] * (x1 + x3 - T - minor)
     if s2 > T + rounding:
@@ -111,7 +112,7 @@ def _shear_tension_return(x1: float, x2: float, x3: float, rounding: float, tabl
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _principal_return(x1: float, x2: float, x3: float, table: Floats, m: int) -> Returned:
-    """Return the admissible principal stresses for the trial x1 >= x2 >= x3, and the region.
+    """Return the admissible principal stresses for the trial x1 >= x2 >= x3, and the code of the part of the surface.
 
     The multipliers of both surfaces solve a complementarity problem whose matrix has positive minors: its
     determinant is 4 G (lame + G) (1 - sin phi) (1 - sin psi). So there is one solution, and a return to one
@@ -134,7 +135,8 @@ def _principal_return(x1: float, x2: float, x3: float, table: Floats, m: int) ->
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _from_order(v1: float, v2: float, v3: float, place: int) -> tuple[float, float, float]:
-    """Return the in-plane major, in-plane minor and zz of ordered values of which zz is number `place` (1, 2 or 3)."""
+    """Return the in-plane major, the in-plane minor and the out-of-plane value (zz) of three ordered values; zz is
+    number `place` (1, 2 or 3) among them."""
     if place == 3:
         return v1, v2, v3
     if place == 2:
@@ -146,7 +148,7 @@ def _from_order(v1: float, v2: float, v3: float, place: int) -> tuple[float, flo
 def _write_tangent(
     out: Floats, i: int, table: Floats, m: int, region: int, place: int, ratio: float, cos: float, sin: float
 ) -> None:
-    """Consistent tangent d stress / d strain = e D + p q + (G' - e G) r r, (4, 4) in the axes x, y, z.
+    """Write the consistent tangent d stress / d strain = e D + p q + (G' - e G) r r, (4, 4) in the axes x, y, z.
 
     e is 1 in the volume and on planes and 0 on lines and at points; p q is the region's own term; r is the
     stress of a unit shear between the in-plane principal axes. Its stiffness is G' = G (sa - sb)/(xa - xb),
@@ -192,7 +194,7 @@ def _write_tangent(
 def _write_plastic_strain(
     out: Floats, i: int, table: Floats, m: int, xx: float, yy: float, zz: float, xy: float, stress: Floats
 ) -> None:
-    """Plastic strain C (trial - returned), from the trial components and the returned stress[i]."""
+    """Write the plastic strain C (trial - returned), from the trial components and the returned stress[i]."""
     nu, compliance = table[m, POISSON], table[m, COMPLIANCE]
     dxx, dyy, dzz, dxy = xx - stress[i, 0], yy - stress[i, 1], zz - stress[i, 2], xy - stress[i, 3]
     trace = nu * (dxx + dyy + dzz)

@@ -1,1 +1,1 @@
-"""Limit analysis: strict lower and upper bounds of the critical Kh; it does without dolfinx."""
+"""Computes strict lower and upper bounds of the critical Kh by limit analysis, without dolfinx."""

@@ -1,4 +1,4 @@
-"""Both bounds on a sequence of meshes, each refined where the bounds on the mesh before differ."""
+"""Computes both bounds on a sequence of meshes, each refined where the bounds on the mesh before differ."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -53,7 +53,7 @@ class BoundSearch:
 
     @property
     def work(self) -> float:
-        """Return the work so far, in seconds of the reference machine."""
+        """Return the computing work so far, in seconds of the reference machine."""
         return sum(mesh.work for mesh in self.bracket.meshes)
 
     def advance(self, others: float = 0.0) -> None:
@@ -105,16 +105,16 @@ class BoundSearch:
 
 
 def share_of_lower_bound(low: LowerBound, high: UpperBound) -> float:
-    """Return the share of the work on the next mesh that the lower bound may take: the same share as on the last
-    mesh."""
+    """Return the share of the computing work on the next mesh that the lower bound may take: the same share as on the
+    last mesh."""
     return float(np.clip(low.solution.work / max(low.solution.work + high.solution.work, 1e-300), *SHARES))
 
 
 def proven_lower_bound(
     problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
 ) -> tuple[LowerBound, list[str], StressField | None]:
-    """Find a strict lower bound. Returns the stress field of the solver, the reason if there is no bound, and the field
-    with its bound if it passes the check.
+    """Find a strict lower bound. Returns the stress field of the solver, the reason if there is no bound, and the same
+    field with its bound if it passes the check.
 
     After ``most_work`` (s of the reference machine) the solver returns its last iterate; ``start`` is the iterate at
     which it begins.
@@ -136,7 +136,7 @@ def proven_lower_bound(
 def proven_upper_bound(
     problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
 ) -> tuple[UpperBound, list[str], Mechanism | None]:
-    """Find a strict upper bound. Returns the mechanism of the solver, the reason if there is no bound, and the
+    """Find a strict upper bound. Returns the mechanism of the solver, the reason if there is no bound, and the same
     mechanism with its bound if it passes the check.
 
     After ``most_work`` (s of the reference machine) the solver returns its last iterate; ``start`` is the iterate at
@@ -179,12 +179,13 @@ def _first_checked(
     most_work: float,
     attempts: int = ATTEMPTS,
 ) -> tuple[F, C | None, list[str]]:
-    """Return the first of a few attempts that passes its check; None for the check if none passes.
+    """Return the first of a few attempts that passes its check, and the check; None instead of the check if no attempt
+    passes.
 
     The solver fulfils equations and margins only approximately, and the correction of the equations may lead beyond the
-    yield surface or violate the flow rule. At every corner, the next attempt has a margin of a few times the shortfall
-    of the last attempt. There is no next attempt if the solver ended early: then the shortfall comes from unfinished
-    iterations, and a margin of this size would leave no admissible stress.
+    yield surface or violate the flow rule. So the next attempt has a margin, at every corner, of a few times the
+    shortfall of the last attempt. There is no next attempt if the solver ended early: then the shortfall comes from
+    unfinished iterations, and a margin of this size would leave no admissible stress.
     """
     notes: list[str] = []
     bound, check = attempt(0.0, most_work)
@@ -216,8 +217,8 @@ NONE_FOUND: Mapping[NoSolution, str] = {
 
 
 def gap_shares(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
-    """Return the contribution of every cell (m,) to the gap between the bounds: its dissipation less the work of the
-    lower bound's stress on its strain rate.
+    """Return the contribution of every cell (m,) to the gap between the bounds: the dissipation of the mechanism less
+    the work of the lower bound's stress on the strain rate of the mechanism.
 
     Apart from rounding no contribution is negative, and their sum is the upper less the lower bound (Ciria, Peraire &
     Bonet 2008).
@@ -233,8 +234,8 @@ def gap_shares(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.n
 
 
 def refinement_indicator(problem: LimitProblem, low: LowerBound, high: UpperBound) -> np.ndarray:
-    """Return the refinement indicator (m,) of every cell: its share of the gap between the bounds plus its share of the
-    yield work of the lower bound.
+    """Return the refinement indicator (m,) of every cell: the share of the cell in the gap between the bounds plus its
+    share in the yield work of the lower bound.
 
     Yield work may be far from the mechanism of the upper bound: a stress field that is too coarse at one corner can
     reduce the lower bound, or leave no lower bound.

@@ -24,7 +24,7 @@ LAST_BITS = 16.0 * np.finfo(float).eps
 
 @dataclass(frozen=True)
 class StressCheck:
-    """Holds the errors of a stress field against the conditions of static admissibility.
+    """Holds the errors with which a stress field violates the conditions of static admissibility.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class StressCheck:
         )
 
     def __str__(self) -> str:
-        """Return the conditions of a statically admissible stress field that are violated."""
+        """Return the violated conditions of a statically admissible stress field as a text."""
         if self.yield_slack < 0.0:
             return f"the stress lies beyond the yield surface by {-self.yield_slack:.1e} of the unit of stress"
         if self.tension_slack < -NO_TENSION:
@@ -66,8 +66,8 @@ class StressCheck:
 
 @dataclass(frozen=True)
 class VelocityCheck:
-    """Holds the upper bound from a velocity field, and errors of this field against the conditions of kinematic
-    admissibility.
+    """Holds the upper bound from a velocity field, and the errors with which the field violates the conditions of
+    kinematic admissibility.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class VelocityCheck:
         return self.flow_slack >= 0.0 and max(self.volume, self.boundary, self.jump) <= ROUNDING
 
     def __str__(self) -> str:
-        """Return the conditions of kinematically admissible velocities that are violated."""
+        """Return the violated conditions of kinematically admissible velocities as a text."""
         if self.flow_slack < 0.0:
             return f"the strain rates violate the flow rule by {-self.flow_slack:.1e} of the largest"
         missed = max(self.volume, self.boundary, self.jump)
@@ -230,12 +230,12 @@ def dissipation(problem: LimitProblem, rates: np.ndarray) -> np.ndarray:
 def _with_cut_off(
     volume: np.ndarray, shear: np.ndarray, strength: np.ndarray, sin: np.ndarray, tension: np.ndarray
 ) -> np.ndarray:
-    """Return the dissipation (n, 3) per area of rates with volume >= sin φ shear, ``strength`` = c cos φ, and a cut-off
-    T (n,).
+    """Return the dissipation (n, 3) per area for strain rates with volume >= sin φ shear, ``strength`` = c cos φ, and a
+    tension cut-off T (n,).
 
-    The largest work of a stress with R <= c cos φ - σm sin φ and R <= T - σm, where R is the radius of Mohr's circle
-    and σm its centre. The largest work is that at σm = T, or at σm = (T - c cos φ) / (1 - sin φ), where the two lines
-    meet.
+    The dissipation is the largest work of a stress with R <= c cos φ - σm sin φ and R <= T - σm, where R is the radius
+    of Mohr's circle and σm its centre. The largest work is that at σm = T, or at σm = (T - c cos φ) / (1 - sin φ),
+    where the two lines meet.
     """
     limit = tension[:, None]
     both = (limit * (volume - sin * shear) + strength * (shear - volume)) / (1.0 - sin)
@@ -262,8 +262,8 @@ def work(problem: LimitProblem, velocity: np.ndarray) -> tuple[float, float]:
 
 
 def _work_at_jumps(problem: LimitProblem, velocity: np.ndarray, traction: np.ndarray) -> float:
-    """Return the work rate of tractions by jumps of the pore pressure, (k, 2 ends, 2), on velocities (m, 6 nodes,
-    2)."""
+    """Return the power (work rate) of tractions by jumps of the pore pressure, (k, 2 ends, 2), on velocities (m, 6
+    nodes, 2)."""
     mesh, jumps = problem.mesh, problem.jumps
     cells = mesh.edge_cells[jumps.edges, 0]
     first, last = (velocity[cells, np.argmax(mesh.cells[cells] == end[:, None], axis=1)] for end in jumps.ends.T)
@@ -304,7 +304,7 @@ def check_velocity(problem: LimitProblem, velocity: np.ndarray) -> VelocityCheck
 
 
 def _largest_jump(problem: LimitProblem, velocity: np.ndarray) -> float:
-    """Return the largest difference of the velocities that cells have at a common node."""
+    """Return the largest difference between the velocities of neighbouring cells at a common node."""
     node = problem.mesh.own_node[problem.mesh.six_nodes.ravel()]
     flat = velocity.reshape(-1, 2)
     of_node = np.zeros((int(node.max()) + 1, 2))

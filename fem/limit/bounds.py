@@ -63,18 +63,18 @@ class KhBounds(SmallerKhBounds):
     Attributes
     ----------
     shallow_failures : tuple of ShallowFailure
-        Cohesionless faces whose shallow failure has a smaller Kh than the bounds. Where there is one, the ground below
-        all these faces is strengthened down to the least depth, as in the finite elements, and the bounds are strict
-        for this strengthened ground: they are bounds of the whole slope. Without shallow failures they are strict for
-        the ground of the section file.
+        Cohesionless faces whose shallow failure has a smaller Kh than the bounds. If there is one, the ground below all
+        these faces is strengthened down to the least depth, as in the finite elements, and the bounds are strict for
+        the strengthened ground: they are bounds of the whole slope. Without shallow failures they are strict for the
+        ground of the section file.
     shallow : float or None
-        An upper bound of Kh of the ground without strengthening, where it is below the bounds and below the Kh of all
-        ``shallow_failures``: ground above the least depth slips where faces of different water or slope meet, or where
-        water seeps out of a face. This ground is strengthened, too. None if there is no such bound.
+        An upper bound of Kh of the ground without strengthening, if it is below the bounds and below the Kh of all
+        ``shallow_failures``: ground above the least depth then slips where faces of different water or slope meet, or
+        where water seeps out of a face. This ground is strengthened, too. None if there is no such bound.
     section : Section
-        The section that was analysed, with its faces strengthened if any are, for the direction that fails first.
+        The section that was analysed for the direction that fails first, with faces strengthened if necessary.
     substitute : SmallerKhBounds or None
-        Bounds of Davis's estimate where ψ < φ and the settings request them; computed on the last meshes for ψ = φ.
+        Bounds of Davis's estimate if ψ < φ and the settings request them, computed on the last meshes for ψ = φ.
     """
 
     shallow_failures: tuple[ShallowFailure, ...] = ()
@@ -88,8 +88,9 @@ class DirectionGround:
     """Holds the ground that is analysed for one direction of the seismic force.
 
     ``shallow_failures`` are the faces that may fail at a smaller Kh than the whole slope. ``as_given`` is an upper
-    bound, on coarse triangles, of the section without strengthening (inf if there are no such faces). ``section`` is
-    the ground with these faces strengthened. ``work`` is that of the coarse bounds (s of the reference machine).
+    bound, on coarse triangles, of Kh of the section without strengthening (inf if there are no such faces). ``section``
+    is the ground with these faces strengthened. ``work`` is the computing work of the coarse bounds (s of the reference
+    machine).
     """
 
     fem: FemSettings
@@ -120,8 +121,8 @@ class DirectionGround:
         return cls(fem, max_cells, (*govern, *always), as_given, ground, work + more_work)
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
-        """Return the search for bounds. For Davis's estimate, ``after`` is the search for ψ = φ; the new search begins
-        on its last mesh if enough work is left.
+        """Return the search for bounds. ``after``, the search for ψ = φ, is given if the search is for Davis's
+        estimate: the new search begins on the last mesh of ``after`` if enough work is left.
         """
         ground = as_analysed(self.section, self.fem)
         if after is not None and 2.0 * after.bracket.meshes[-1].work < limits.seconds:
@@ -146,7 +147,7 @@ def kh_bounds(
     fem : FemSettings
         Sides, directions and vertical coefficient.
     settings : BoundsSettings
-        Gap, number of triangles and work at which the search ends.
+        Required gap, largest number of triangles and largest computing work.
     observer : callable, optional
         Called with the bounds on every mesh.
 
@@ -238,7 +239,7 @@ def as_analysed(section: Section, fem: FemSettings) -> Section:
 
 
 def _coarse_upper_bound(section: Section, fem: FemSettings) -> tuple[float, float]:
-    """Return an upper bound of Kh on one coarse mesh, inf if there is none, and its work (s of the reference
+    """Return an upper bound of Kh on one coarse mesh (inf if there is none), and its computing work (s of the reference
     machine)."""
     ground = as_analysed(section, fem)
     mesh = first_mesh(ground, COARSE_CELLS, fem.sides)
@@ -342,7 +343,8 @@ def _pore_pressure(water: WaterPressure, excess_pressure: bool) -> Pressure:
 
 
 def _varying(section: Section, davis: bool) -> CornerCohesion:
-    """Return the cohesion at corners of triangles, reduced by Davis's factor if ``davis``."""
+    """Return the cohesion at corners of triangles for strata whose cohesion varies, reduced by Davis's factor if
+    ``davis``."""
     field = section.cohesion_field
     factor = davis_factors(section.strata) if davis else np.ones(len(section.strata))
 
@@ -354,7 +356,7 @@ def _varying(section: Section, davis: bool) -> CornerCohesion:
 
 
 def _ground(section: Section, sign: int) -> Side:
-    """Return the section as a rigid-plastic body: soils, pore pressures and loads."""
+    """Return the section as a rigid-plastic body with its soils, pore pressures and loads."""
     water, loads = section.water_pressure, section.surface_loads
     if not (water.present or loads.present):
         return Side()
@@ -373,8 +375,8 @@ def _pressing(stress: SideStress, outwards: float) -> EdgeTraction:
 
 
 def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Return cohesion (Pa) and friction angle (rad) of the strata, reduced by Davis's factor if ``davis``; of a varying
-    cohesion the constant part.
+    """Return cohesion (Pa) and friction angle (rad) of the strata, reduced by Davis's factor if ``davis``. If the
+    cohesion of a stratum varies, return its constant part.
     """
     cohesion = np.array([s.cohesion for s in strata])
     friction = np.array([s.friction_angle for s in strata])

@@ -1,4 +1,4 @@
-"""The best lower and upper bound of a sequence of meshes, and the limits at which the sequence ends."""
+"""Keeps the best lower and upper bound of a sequence of meshes, and the limits at which the sequence ends."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -90,14 +90,14 @@ class MeshBounds:
     lower, upper : float or None
         The strict bounds of the load multiplier, None if there is none.
     notes : tuple of str
-        Why a bound is missing.
+        Reasons why a bound is missing.
     work : float
-        Work of both programs in seconds of the reference machine, computed from the iterations, not measured
-        (``cone_program.py``).
+        Computing work of both cone programs in seconds of the reference machine; it is computed from the number of
+        iterations, not measured (``cone_program.py``).
     failed : tuple of BoundSide
-        The bounds that are missing because the solver ended early, or its answer did not pass the check.
+        Bounds that are missing because the solver ended early, or because its answer did not pass the check.
     fallback : tuple of BoundSide
-        The bounds that Clarabel found after the built-in interior-point method had broken down.
+        Bounds that Clarabel found after the built-in interior-point method had broken down.
     """
 
     cells: int
@@ -124,7 +124,7 @@ class Bracket:
     mesh : TriMesh
         The last mesh, in m.
     ended : EndReason or None
-        Why there is no finer mesh; None while the search continues.
+        Reason why there is no finer mesh; None while the search continues.
     open_at : tuple of float or None
         Where the bounds differ most, (x, y) in m, if the search ended before the gap was small enough.
     """
@@ -165,13 +165,13 @@ class Limits:
     max_cells : int
         Largest number of triangles of a mesh.
     seconds : float
-        Work for all meshes, in seconds of the reference machine. A further mesh is begun if it is likely to be solved
-        within this work. Work is computed from the iterations, not measured, so that the same input has the same meshes
-        on a busy machine.
+        Largest computing work for all meshes, in seconds of the reference machine. A further mesh is begun if it is
+        likely to be solved within this work. Work is computed from the number of iterations, not measured, so that the
+        same input has the same meshes on a busy machine.
     enough : float
         An upper bound below this number needs no improvement.
     least : float
-        Smallest multiplier of which the gap is a share; for Kh ``LEAST_KH``.
+        Smallest multiplier of which the gap is a share; for Kh the constant ``LEAST_KH``.
     """
 
     gap: float
@@ -187,8 +187,8 @@ class Limits:
         return (upper - lower) / max(self.gap * max(0.5 * (abs(upper) + abs(lower)), self.least), 1e-12)
 
     def growth(self, bracket: Bracket, cells: int) -> float:
-        """Return the ratio of the number of cells of the next mesh to that of the last mesh: large enough to close the
-        gap, if one step can do that.
+        """Return the ratio of the number of cells of the next mesh to that of the last mesh. The ratio is large enough
+        to close the gap, if one step can do that.
 
         The gap is about proportional to one over the number of cells, or falls a little faster.
         """
@@ -196,8 +196,8 @@ class Limits:
         return min(max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH, self.max_cells / cells)
 
     def reached(self, bracket: Bracket, cells: int, others: float = 0.0) -> EndReason | None:
-        """Return the name of the limit that ends the search; ``others`` is the work of other searches that share the
-        same limits."""
+        """Return the name of the limit that ends the search; ``others`` is the computing work of other searches that
+        share the same limits."""
         if self.open(bracket.lower, bracket.upper) <= 1.0:
             return "gap"
         if bracket.upper < self.enough:

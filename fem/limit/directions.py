@@ -1,8 +1,9 @@
-"""Bounds of Kh with the seismic force to either side: the smaller Kh counts, and the bounds of both are stored.
+"""Finds bounds of Kh with the seismic force to either side: the smaller Kh counts, and the bounds of both directions
+are stored.
 
-The two directions share the allowed work: the next mesh is always made for the direction whose lower bound is the
-smaller one, until the bounds of the smaller Kh are within the required gap. For the other direction it is only proven
-that its critical Kh is larger.
+The two directions share the allowed computing work. The next mesh is always made for the direction whose lower bound is
+the smaller one, until the bounds of the smaller Kh are within the required gap. For the other direction the search only
+proves that its critical Kh is larger.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -63,7 +64,7 @@ KhObserver = Callable[[SmallerKhBounds], None]
 
 
 class DirectionSearch(BoundSearch):
-    """The search for bounds in one direction."""
+    """Searches the bounds in one direction of the seismic force."""
 
     def __init__(
         self, mesh: TriMesh, body: RigidPlasticBody, limits: Limits, direction: Direction, towards: SectionSide
@@ -96,7 +97,7 @@ def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
 def smaller_of(directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
     """Return the bounds of the smallest Kh over all directions that count (`counting_of`).
 
-    Work and meshes are those of the direction with the smallest upper bound.
+    Computing work and meshes are those of the direction with the smallest upper bound.
     """
     order = sorted(directions, key=lambda bounds: (bounds.upper, bounds.lower))
     counting = counting_of(order)

@@ -56,7 +56,7 @@ WORK_OF_A_MESH = 1.5
 
 
 class FactorSearch:
-    """Searches the factor of safety at ``kh`` with the seismic force to one side (``sign`` 1: the side of ``fem``)."""
+    """Searches bounds of the factor of safety at ``kh``, with the seismic force to one side."""
 
     def __init__(
         self,
@@ -68,10 +68,11 @@ class FactorSearch:
         start: TrialStart,
         work: FactorWork,
     ) -> None:
-        """Prepare the search in ``section`` on ``mesh``, with settings ``fem`` of elements and ``settings`` of bounds.
+        """Prepare the search in ``section`` on ``mesh``, with settings ``fem`` of the elements and ``settings`` of the
+        bounds.
 
-        ``sign``: 1 for a seismic force to the side of ``fem``, -1 for the other side; ``start``: Kh and first factor;
-        ``work``: budget of the search.
+        ``sign`` is 1 for the direction of the seismic force in ``fem``, -1 for the opposite direction; ``start``
+        contains Kh and the first factor; ``work`` is the computing work allowed.
         """
         body = body_of(section, mesh, fem, excess_pressure=start.kh != 0.0, smooth_sides=start.smooth_sides)
         self.body = replace(body, live_force=sign * body.live_force)
@@ -105,8 +106,8 @@ class FactorSearch:
     def confirms(self, other: "FactorSearch") -> bool:
         """Return whether the lower bound of the ``other`` direction is proven for this one on the finest triangles.
 
-        Mostly this needs far fewer triangles than the other direction. Where the bound is not proven, the factor of
-        this direction is searched for, on triangles refined for its mechanism.
+        This proof mostly needs far fewer triangles than the bounds of the other direction. If the bound is not proven,
+        the factor of this direction is searched for, on triangles refined for its mechanism.
         """
         if other.both_ways:
             self.lower = other.lower
@@ -159,8 +160,7 @@ class FactorSearch:
 
     @property
     def work_of_both(self) -> float:
-        """Return the work of both bounds at one factor on the present triangles; a trial of one bound takes a part of
-        it."""
+        """Return the computing work of both bounds at one factor on the present triangles."""
         return max(trial.work for trial in self.here)
 
     def problem(self, factor: float) -> LimitProblem:
@@ -176,13 +176,13 @@ class FactorSearch:
         return problem if self.gauge == "kh" else with_all_loads_live(problem, self.target)
 
     def over(self, bound: float) -> float:
-        """Return the excess of a bound of Kh, or the logarithm of the bound of the share of loads."""
+        """Return a bound of Kh less the given Kh, or the logarithm of the share of loads."""
         if self.gauge == "kh":
             return bound - self.target
         return math.log(bound) if bound > 0.0 else -math.inf
 
     def measure(self, factor: float, lower: bool = True, upper: bool = True) -> BoundsTrial:
-        """Find bounds for ground weakened by a factor, and narrow the bracket of the factor with them."""
+        """Find bounds for ground of reduced strength, and narrow the bracket of the factor of safety."""
         lower = lower and factor < self.unborne_from
         before = self.work.spent
         problem = self.problem(factor)
@@ -221,9 +221,10 @@ class FactorSearch:
         return trial
 
     def count(self, side: BoundSide, factor: float, solution: Solution, unproven: bool) -> None:
-        """Count a trial: add its work, store its solution as the next starting point, and count consecutive trials in
-        which the solver found neither a bound nor a proof that there is none. ``side`` names the bound; ``factor`` is
-        the factor of safety tried; ``solution`` is the answer of the solver; with ``unproven`` it decided nothing.
+        """Count a trial: add its computing work, store its solution as the next starting point, and count consecutive
+        trials in which the solver found neither a bound nor a proof that there is none. ``side`` names the bound;
+        ``factor`` is the factor of safety tried; ``solution`` is the answer of the solver; ``unproven`` means that the
+        answer decided nothing.
         """
         self.work.spent += solution.work
         self.work.ran_out = self.work.ran_out or solution.out_of_work
@@ -272,7 +273,8 @@ class FactorSearch:
         return loaded
 
     def middle(self, trial: BoundsTrial) -> float:
-        """Return the mean excess of both bounds, or the excess of the only one; -inf without any."""
+        """Return the mean excess of both bounds over the required value, or the excess of the only bound; -inf without
+        any."""
         values = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
         return sum(values) / len(values) if values else -math.inf
 
@@ -296,7 +298,8 @@ class FactorSearch:
                     return
 
     def step(self, over: float) -> float:
-        """Return the ratio of the next factor to the present one; its bound is ``over`` above the required one."""
+        """Return the ratio of the next factor to the present factor, if a bound at the present factor is ``over`` above
+        the required value."""
         if self.slope is None:
             log_step = (2.0 if self.gauge == "kh" else 1.0) * over
             log_step = math.copysign(max(abs(log_step), 0.05), log_step)
@@ -359,7 +362,7 @@ class FactorSearch:
 
     def refine(self) -> None:
         """Refine the triangles where the bounds of the last trial differ, by enough cells to close the gap if one step
-        can do that. The margins are unchanged.
+        can do that. The margins of the bounds are unchanged.
         """
         assert self.seen is not None  # both bounds were tried on these triangles
         problem, low, high = self.seen
@@ -382,9 +385,10 @@ class FactorSearch:
 
 
 def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:
-    """Return the factor at which a function that falls with the logarithm of the factor is zero.
+    """Return the factor of safety at which a function is zero; the function falls as the logarithm of the factor rises.
 
-    From the nearest points, or from one point and its ``slope``; NaN if neither is known.
+    The zero is interpolated from the nearest points, or extrapolated from one point with ``slope``. The function
+    returns NaN if neither is known.
     """
     stand, fail = [point for point in points if point[1] >= 0.0], [point for point in points if point[1] < 0.0]
     ends = [stand[-1], fail[0]] if stand and fail else stand[-2:] or fail[:2]

@@ -15,7 +15,8 @@ class BoundsTrial:
     """Holds the bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None if no bound was proven.
 
     The bounds are those of Kh, or of the share of all loads that the ground resists (inf if friction alone resists any
-    load); ``unborne``: no stress balances the weight at any Kh. ``work`` is in seconds of the reference machine.
+    load). ``unborne`` means that no stress balances the weight at any Kh. ``work`` is the computing work in seconds of
+    the reference machine.
     """
 
     factor: float
@@ -29,8 +30,8 @@ class BoundsTrial:
 
 @dataclass(frozen=True)
 class TrialStart:
-    """Holds the given Kh, the first factor, whether sides are smooth, and the bounds that are sufficient: a lower
-    bound, or an upper bound that is below ``slips``.
+    """Holds the given Kh, the first factor, whether sides are smooth, and when a search may end early: once the lower
+    bound is at least ``enough``, or the upper bound is below ``slips``.
     """
 
     kh: float
@@ -42,8 +43,8 @@ class TrialStart:
 
 @dataclass
 class FactorWork:
-    """Holds the work allowed and spent (s of the reference machine), and whether the search ended because it was used
-    up."""
+    """Holds the computing work allowed and spent (s of the reference machine), and whether the search ended because no
+    work was left."""
 
     allowed: float
     spent: float = 0.0
@@ -54,7 +55,7 @@ class FactorWork:
         return max(self.allowed - self.spent, 0.0)
 
     def part(self, share: float) -> "FactorWork":
-        """Return a ``share`` of the work left, which is counted by itself."""
+        """Return a new budget that is a ``share`` of the work left."""
         return FactorWork(share * self.left)
 
     def allows(self, more: float) -> bool:
@@ -72,9 +73,9 @@ def gap_of_factors(lower: float, upper: float) -> float:
 
 
 def inside(factor: float, safe: float, unsafe: float) -> float:
-    """Return the factor if it lies well between a stable and an unstable one, else the middle of these two.
+    """Return ``factor`` if it lies well between a stable and an unstable factor, else the middle of these two.
 
-    ``factor``: the one wanted; ``safe``, ``unsafe``: factors at which the ground stands and fails.
+    ``safe`` and ``unsafe`` are the factors at which the ground stands and fails.
     """
     if not 0.0 < safe < unsafe < math.inf:
         return factor

@@ -232,8 +232,8 @@ class LimitProblem:
 
 
 def units_of(mesh: TriMesh, body: RigidPlasticBody) -> Units:
-    """Return the units of length and stress: the height of the mesh, and the largest dead stress (γH or traction), or
-    the cohesion if there is no dead stress."""
+    """Return the units of length and stress. The unit of length is the height of the mesh. The unit of stress is the
+    largest dead stress (γH or traction), or the cohesion if there is no dead stress."""
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     length = float(high[1] - low[1])
     weight = float(np.hypot(*_on_skeleton(mesh, body).T).max()) * length
@@ -279,8 +279,8 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
 
 
 def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:
-    """Return the tension cut-off (m,) of every cell in Pa, inf if it lies beyond the apex of the cone and never
-    acts."""
+    """Return the tension cut-off (m,) of every cell in Pa; inf if the cut-off lies beyond the apex of the cone and
+    never acts."""
     if body.tension is None:
         return np.full(len(mesh.cells), np.inf)
     tension, friction = body.tension[mesh.stratum], body.friction[mesh.stratum]
@@ -368,5 +368,5 @@ def edge_ends(mesh: TriMesh, ends: np.ndarray, cells: np.ndarray) -> Places:
 
 
 def _traction(traction: EdgeTraction | None, places: Places) -> np.ndarray:
-    """A traction at both ends of edges, (k, 2, 2)."""
+    """Return a traction at both ends of edges, (k, 2, 2)."""
     return np.zeros((len(places.points) // 2, 2, 2)) if traction is None else traction(places).reshape(-1, 2, 2)

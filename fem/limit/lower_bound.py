@@ -124,7 +124,7 @@ def lower_bound(
 
 
 def _all_round(stresses: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Return stresses (n, 3), made exactly isotropic at the masked ``corners``, where the solver leaves rounding
+    """Return stresses (n, 3) that are exactly isotropic at the masked ``corners``, where the solver leaves rounding
     errors."""
     pressure = 0.5 * (stresses[:, 0] + stresses[:, 1])
     return np.where(corners[:, None], np.column_stack([pressure, pressure, np.zeros(len(pressure))]), stresses)
@@ -200,8 +200,8 @@ def independent_equations(
 
 
 def _orthonormal(matrix: sparse.csr_matrix, groups: np.ndarray) -> list[np.ndarray]:
-    """Return the orthonormal combinations (r, k) of k equations with the same solutions, r their rank, for ``groups``
-    (g, k)."""
+    """Return orthonormal combinations (r, k) of k equations with the same solutions, for ``groups`` (g, k); r is their
+    rank."""
     groups_count, k = groups.shape
     if groups_count == 0:
         return []
@@ -222,7 +222,7 @@ def _orthonormal(matrix: sparse.csr_matrix, groups: np.ndarray) -> list[np.ndarr
 
 
 def _balance(problem: LimitProblem) -> Equations:
-    """div σ + force = 0 in every cell, times the root of its area."""
+    """Return the equations div σ + force = 0 in every cell, times the root of its area."""
     mesh = problem.mesh
     size = np.sqrt(mesh.areas)
     values = mesh.gradients * size[:, None, None]
@@ -240,8 +240,8 @@ def _balance(problem: LimitProblem) -> Equations:
 
 
 def _continuity(problem: LimitProblem) -> Equations:
-    """Return tractions at both ends of inner edges, equal on both sides except for the ``EdgeJumps``, times half the
-    length of the edge.
+    """Return the equations of tractions at both ends of inner edges: they are equal on both sides except for the
+    ``EdgeJumps``. Each equation is times half the length of the edge.
     """
     mesh = problem.mesh
     interior = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
@@ -257,8 +257,8 @@ def _continuity(problem: LimitProblem) -> Equations:
 
 
 def _boundary(problem: LimitProblem) -> Equations:
-    """Return the prescribed traction at both ends of the edges of the outline, in components that are not fixed, times
-    half their length.
+    """Return the equations of the prescribed traction at both ends of the edges of the outline, in components that are
+    not fixed. Each equation is times half the length of the edge.
     """
     outline = problem.outline
     normal = _normals(problem, outline.cells, outline.ends)
@@ -270,7 +270,8 @@ def _boundary(problem: LimitProblem) -> Equations:
 
 
 def _repetition(problem: LimitProblem) -> Equations:
-    """Return tractions on periodic sides, opposite at both ends of edges that are joined, times half their length."""
+    """Return the equations of tractions on periodic sides: they are opposite at both ends of edges that are joined.
+    Each equation is times half the length of the edge."""
     mesh = problem.mesh
     parts = []
     for ends in mesh.matched:
@@ -281,7 +282,7 @@ def _repetition(problem: LimitProblem) -> Equations:
 
 
 def _normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Return the outward normals (k, 2) of edges of cells, each with half the length of its edge."""
+    """Return the outward normals (k, 2) of edges of cells; the length of each normal is half the length of its edge."""
     points = problem.mesh.points
     along = points[ends[:, 1]] - points[ends[:, 0]]
     normal = 0.5 * np.column_stack([along[:, 1], -along[:, 0]])
@@ -290,7 +291,8 @@ def _normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) -> np.n
 
 
 def _tractions(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray, normal: np.ndarray) -> sparse.csr_matrix:
-    """Return the matrix from the stresses to the tractions of cells on edges; rows edge by edge: both ends, x and y."""
+    """Return the matrix from the stresses of cells to the tractions on edges. Its rows are ordered edge by edge: both
+    ends, x and y."""
     corner = np.argmax(problem.mesh.cells[cells][:, None, :] == ends[:, :, None], axis=2)
     first = 9 * cells[:, None] + 3 * corner
     rows = 4 * np.arange(len(cells))[:, None] + [0, 2]

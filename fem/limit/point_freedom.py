@@ -1,4 +1,4 @@
-"""Points whose conditions force zero stress, or zero strain rate.
+"""Finds points whose conditions force zero stress, or zero strain rate.
 
 Several cells meet at a point, and each has its own stress and strain rate there. Conditions at the point link them to
 each other and to the boundary; some of these conditions leave only zero stress or zero strain rate. Rounding would turn
@@ -93,7 +93,7 @@ def pressed_all_round(problem: LimitProblem) -> np.ndarray:
 
 
 def _crests(problem: LimitProblem) -> np.ndarray:
-    """Return corners (m, 3), as a mask, of cells without tensile strength at points where bare surfaces meet at less
+    """Find the corners (m, 3), as a mask, of cells without tensile strength at points where bare surfaces meet at less
     than 180°.
 
     A compression there would push the point out, since neither face carries traction.
@@ -109,8 +109,8 @@ def _crests(problem: LimitProblem) -> np.ndarray:
 def _traction_equations(
     problem: LimitProblem, point: int, cells: np.ndarray, place: np.ndarray, known: np.ndarray
 ) -> np.ndarray:
-    """Return the equations of the tractions at a point from the stresses of its cells: continuity across inner edges,
-    and zeros that are prescribed.
+    """Return the equations of the tractions at a point for the stresses of its cells: continuity across inner edges,
+    and zero traction where it is prescribed.
     """
     mesh, outline = problem.mesh, problem.outline
     rows = []
@@ -178,8 +178,9 @@ def _parallel(problem: LimitProblem, edges: np.ndarray) -> bool:
 
 
 def _largest_slack(problem: LimitProblem, point: int, cells: np.ndarray, edges: np.ndarray, fixed: np.ndarray) -> float:
-    """Return the largest s with volumetric rate - sin φ shear rate >= s in all cells at a point (0 = volume where φ =
-    0), over velocity derivatives of at most 1 along the ``edges`` (k, 2) of these cells that meet there."""
+    """Return the largest s such that volumetric rate - sin φ shear rate >= s in all cells at a point (0 = volume where
+    φ = 0). The unknowns are velocity derivatives of at most 1 along the ``edges`` (k, 2) of these cells that meet at
+    the point."""
     mesh, friction = problem.mesh, problem.friction[cells]
     different, place = np.unique(edges, return_inverse=True)
     place = place.reshape(edges.shape)

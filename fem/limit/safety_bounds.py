@@ -43,8 +43,8 @@ FactorEnd = Literal["gap", "range", "triangles", "time", "solver"]
 
 @dataclass(frozen=True)
 class SafetyBounds:
-    """Holds bounds of the factor of safety: the ground stands at ``lower`` and fails at ``upper``; 0 and inf if no
-    bound was proven.
+    """Holds bounds of the factor of safety: the ground stands at ``lower`` and fails at ``upper``. If no bound was
+    proven, they are 0 and inf.
 
     ``shallow_failure`` is the factor at which a cohesionless face fails, or shallow ground slips where two faces meet,
     if it is below ``upper``; it equals ``upper`` if no stress was found in the ground as given. The ground down to the
@@ -116,8 +116,9 @@ def _with_given_ground(
     start: TrialStart,
     work: FactorWork,
 ) -> SafetyBounds:
-    """Return the bounds of a section whose strengthened faces meet: those of the ground as given if it bears what the
-    strengthened ground bears (``deeper``), else ``deeper`` with the factor at which shallow ground slips.
+    """Return the bounds of a section whose strengthened faces meet. If the ground as given resists what the
+    strengthened ground resists (``deeper``), they are those of the ground as given; else they are ``deeper`` with the
+    factor at which shallow ground slips.
     """
     if deeper.lower > 0.0:
         start = replace(start, factor=deeper.lower, enough=deeper.lower, slips=deeper.lower)
@@ -137,7 +138,7 @@ def _with_given_ground(
 
 @dataclass(frozen=True)
 class _Coarse:
-    """Holds the upper bounds of a section on coarse triangles, with the seismic force to either side."""
+    """Holds the coarse triangles of a section and its upper bounds on them, with the seismic force to either side."""
 
     searches: tuple[FactorSearch, FactorSearch]
 
@@ -174,7 +175,7 @@ def _coarse(
 def _bounds_of(
     section: Section, fem: FemSettings, settings: BoundsSettings, start: TrialStart, work: FactorWork
 ) -> SafetyBounds:
-    """Return the bounds of a section whose faces are already strengthened, if any have to be."""
+    """Return the bounds of a section whose faces are already strengthened, if necessary."""
     section = as_analysed(section, fem)
 
     def search(mesh: TriMesh, sign: int, start: TrialStart) -> FactorSearch:

@@ -40,8 +40,8 @@ def _resultants(mesh: TriMesh, stress: np.ndarray, side: str, strata: int) -> np
 
 
 def _elastic_stress(section: Section, mesh: TriMesh) -> np.ndarray:
-    """Return the horizontal effective stress (Pa) at rest at the corners (m, 3), by elastic quadratic triangles with
-    sides held horizontally.
+    """Return the horizontal effective stress (Pa) at rest at the corners (m, 3), computed with elastic quadratic
+    triangles whose sides are held horizontally.
     """
     nodes = mesh.six_nodes
     count = int(nodes.max()) + 1

@@ -146,8 +146,8 @@ def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matr
 
 
 def _corrected(program: cone_program.ConeProgram, rates: np.ndarray, dilates: np.ndarray) -> np.ndarray:
-    """Return velocities without volume change where φ = 0 and no tension cut-off acts, and with a work of the live load
-    of 1.
+    """Return velocities without volume change where φ = 0 and no tension cut-off acts, scaled so that the live load
+    does unit work.
 
     The correction may violate the flow rule at the corners (k,) of ``dilates``: they are then corrected by half their
     margin, with the linearised rule, until none violates it.
@@ -172,8 +172,8 @@ def _corrected(program: cone_program.ConeProgram, rates: np.ndarray, dilates: np
 
 
 def _flow_slack(program: cone_program.ConeProgram, rates: np.ndarray) -> tuple[np.ndarray, sparse.csr_matrix]:
-    """Return the volumetric rate less sin φ times the shear rate at every corner (k,), and its derivative by the rates
-    (k, n)."""
+    """Return the volumetric rate less sin φ times the shear rate at every corner (k,), and its derivative with respect
+    to the rates (k, n)."""
     xx, yy, xy = (program.strain @ rates).reshape(-1, 3).T
     sin, shear = np.sin(program.friction), np.hypot(xx - yy, xy)
     across, along = (np.divide(part, shear, out=np.zeros(len(sin)), where=shear > 0.0) for part in (xx - yy, xy))

@@ -1,1 +1,1 @@
-"""The limit load of a mesh without a path, by second-order cone programming."""
+"""Computes the limit load of a mesh without an equilibrium path, by second-order cone programming."""

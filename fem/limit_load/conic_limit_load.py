@@ -62,8 +62,8 @@ class ConicLimitLoad:
 
 @dataclass(frozen=True, eq=False)
 class _Cells:
-    """Holds the elements of all ranks: B (nc, nq, [xx, yy, xy], nd), weights (nc, nq), global components (nc, nd), the
-    cells' numbers and corners in the mesh, and the numbers of the soils of the points (nc, nq)."""
+    """Holds the elements of all ranks: B (nc, nq, [xx, yy, xy], nd), weights (nc, nq), global components (nc, nd),
+    numbers and corners of the cells in the mesh, and numbers of the soils of the points (nc, nq)."""
 
     matrix: np.ndarray
     weights: np.ndarray
@@ -112,7 +112,8 @@ class Discretised:
     def program(
         self, strength: StrataStrength, dead: np.ndarray, live: np.ndarray, softening: np.ndarray | None = None
     ) -> cone_program.ConeProgram:
-        """Return the cone program for the stress of largest multiplier that balances the loads on the free components.
+        """Return the cone program that finds the stress in equilibrium with the loads on the free components, for the
+        largest multiplier.
 
         ``strength`` is that of the strata; ``dead`` and ``live`` are constant and growing nodal forces, over the unit
         of force; ``softening`` (points,) is the loss of strength per unit of the multiplier (Pa).
@@ -201,7 +202,7 @@ A = TypeVar("A")
 
 
 def of_first_rank(problem: "PlaneStrain", answer: A | NoAnswerError | None) -> A:
-    """Return the answer of the first MPI rank on all ranks; raise the answer if it is a NoAnswerError."""
+    """Return the answer of the first MPI rank on all ranks; if the answer is a NoAnswerError, raise it."""
     answer = problem.grid.comm.bcast(answer)
     if isinstance(answer, NoAnswerError):
         raise answer
@@ -232,8 +233,8 @@ def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Dis
 def _limit(
     problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised, solution: cone_program.Solution, ratio: float
 ) -> ConicLimitLoad | NoAnswerError:
-    """Return the limit load by a ``solution`` whose multiplier is that of the live load over ``ratio``, or why there is
-    none.
+    """Return the limit load from a ``solution``, in whose program the live load is multiplied by ``ratio``, or the
+    reason why there is no limit load.
     """
     if not solution.sure:
         return NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
@@ -247,7 +248,8 @@ def _limit(
 
 
 def _strain_matrix(cells: _Cells, factor: np.ndarray, size: int) -> sparse.csr_matrix:
-    """Return B of all points, each times its ``factor`` (nc, nq), on the displacement components of all nodes."""
+    """Return the strain-displacement matrix B of all points, each times its ``factor`` (nc, nq), on the displacement
+    components of all nodes."""
     values = cells.matrix * factor[..., None, None]
     rows = np.arange(values[..., 0].size).reshape(values.shape[:3])[..., None]
     columns = cells.dofs[:, None, None, :]
@@ -257,8 +259,8 @@ def _strain_matrix(cells: _Cells, factor: np.ndarray, size: int) -> sparse.csr_m
 
 @dataclass(frozen=True, eq=False)
 class _Fields:
-    """Holds velocities (all components,), and at the points strain rates (nc, nq, 3), stresses (nc, nq, 4) in Pa and
-    the mobilised shares of strength (nc, nq)."""
+    """Holds the velocities (all components,), and at the points the strain rates (nc, nq, 3), the stresses (nc, nq, 4)
+    in Pa and the mobilised shares of strength (nc, nq)."""
 
     velocity: np.ndarray
     rates: np.ndarray
@@ -267,8 +269,8 @@ class _Fields:
 
 
 def _state(mesh: QuadMesh, cells: _Cells, kh: float, fields: _Fields) -> FieldState:
-    """Return the mechanism as fields of the mesh; limit analysis does not determine the out-of-plane stress: it is set
-    to the mean stress.
+    """Return the mechanism as fields of the mesh. Limit analysis does not determine the out-of-plane stress, which is
+    set to the mean stress.
     """
     share = cells.weights / cells.weights.sum(axis=1, keepdims=True)
     shear = np.hypot(fields.rates[..., 0] - fields.rates[..., 1], fields.rates[..., 2])

@@ -76,12 +76,12 @@ class FactorStart:
     place: cone_program.Warm | None
 
     def __reduce__(self) -> tuple:
-        """Pickle it as None, since a ``place`` is an address in the memory of this process."""
+        """Pickle the start as None, since its ``place`` is an address in the memory of this process."""
         return _none, ()
 
 
 def _none() -> None:
-    """None: what an unpickled start is replaced by."""
+    """Return None, by which an unpickled start is replaced."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +154,8 @@ def _elastic_mean(problem: "PlaneStrain", forces: np.ndarray) -> np.ndarray:
 
 
 class _FactorSearch:
-    """Newton's method for the logarithm of the factor, between factors known to be too small and too large."""
+    """Finds the logarithm of the factor of safety by Newton's method, between factors known to be too small and too
+    large."""
 
     def __init__(
         self,
@@ -221,8 +222,8 @@ class _FactorSearch:
         return -math.log1p(-min(spare, MOST_SPARE)), solution
 
     def next_from(self, start: FactorStart) -> float:
-        """Return the logarithm of the factor at which the mechanism of ``start`` meets as much resistance by this flow
-        rule as by the other flow rule."""
+        """Return the logarithm of the factor at which the mechanism of ``start`` meets the same resistance by this flow
+        rule as by the other one."""
         at = start.log_factor
         for _ in range(PREDICTIONS):
             resisted = float(start.shear @ self.resistance(at, start.mean))

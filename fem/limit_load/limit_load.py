@@ -138,7 +138,7 @@ def with_other_flow(
 
 
 def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadResult, LimitLoadResult]:
-    """Correct two limit loads of one mesh under one load so that the first is not above the second; the strength of the
+    """Order two limit loads of one mesh under one load, so that the first is not above the second. The strength of the
     first ground is nowhere larger than that of the second.
 
     The second ground resists every load that the first one resists (lower bound theorem). So the bracket of the first
@@ -155,7 +155,7 @@ def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadR
 
 
 def _between(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadResult:
-    """Return the limit load as the mean of a bracket; unchanged where the bracket is that of the solver."""
+    """Return the limit load with the mean of a bracket as its value; unchanged if the bracket is that of the solver."""
     limit = result.ground.limit
     if limit is None or limit.bracket == (lower, upper) or result.verdict != "plateau":
         return result
@@ -165,7 +165,7 @@ def _between(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadRe
 
 
 def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, ground: LoadedGround) -> LimitLoadResult:
-    """Return a limit load as a result."""
+    """Return the result for a limit load."""
     assert ground.limit is not None
     kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
     verdict: PathVerdict = "plateau" if kc == ground.limit.multiplier else "no failure"
@@ -180,10 +180,10 @@ def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, grou
 def loaded_ground(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
 ) -> LoadedGround:
-    """Return the ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; else the
-    ground at rest. Without ``faces``, all cohesionless faces are strengthened if any of them fails at a smaller Kh than
-    the ground below, as in the bounds: where a layer thins out, its neighbour may reach the face in the mesh. If there
-    is no limit load, the faces that fail under their weight are strengthened.
+    """Return the ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; else
+    return the ground at rest. Without ``faces``, all cohesionless faces are strengthened if any of them fails at a
+    smaller Kh than the ground below, as in the bounds: where a layer thins out, its neighbour may reach the face in the
+    mesh. If there is no limit load, the faces that fail under their weight are strengthened.
     """
     first = 0.0  # Kh at which the first face fails
     if faces is None:

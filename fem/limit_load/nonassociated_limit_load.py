@@ -1,13 +1,15 @@
-"""The limit load of discretised ground that flows with its own dilation angle ψ, by a sequence of associated problems.
+"""Computes the limit load of discretised ground that flows with its own dilation angle ψ, by a sequence of associated
+problems.
 
-Ground that yields at t = c cos φ + p sin φ, t and p the radius and the pressure of the stress in the plane, and flows
-with ψ is put as ground with associated flow, t <= k + p sin ψ with k = c cos φ + (sin φ - sin ψ) p*, where p* is the
-pressure found before (Krabbenhoft, Karim, Lyamin & Sloan 2012, Int. J. Numer. Meth. Engng 90, 1089). One elastoplastic
-step from the ground at rest takes the seismic load far beyond its elastic displacement. p* is the mean over each cell:
-with pressures of its own at every point the iteration wanders at ψ = 0.
+The ground yields at t = c cos φ + p sin φ, where t is the radius of Mohr's circle and p the pressure in the plane, and
+it flows with ψ. It is replaced by ground with associated flow and the strength t <= k + p sin ψ with k = c cos φ + (sin
+φ - sin ψ) p*, where p* is the pressure of the last solution (Krabbenhoft, Karim, Lyamin & Sloan 2012, Int. J. Numer.
+Meth. Engng 90, 1089). One elastoplastic step takes the ground from rest to a seismic load far beyond its elastic
+displacement. p* is the mean over each cell: with a separate pressure at every point the iteration does not settle at ψ
+= 0.
 
-The result is no bound, and it depends on element and mesh by 5 to 15 %. It is an answer only where the pressures settle
-and where another start leads to it, too.
+The result is no bound, and it depends on element and mesh by 5 to 15 %. It counts as an answer only if the pressures
+settle and another start of the iteration leads to the same result.
 """
 
 from dataclasses import dataclass
@@ -38,18 +40,18 @@ LEAST_STRENGTH = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class NonassociatedLimitLoad:
-    """Holds the limit load of one mesh.
+    """Holds the limit load of one mesh for non-associated flow.
 
     Attributes
     ----------
     kh : float or None
-        The critical Kh (-); None where pressures did not settle, or two starts disagree.
+        The critical Kh (-); None if the pressures did not settle, or two starts disagree.
     reason : str
-        Why there is none; empty otherwise.
+        Reason why there is no critical Kh; empty otherwise.
     programs : int
         Cone programs solved.
     work : float
-        Work in seconds of the reference machine.
+        Computing work in seconds of the reference machine.
     """
 
     kh: float | None
@@ -69,10 +71,10 @@ def nonassociated_limit_load(
     """Return the Kh at which ground fails under the nodal forces ``dead`` + Kh ``live``, both (dofs,) in N/m, if the
     ground flows with the dilation angles of its strata.
 
-    ``problem``: the elements of ``mesh`` with ψ = φ and the components that are held, on one MPI rank;
-    ``associated``: mean stress of every cell (cells, [xx, yy, ...]) in Pa at the limit load with ψ = φ, for the second
-    start; without it there is only the start from rest. No program is begun after ``most_work`` (s of the reference
-    machine).
+    ``problem``: the elements of ``mesh`` with ψ = φ and with the fixed components, on one MPI rank; ``associated``:
+    mean stress of every cell (cells, [xx, yy, ...]) in Pa at the limit load with ψ = φ, from which the iteration starts
+    a second time; without it the iteration starts from rest only. No program is begun after ``most_work`` (s of the
+    reference machine).
     """
     ground = gathered(problem, mesh, dead, live)
     step = _Step(problem, ground)
@@ -89,7 +91,7 @@ def nonassociated_limit_load(
 
 
 class _Step:
-    """The step from rest, with the pressures (cells,) over the unit of stress as the unknowns of an iteration."""
+    """Iterates on the pressures (cells,), over the unit of stress, of one elastoplastic step from rest."""
 
     def __init__(self, problem: "PlaneStrain", ground: Discretised) -> None:
         self.ground, self.programs, self.reason = ground, 0, ""
@@ -116,12 +118,12 @@ class _Step:
 
     @property
     def work(self) -> float:
-        """Return the work in seconds of the reference machine."""
+        """Return the computing work in seconds of the reference machine."""
         return self._spent + (self._program.work if self._program else 0.0)
 
     def bring_to_rest(self) -> None:
-        """The stress of ground under its dead load, whose pressures begin the iteration, and the program of the step
-        from there.
+        """Compute the stress of the ground under its dead load, and set up the cone program of the step from there. The
+        pressures of this stress begin the iteration.
         """
         strain = self.ground.strain
         rest = ElasticConeProgram(
@@ -146,7 +148,8 @@ class _Step:
         self.at_rest = self._pressure(solution[1])
 
     def settled(self, pressure: np.ndarray, most_work: float) -> float | None:
-        """Return the Kh at which the ``pressure`` (cells,) no longer changes; None where it does not settle."""
+        """Return the Kh at which the ``pressure`` (cells,) no longer changes from iteration to iteration; None if it
+        does not settle."""
         assert self._program is not None
         off = np.inf
         for number in range(PROGRAMS):
@@ -169,6 +172,6 @@ class _Step:
         return None
 
     def _pressure(self, stress: np.ndarray) -> np.ndarray:
-        """Return the mean pressure of every cell (cells,) of a weighted ``stress`` (points, 3)."""
+        """Return the mean pressure of every cell (cells,) from a weighted ``stress`` (points, 3)."""
         points = -0.5 * stress[:, :2].sum(axis=1) / self._weight
         return np.einsum("cq,cq->c", self._share, points.reshape(self._share.shape))

@@ -1,4 +1,5 @@
-"""Material point method: the continuum in large displacement, a second opinion on how far the ground slides.
+"""Provides the material point method: the continuum in large displacement, as a second opinion on how far the ground
+slides.
 
 `ground_of` makes material points of a section, `MaterialPointEngine` moves them on a background grid, and `PointSlider`
 takes them through shaking and liquefaction until the surface is at rest. For problems without a section, such as the

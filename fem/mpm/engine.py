@@ -1,4 +1,4 @@
-"""The engine of the material points: integrates their motion in time, on any number of threads with the same bits."""
+"""Integrates the motion of the material points in time; the result has the same bits for any number of threads."""
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -166,7 +166,7 @@ class MaterialPointEngine:
         self._began = self.points.kinetic(self.grid.cell), self.points.elastic()
 
     def dissipate(self, energy: float) -> None:
-        """Add elastic energy (J/m) that the ground lost by a change of stiffness to the dissipated energy."""
+        """Add to the dissipated energy the elastic energy (J/m) that the ground lost when its stiffness changed."""
         self._sums[0, kernel.DISSIPATED] += energy
 
     def as_it_is(self) -> dict[str, np.ndarray]:
@@ -215,7 +215,7 @@ class MaterialPointEngine:
         acceleration: float,
         damping: float,
     ) -> None:
-        """Velocities of the nodes from those (n, 2), (n, 4) of the points, before and after a step."""
+        """Compute the velocities of the nodes from those (n, 2), (n, 4) of the points, before and after a step."""
         points, grid = self.points, self.grid
         heavy = points.properties[:, kernel.HEAVY].copy()
         self._nodes[:] = 0.0
@@ -245,7 +245,7 @@ class MaterialPointEngine:
         points.affine[:] -= share * affine
 
     def _sort(self) -> None:
-        """Put the points in the order of stripes, columns and rows, and the stripes to the threads."""
+        """Sort the points by stripes, columns and rows, and assign the stripes to the threads."""
         points, columns = self.points, self.grid.shape[0]
         i, j = (np.floor(self.grid.level(points.x) / self.grid.cell - 0.5)).astype(np.int64).T
         i = i % columns if self.grid.periodic else i
@@ -271,7 +271,7 @@ class MaterialPointEngine:
 
 
 def _shared(stripes: np.ndarray, counts: np.ndarray, threads: int) -> list[np.ndarray]:
-    """Return the consecutive stripes for each thread, with about equal numbers of points."""
+    """Return for each thread a range of consecutive stripes, so that threads have about equal numbers of points."""
     done = np.cumsum(counts[stripes])
     total = done[-1] if len(done) else 0
     return [stripes[(done > total * k / threads) & (done <= total * (k + 1) / threads)] for k in range(threads)]

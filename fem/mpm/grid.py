@@ -49,12 +49,12 @@ class BackgroundGrid:
 
     @property
     def stretch(self) -> float:
-        """Return the side of a cell over its shortest extent: the norm of [[1, 0], [-slope, 1]] (-)."""
+        """Return the side of a cell over its shortest extent: the norm of the matrix [[1, 0], [-slope, 1]] (-)."""
         half = 0.5 * abs(self.slope)
         return float(half + np.sqrt(1.0 + half**2))
 
     def level(self, x: np.ndarray) -> np.ndarray:
-        """Return places (n, 2) in m in coordinates in which cells are squares: x, and the height above the inclined row
-        of nodes through the origin.
+        """Return positions (n, 2) in m in coordinates in which cells are squares: x, and the height above the inclined
+        row of nodes through the origin.
         """
         return np.column_stack([x[:, 0], x[:, 1] - self.slope * x[:, 0]])

@@ -170,8 +170,8 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
 
 
 def _dip(section: Section) -> float:
-    """Return the median slope dz/dx over the length of the lower edges of strata that liquefy, up to `STEEPEST`; 0
-    without any."""
+    """Return the median slope dz/dx over the length of the lower edges of strata that liquefy, at most `STEEPEST`; 0 if
+    no stratum liquefies."""
     layering = section.layering
     liquefies = np.array([bool(stratum.liquefies_in) for stratum in section.strata])
     there = layering.present() & liquefies
@@ -184,8 +184,8 @@ def _dip(section: Section) -> float:
 
 
 def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return the columns of points: x (m), and tops (m), bottoms (m) and strata (columns, layers) of the layers in
-    each.
+    """Return the columns of points: x (m), and for the layers of each column their tops (m), bottoms (m) and strata
+    (columns, layers).
 
     The last layer is the rigid ground below the base (stratum -1). The rigid ground continues for ``margin`` cells
     beyond the sides, the layers above for ``BORDER`` cells.
@@ -253,8 +253,8 @@ def _load(section: Section, points: MaterialPoints, places: np.ndarray, surface:
 def _soil(
     section: Section, places: np.ndarray, owners: np.ndarray, inside: np.ndarray
 ) -> tuple[PointSoil, tuple[str, ...]]:
-    """Return the soil of the points; rigid ground has stiffness and weight of the adjacent stratum, or of the lowest
-    one."""
+    """Return the soil properties of the points. Rigid ground has stiffness and weight of the adjacent stratum, or of
+    the lowest one."""
     strata = section.strata
     k = np.where(owners < 0, len(strata) - 1, owners)
 
@@ -279,8 +279,8 @@ def _soil(
 def _grid(
     section: Section, cell: float, slope: float, shape: tuple[int, int], offset: np.ndarray, sides: Sides
 ) -> BackgroundGrid:
-    """Return the grid of a section: nodes well inside the rigid ground are held; pore water acts by its pressure
-    gradient."""
+    """Return the background grid of a section. Nodes well inside the rigid ground are fixed, and pore water acts by its
+    pressure gradient."""
     left, right = section.extent
     x = offset[0] + cell * np.arange(shape[0])
     z = offset[1] + cell * np.arange(shape[1]) + slope * (x - offset[0])[:, None]
@@ -304,9 +304,9 @@ def _grid(
 
 
 def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Minus the gradient over a cell of the water pressure (N/m³) at nodes, ``x`` (nx,), ``z`` (nx, nz).
+    """Return minus the gradient of the water pressure over a cell (N/m³) at nodes, ``x`` (nx,), ``z`` (nx, nz).
 
-    Above the ground it is the gradient of the free water, so that ground that has slid into the water is buoyant.
+    Above the ground the gradient is that of free water, so that ground that has slid into the water is buoyant.
     """
     shape = z.shape
     if not section.water_pressure.present:
@@ -322,8 +322,8 @@ def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.n
 
 
 def _pressure(section: Section, points: np.ndarray) -> np.ndarray:
-    """Return the water pressure (n,) in the ground and above it (Pa); beyond sides and base it is that at the side or
-    the base."""
+    """Return the water pressure (n,) in the ground and above it (Pa). Beyond the sides and the base, the pressure is
+    that at the side or the base."""
     left, right = section.extent
     water, tiny = section.water_pressure, 1e-9 * (right - left)
     at = np.column_stack([np.clip(points[:, 0], left + tiny, right - tiny), points[:, 1]])

@@ -96,8 +96,8 @@ class PointSlider:
         self.began: dict[str, np.ndarray] = {}
 
     def settle(self) -> float:
-        """Bring the ground to equilibrium under its weight, and return the largest movement of its surface (m).
-        Displacements are counted from this state.
+        """Bring the ground to equilibrium under its weight, and return the largest movement of its surface (m). Later
+        displacements are counted from this state.
 
         Free-field sides are rigid at first; then the pressure on each side is replaced by a constant force, and the
         ground comes to rest once more. Raises FloatingPointError if no equilibrium is reached within
@@ -137,7 +137,8 @@ class PointSlider:
         decay: float = DECAYS[0],
         checkpoint: Path | None = None,
     ) -> PointSlide:
-        """Continue until the surface is at rest or the time is over; ``on_look`` is called with the time and the slide.
+        """Continue until the surface is at rest or the time is over. ``on_look`` is called regularly with the time and
+        the slide so far.
 
         ``decay`` (1/s) is the rate at which velocities that the grid cannot resolve are damped, see ``DECAYS``.
         ``checkpoint`` is a file from which an interrupted slide continues. ``programme`` gives the times of shaking and
@@ -205,8 +206,8 @@ class PointSlider:
             setattr(slide, name, plain[name])
 
     def _remember(self, programme: SlideProgramme) -> None:
-        """Store strength and shear stiffness of every point before and after liquefaction, and the number of the
-        stratum with which it liquefies (-1 for none).
+        """Store strength and shear stiffness of every point before and after liquefaction. Also store the number of the
+        stratum with which each point liquefies (-1 for none).
         """
         points, original = self.ground.points, self.engine.original
         before = original(np.column_stack([points.properties[:, CHANGED], points.side]))
@@ -280,7 +281,7 @@ class PointSlider:
         before[strains, SOFT] = hard
 
     def _columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return places on the grid (n, 2) of the points in the order in which they were made, their heights (m) in
+        """Return positions on the grid (n, 2) of the points in the order in which they were made, their heights (m) in
         columns half a cell wide, and their masses (kg/m)."""
         original, points, grid = self.engine.original, self.ground.points, self.ground.grid
         height = original(points.state[:, kernel.VOLUME]) / (0.5 * grid.cell)
@@ -323,15 +324,16 @@ class PointSlider:
         slide.settlement.append(self._smoothed(-moved[:, 1]))
 
     def _smoothed(self, values: np.ndarray) -> np.ndarray:
-        """Return the running median over a length of ``SMOOTH`` along the surface: single points that roll ahead do not
-        count as a slide.
+        """Return the running median over a length of ``SMOOTH`` along the surface, so that single points that roll away
+        do not count as a slide.
         """
         half = max(1, round(0.5 * SMOOTH / (0.5 * self.ground.grid.cell)))
         padded = np.pad(values, half, mode="edge")
         return np.median(np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1), axis=1)
 
     def _surface(self) -> np.ndarray:
-        """Return tops (k, 2) of the points that are the surface, from left to right, in the section (m)."""
+        """Return the positions (k, 2) of the top of the points at the surface, from left to right, in the section
+        (m)."""
         top = np.array([0.0, 0.25 * self.ground.grid.cell])
         return self.engine.original(self.ground.points.x)[self.ground.surface] + self.ground.offset + top
 
@@ -359,5 +361,5 @@ def _share(since: float, onset: float) -> float:
 
 
 def _of(arrays: Mapping[str, np.ndarray], begin: str) -> dict[str, np.ndarray]:
-    """Return the arrays whose names have this beginning, without it."""
+    """Return the arrays whose names begin with a prefix, under names without the prefix."""
     return {name.removeprefix(begin): array for name, array in arrays.items() if name.startswith(begin)}

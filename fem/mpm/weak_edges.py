@@ -33,8 +33,8 @@ STEEPEST = 1.0  # slope up to which edges in neighbouring columns are one edge
 
 @dataclass(frozen=True)
 class _Edge:
-    """Holds an edge of a weak layer in a column of points: its height (m), and the ``donor``, the last point of the
-    layer."""
+    """Holds an edge of a weak layer in a column of points: its height (m), and the ``donor``, which is the last point
+    of the layer."""
 
     column: int
     z: float
@@ -133,7 +133,7 @@ def thickness_over_width(
     layer : ndarray (n,) of int
         Number of the weak layer whose stress-strain law each point has, -1 for sound ground.
     own : ndarray (n,) of bool
-        Whether the point belongs to the layer and not to the ground at the edge of the layer.
+        Whether the point belongs to the layer itself, not to the ground at the edge of the layer.
     cell : float
         Side of a cell of the grid (m).
 
@@ -188,7 +188,7 @@ def _in_columns(x: np.ndarray, column: np.ndarray) -> list[np.ndarray]:
 
 
 def _places(x: np.ndarray, cell: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the column of points, and row of nodes in whose knot span each of them lies."""
+    """Return the column of points, and the row of nodes in whose knot span each point lies."""
     return np.floor(2.0 * x[:, 0] / cell).astype(int), np.round(x[:, 1] / cell).astype(int)
 
 

@@ -1,4 +1,4 @@
-"""A path of equilibria with adaptive steps and relaxation of the overstress.
+"""Follows a path of equilibria with adaptive steps and relaxation of the overstress.
 
 Where the flow is not associated, every step has a small overstress (``fem/kernels/viscoplastic.py``), which makes its
 solution unique. Relaxation then lets the overstress decay, after which stresses on the yield surface have to be in
@@ -149,9 +149,9 @@ class EquilibriumPath:
         return self._relax(Constraint(self.control / self.reference, 0.0, 0.0))
 
     def reach(self, factor: float) -> bool:
-        """Find equilibrium at a given multiplier, without overstress; return False, with the state unchanged, if there
-        is none. The first guess of the increment is the last increment scaled with the multiplier, which saves a
-        quarter of the iterations; after a relaxation the first guess is zero.
+        """Find equilibrium at a given multiplier, without overstress. Return False, with the state unchanged, if there
+        is none. The first guess is the last increment scaled with the multiplier, which saves a quarter of the
+        iterations. After a relaxation the first guess is zero.
         """
         increment = np.zeros_like(self.control)
         if self._last is not None and self._last[2] > 0.0:
@@ -170,9 +170,9 @@ class EquilibriumPath:
         return False
 
     def _relax(self, constraint: Constraint | None) -> bool:
-        """Relax until the forces balance without overstress; False if they do not.
+        """Relax the overstress until the forces balance without it; return False if they do not.
 
-        The multiplier is constant unless a ``constraint`` prescribes the displacement instead.
+        The multiplier is constant, unless a ``constraint`` prescribes the displacement instead.
         """
         for _ in range(self.settings.most_relaxations):
             self.problem.overstress = 1.0 / (1.0 + self.settings.relaxation_span)
@@ -223,7 +223,7 @@ class EquilibriumPath:
         return self._newton(self.factor + change, first, Constraint(self.control / self.reference, self.beta, step))
 
     def _elastic_guess(self, step: float) -> tuple[np.ndarray, float]:
-        """Return the increment and change of the multiplier of an elastic step."""
+        """Return the increment and the change of the multiplier of an elastic step."""
         if self._elastic is None:
             zero = np.zeros_like(self.control)
             self.problem.use_elastic_tangent()

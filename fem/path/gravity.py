@@ -1,4 +1,4 @@
-"""The section in equilibrium under its weight (K0 stage), from which the seismic load starts."""
+"""Brings the section to equilibrium under its weight (K0 stage), from which the seismic load starts."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -194,7 +194,7 @@ def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> No
     """Assign the soils of ``strips``, strata of the strengthened section ``strong``, to the quadrature points inside
     them.
 
-    In a free mesh ``strips`` are all strata, since no cell follows the thin tips of layers.
+    In a free mesh ``strips`` are all strata, since the cells do not follow the thin tips of layers.
     """
     inside = strong.stratum_at(*problem.points().T)
     names, stratum_names = ([stratum.name for stratum in strata] for strata in (strong.strata, problem.strata))

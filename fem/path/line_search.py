@@ -1,4 +1,4 @@
-"""Line search: the length of a Newton correction that reduces a convex potential."""
+"""Line search: finds the length of a Newton correction that reduces a convex potential."""
 
 import numpy as np
 

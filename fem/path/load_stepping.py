@@ -1,4 +1,4 @@
-"""The path to a known limit load: Kh rises from level to level, and every level is brought to equilibrium.
+"""Follows the path to a known limit load: Kh rises from level to level, and every level is brought to equilibrium.
 
 With associated flow the equilibrium under a given Kh is the minimum of a convex potential, which Newton's method finds
 from any start (``newton.py``): the load steps may be large, however soft the ground.
@@ -28,7 +28,7 @@ def step_to_limit(
     wanted: Sequence[float],
     listener: PathListener | None = None,
 ) -> tuple[LimitLoad, list[FieldState]]:
-    """Raise Kh to the ``known`` limit load, at most to ``limit``; return the answer, and the fields at those of the
+    """Raise Kh to the ``known`` limit load, at most to ``limit``. Return the answer, and the fields at those values of
     ``wanted`` Kh that were reached. ``path`` is the path at its start; ``mesh`` is the mesh of the path; ``listener``
     is called after every step.
     """

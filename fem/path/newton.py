@@ -1,4 +1,5 @@
-"""Newton's method for equilibrium under a load whose multiplier may itself be an unknown (arc-length continuation).
+"""Finds equilibrium by Newton's method under a load whose multiplier may itself be an unknown (arc-length
+continuation).
 
 The path of equilibria is parametrised by its arc length l, which grows whatever the load multiplier λ does:
 
@@ -44,7 +45,7 @@ class NewtonSettings:
 
 
 class Loading(Protocol):
-    """What the load multiplier λ scales: a load, or the strength of the ground."""
+    """Defines what the load multiplier λ scales: a load, or the strength of the ground."""
 
     def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
         """Return external minus internal nodal forces (N/m)."""
@@ -57,7 +58,7 @@ class Loading(Protocol):
 
 @dataclass(frozen=True)
 class ProportionalLoad:
-    """Holds the nodal forces ``constant`` + λ ``variable``, both (dofs,) in N/m, of a proportional load."""
+    """Scales a proportional load: nodal forces ``constant`` + λ ``variable``, both (dofs,) in N/m."""
 
     constant: np.ndarray
     variable: np.ndarray
@@ -71,8 +72,8 @@ class ProportionalLoad:
 
 @dataclass(frozen=True)
 class StrengthReduction:
-    """Holds the strength reduction: constant nodal forces (dofs,) in N/m on ground whose cohesion and tan φ are divided
-    by λ.
+    """Reduces the strength: constant nodal forces (dofs,) in N/m act on ground whose cohesion and tan φ are divided by
+    λ.
 
     The derivative with respect to λ is taken by a finite ``difference`` of λ.
     """

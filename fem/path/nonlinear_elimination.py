@@ -1,4 +1,5 @@
-"""Nonlinear elimination: the few cells whose forces are far from balance are solved first, with the others held.
+"""Nonlinear elimination: the few cells whose forces are far from balance are solved first, while all other cells are
+held.
 
 Where the stress in sand without cohesion is very small, at a toe under water or under a crest, a few cells change
 between yield and tension from one correction to the next, and every correction of the whole section becomes short.
@@ -25,8 +26,8 @@ CORRECTIONS, ALIKE = 20, 1.0
 
 
 class LocalSubproblem:
-    """The cells around the nodes with the largest unbalanced forces, and the displacement components that are free in
-    these cells.
+    """Solves the cells around the nodes with the largest unbalanced forces for the displacement components that are
+    free in these cells.
 
     The subproblem is for one rank, associated flow and no overstress. ``unbalanced`` is the force of the last
     ``internal_force`` of the ``problem``, (dofs,) in N/m.
@@ -49,7 +50,7 @@ class LocalSubproblem:
 
     def at_rest(self, increment: np.ndarray, unbalanced: np.ndarray) -> np.ndarray:
         """Solve the subproblem until its unbalanced force is about as small as in the ground around it. Return the
-        displacement ``increment`` (dofs,) since the accepted state; unchanged if there is no solution.
+        displacement ``increment`` (dofs,) since the accepted state; return it unchanged if there is no solution.
         """
         moving, moved = self.moving, increment[self.part.components]
         dofs = self.part.dofs
@@ -87,7 +88,8 @@ class LocalSubproblem:
 
 
 def _response(part: PartialProblem, moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the nodal forces (components,) of the stress after a displacement, and its tangent (points, 4, 4)."""
+    """Return the nodal forces (components,) of the stress after a displacement, and the tangent (points, 4, 4) of this
+    stress."""
     points = len(part.stress)
     strain, stress, plastic = (np.zeros((points, 4)) for _ in range(3))
     tangent, forces = np.zeros((points, 4, 4)), np.zeros(len(moved))
@@ -102,17 +104,18 @@ def _response(part: PartialProblem, moved: np.ndarray) -> tuple[np.ndarray, np.n
 
 
 def _elements(part: PartialProblem, tangent: np.ndarray, moves: np.ndarray) -> np.ndarray:
-    """Return the stiffness matrices (nc, nd, nd) of the cells, zero for components that ``moves`` (components,) leaves
-    out."""
+    """Return the stiffness matrices (nc, nd, nd) of the cells, with zero for components that ``moves`` (components,)
+    leaves out."""
     elements = part.hourglass.copy()
     assembly.element_stiffness(part.matrix, part.weights, tangent + part.least, moves, part.dofs, elements)
     return elements
 
 
 def _factors(part: PartialProblem, elements: np.ndarray, number: np.ndarray) -> SuperLU:
-    """Return the factors of the stiffness of the free components: those whose ``number`` (components,) is not negative.
+    """Return the factors of the stiffness of the free components, which are those whose ``number`` (components,) is not
+    negative.
 
-    Raises RuntimeError if it is singular.
+    Raises RuntimeError if the stiffness is singular.
     """
     numbers = number[part.dofs]
     rows, columns = (np.broadcast_to(axis, elements.shape) for axis in (numbers[:, :, None], numbers[:, None, :]))

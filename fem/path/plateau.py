@@ -1,4 +1,4 @@
-"""The limit load of a path of equilibria: the rule that ends the path, and the verdict."""
+"""Finds the limit load of a path of equilibria: the rule that ends the path, and the verdict."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ PathListener = Callable[[EquilibriumPath], None]
 
 
 class StopReason(NamedTuple):
-    """Holds why a path has ended: verdict, reason and remedy."""
+    """Holds the verdict, the reason and the remedy with which a path has ended."""
 
     verdict: PathVerdict
     reason: str
@@ -130,7 +130,7 @@ def find_limit_load(
 
 def _equilibrium_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) -> float:
     """Return the multiplier in equilibrium without overstress at the peak of a path or a little below it; the path is
-    not changed. The relaxed states along the path are too far apart to find this multiplier, and beyond a peak their
+    not changed. The relaxed states along the path are too far apart to find this multiplier, and beyond the peak their
     multipliers are lower.
     """
     end, steps, in_equilibrium = path.mark(), list(path.steps), -np.inf
@@ -145,7 +145,8 @@ def _equilibrium_below(path: EquilibriumPath, highest: float, summit: tuple[Any,
 
 
 def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], float], rule: PlateauRule) -> StopReason:
-    """Return why a path ended where no further step converged: a plateau if its load hardly rose any more."""
+    """Return the stop reason of a path on which no further step converged: a plateau if its load hardly rose any
+    more."""
     growth = growth_per_doubling(path)
     if path.steps and ductility(path) >= rule.earliest and 0.0 <= growth < rule.growth:
         reason = f"it changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"

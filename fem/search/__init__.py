@@ -1,1 +1,1 @@
-"""The search for the critical Kh and the factor of safety over meshes, and the checks of both."""
+"""Searches the critical Kh and the factor of safety over meshes, and checks both."""

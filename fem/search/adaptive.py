@@ -1,4 +1,4 @@
-"""The critical seismic coefficient, and factors of safety, on meshes that are adapted to the mechanism.
+"""Finds the critical seismic coefficient, and factors of safety, on meshes that are adapted to the mechanism.
 
 On each mesh of the sequence (``mesh_sequence.py``) the limit load follows from limit analysis
 (``conic_limit_load.py``), in a tenth of the time of a path.
@@ -67,13 +67,13 @@ def next_mesh(
     """Make a mesh of about ``cells`` cells that is refined along a mechanism; ``strain`` (len(mesh.cells),) is the
     plastic shear strain of the mechanism.
 
-    With the setting of a mapped mesh, columns and rows are added where the mechanism is; else the mesh is free. Cell
-    sizes follow the shear displacement across the cells of the last mesh, which along a shear band does not depend on
-    their width; shear strains would draw all new cells to the narrowest ones. Cell sizes follow the strips of the
-    ``strong`` section, too, whose cohesionless faces are strengthened: a cell with half of its points in a strip would
-    be neither strengthened nor unchanged. Sides that are periodic (``repeats``) get the same points. Raises what
-    ``adapted`` does. ``section``: the section of the ground; ``meshing``: settings of the meshes; ``mesh``: the last
-    mesh.
+    If the setting is a mapped mesh, columns and rows are added where the mechanism is; else the mesh is free. Cell
+    sizes follow the shear displacement across the cells of the last mesh. Along a shear band this displacement does not
+    depend on the width of the cells, while shear strains would draw all new cells to the narrowest ones. Cell sizes
+    also follow the strips of the ``strong`` section, whose cohesionless faces are strengthened: a cell with half of its
+    points in a strip would be neither strengthened nor unchanged. Periodic sides (``repeats``) get the same points.
+    Raises what ``adapted`` does. ``section``: the section of the ground; ``meshing``: settings of the meshes; ``mesh``:
+    the last mesh.
     """
     if meshing.method == "mapped":
         return with_finer_strips(mesh, strain, cells)
@@ -159,13 +159,13 @@ class AdaptiveSearch:
     def _next(
         self, mesh: QuadMesh, strain: np.ndarray, cells: int, faces: Sequence[ShallowFailure], settings: FemSettings
     ) -> QuadMesh:
-        """Return `next_mesh`, for ground that is strengthened below ``faces``."""
+        """Return the mesh of `next_mesh` for ground that is strengthened below ``faces``."""
         strong = strong_below(self.section, faces, settings)
         repeats = settings.sides == "periodic"
         return next_mesh(self.section, self.meshing, mesh, strain, cells, strong, repeats)
 
     def _most_cells(self, settings: FemSettings) -> int:
-        """Return the largest number of cells; 0 where meshes are not adapted."""
+        """Return the largest number of cells; 0 if meshes are not adapted."""
         return settings.max_cells if is_adapted(self.section, self.meshing, self.first, settings) else 0
 
     def by_other_rule(
@@ -276,8 +276,8 @@ class AdaptiveSearch:
         return (max if other.flow == "associated" else min)(factor, base.result.factor)
 
     def _rough_faces(self, first: QuadMesh, settings: FemSettings) -> list[ShallowFailure] | None:
-        """Return the cohesionless faces to strengthen on a ``first`` mesh of many cells, determined on a coarse mesh;
-        None if they have to be determined on the first mesh, by one more limit load.
+        """Return the cohesionless faces to strengthen on a ``first`` mesh of many cells, determined on a coarse mesh.
+        Return None if they have to be determined on the first mesh, by one more limit load.
         """
         rough = self._rough_mesh(first)
         try:
@@ -286,8 +286,8 @@ class AdaptiveSearch:
             return None
 
     def _rough_safety(self, settings: FemSettings, kh: float) -> float:
-        """Return the initial guess of the factor of safety: 1, or the factor on a coarse mesh if the first mesh is a
-        fine one."""
+        """Return the initial guess of the factor of safety: 1, or the factor on a coarse mesh if the first mesh is
+        fine."""
         rough = self._rough_mesh(self.first)
         try:
             return limit_load_safety_factor(self.section, rough, settings, kh, self.comm).factor if rough else 1.0

@@ -1,4 +1,4 @@
-"""Assessment of a section: critical Kh in both directions, with ψ = φ and by Davis's estimate, factors of safety,
+"""Assesses a section: critical Kh in both directions, with ψ = φ and by Davis's estimate, factors of safety, and
 warnings.
 """
 
@@ -60,7 +60,7 @@ class Assessment:
     warnings : list of ResultWarning
         Warnings: contradictions and notes on the answer.
     own_dilation : OwnDilation or None
-        The critical Kh for the dilation angles of the strata, where it was computed.
+        The critical Kh for the dilation angles of the strata, if it was computed.
     """
 
     critical: CriticalResult
@@ -113,7 +113,7 @@ def critical_as_discs(
     comm: Any,
     listener: AssessmentListener,
 ) -> AdaptiveResult[CriticalResult]:
-    """Find the critical Kh in one direction with the sides of the settings, on meshes refined for it; failures
+    """Find the critical Kh in one direction with the sides of the settings, on meshes refined for it. Failures
     shallower than ``settings.least_depth`` below cohesionless faces do not count.
 
     The critical Kh follows from Davis's estimate instead of ψ = φ where the ground then stands under its weight: discs
@@ -151,13 +151,13 @@ def _together(
 
 
 def _fails(factor: float | None) -> bool:
-    """Return whether a factor of safety shows that the ground does not stand."""
+    """Return whether a factor of safety shows that the ground fails."""
     return factor is not None and factor < 1.0 - SAME_MESH
 
 
 @dataclass(frozen=True)
 class _Search:
-    """Holds the searches of an assessment, with the section, mesh and settings that they share."""
+    """Holds the section, mesh and settings that the searches of an assessment share, and runs these searches."""
 
     section: Section
     meshing: MeshSettings
@@ -261,8 +261,8 @@ class _Search:
         other: AdaptiveResult[LimitLoadResult] | None,
         settings: FemSettings,
     ) -> OwnDilation | None:
-        """Return the critical Kh for the ψ of the strata where it differs from ``adapted`` and from the limit load by
-        the ``other`` flow rule; None where these two are near each other.
+        """Return the critical Kh for the ψ of the strata, if it may differ from ``adapted`` and from the limit load by
+        the ``other`` flow rule; None if these two are close to each other.
         """
         if other is None or self.comm.size > 1:
             return None
@@ -284,8 +284,7 @@ class _Search:
             return None
 
     def on_meshes(self, what: str = "") -> AdaptiveSearch:
-        """Return a search on adapted meshes; ``what`` names the searched quantity at the beginning of the messages of
-        the search."""
+        """Return a search on adapted meshes. Its messages begin with ``what``, the name of the searched quantity."""
 
         def prefixed(words: str) -> None:
             self.tell(f"{what}: {words}" if what else words, None)

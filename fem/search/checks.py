@@ -1,4 +1,4 @@
-"""Checks of an answer: each returns warnings of contradictions and uncertainties, with remedies.
+"""Checks an answer: each check returns warnings of contradictions and uncertainties, with remedies.
 
 A check compares answers that are already computed. No check computes a new answer.
 """

@@ -1,4 +1,4 @@
-"""The critical seismic coefficient of a section: gravity first, then the horizontal load with Kh as an unknown.
+"""Finds the critical seismic coefficient of a section: gravity first, then the horizontal load with Kh as an unknown.
 
 Gravity acts on the ordinary density, Kh g on the seismic density. The control displacement, prescribed step by step, is
 work-conjugate to the horizontal load: the mean horizontal displacement weighted by the seismic mass (m).
@@ -241,7 +241,7 @@ def _followed(
 
 
 def _wanted(settings: FemSettings, kc: float) -> list[float]:
-    """Return the Kh up to ``kc`` whose fields are stored."""
+    """Return the Kh up to ``kc`` at which fields are stored."""
     return [kh for kh in settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS) if kh <= kc]
 
 

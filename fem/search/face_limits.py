@@ -1,4 +1,4 @@
-"""Critical Kh and factor of safety of ground with strong zones, by limit analysis on adapted meshes."""
+"""Computes the critical Kh and factor of safety of ground with strong zones, by limit analysis on adapted meshes."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -54,7 +54,8 @@ class MeshRound:
         Estimated remaining error as a share of ``value``, from this mesh and the one before; infinite for the first
         mesh.
     tells : bool
-        Whether the estimate of the error is meaningful; it is not if ``value`` rose on a mesh with about as many cells.
+        Whether the estimate of the error is meaningful; it is not if ``value`` rose on a mesh with about as many cells
+        as before.
     """
 
     cells: int
@@ -236,7 +237,7 @@ class MeshSequence(Generic[F]):
         self._reason = f"there is no answer on the next mesh: {error}"
 
     def _round(self, value: float, cells: int) -> MeshRound:
-        """Return a mesh of the sequence, compared with the one before."""
+        """Return the answer on a mesh of the sequence, compared with the answer on the mesh before."""
         if not self._rounds:
             return MeshRound(cells, value, math.inf, math.inf)
         before, size = self._rounds[-1], max(abs(value), SMALLEST_KH)
@@ -247,7 +248,7 @@ class MeshSequence(Generic[F]):
 
 
 def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wish: Wish) -> str:
-    """Return why no further mesh of ``wanted`` cells is made; empty if one is made."""
+    """Return the reason why no further mesh of ``wanted`` cells is made; empty if one is made."""
     last = rounds[-1]
     if wish.is_met(last):
         return (

@@ -1,8 +1,9 @@
-"""A third critical Kh, "about", for the ψ of the strata, where ψ = φ and Davis's estimate lie far apart.
+"""Computes a third, approximate critical Kh for the ψ of the strata, if the critical Kh with ψ = φ and Davis's estimate
+lie far apart.
 
 The limit load with these angles (``nonassociated_limit_load.py``) depends on element and mesh by 5 to 15 %, and on some
-ground it is not found at all. So it is computed on three meshes, on the first of them from two starts, and told only
-where all of these agree.
+ground it is not found at all. So it is computed on three meshes, on the first of them from two starts, and reported
+only if all of these agree.
 """
 
 import math
@@ -36,13 +37,13 @@ class OwnDilation:
     Attributes
     ----------
     kc : float or None
-        The critical Kh on the last mesh (-); None where the iteration has no answer.
+        The critical Kh on the last mesh (-); None if the iteration has no answer.
     low, high : float or None
         Smallest and largest value of the three meshes (-).
     cells : tuple of int
         Cells of the meshes.
     reason : str
-        Why there is no answer; empty otherwise.
+        Reason why there is no answer; empty otherwise.
     """
 
     kc: float | None
@@ -53,8 +54,8 @@ class OwnDilation:
 
 
 def is_far_apart(settings: FemSettings, section: Section, associated: float, davis: float) -> bool:
-    """Return whether the settings, or the distance between the critical Kh with ψ = φ (``associated``) and Davis's
-    estimate, require the third number.
+    """Return whether the third critical Kh is to be computed. It is if the settings require it, or if Davis's estimate
+    is far below the critical Kh with ψ = φ (``associated``).
     """
     if settings.own_dilation != "auto":
         return settings.own_dilation and not is_dilating_fully(section.strata)
@@ -62,8 +63,8 @@ def is_far_apart(settings: FemSettings, section: Section, associated: float, dav
 
 
 def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult, comm: Any) -> OwnDilation:
-    """Return the critical Kh of a section for the dilation angles of its strata, in the direction of the limit load
-    ``known``, whose cohesionless faces are strengthened here, too.
+    """Compute the critical Kh of a section for the dilation angles of its strata, in the direction of the limit load
+    ``known``. The cohesionless faces that ``known`` strengthened are strengthened here, too.
 
     ``settings``: settings of the finite elements; ``comm``: MPI communicator of one rank.
     """

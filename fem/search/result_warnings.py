@@ -1,4 +1,4 @@
-"""Reasons not to trust an answer, and the checks that compare it with other numbers."""
+"""Gives reasons not to trust an answer, and checks that compare the answer with other numbers."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ class ResultWarning:
     Attributes
     ----------
     what : str
-        The observation, in a sentence with its numbers.
+        The observation, a sentence with its numbers.
     remedy : str
-        What the user can change.
+        Advice on what the user can change.
     contradiction : bool
         Whether the observation contradicts the answer; if not, it is a note.
     """
@@ -36,15 +36,15 @@ class Computed:
     Attributes
     ----------
     what : str
-        What was changed, such as "cells of half the size".
+        The change that was made, such as "cells of half the size".
     kc : float
         Critical Kh (-).
     decisive : bool
         Whether a difference contradicts the answer, as a difference on a finer mesh does and one with a poorer element
         does not.
     without : float or None
-        Critical Kh without the change, if both were computed on another mesh than the answer; None if it is the answer
-        itself.
+        Critical Kh without the change, if both were computed on another mesh than the answer; None if the answer itself
+        is the one without the change.
     """
 
     what: str

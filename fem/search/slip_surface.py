@@ -1,4 +1,5 @@
-"""The slip surface of a state is the line in the middle of the sheared ground, if the ground moves in a mechanism."""
+"""Finds the slip surface of a state: the line in the middle of the sheared ground, if the ground moves in a
+mechanism."""
 
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator

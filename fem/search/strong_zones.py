@@ -1,5 +1,5 @@
-"""Zones of the ground with so much cohesion that nothing fails there: the failure of one face of a structure is then
-computed, and not an earlier failure elsewhere.
+"""Defines zones of the ground with so much cohesion that nothing fails there. The failure of one face of a structure is
+then computed, and not an earlier failure elsewhere.
 """
 
 from collections.abc import Sequence

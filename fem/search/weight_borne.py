@@ -1,4 +1,4 @@
-"""Whether ground resists its own weight between held sides, as liquefied ground may not."""
+"""Computes whether ground resists its own weight between held sides, as liquefied ground may not."""
 
 from typing import Any
 

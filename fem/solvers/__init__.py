@@ -1,1 +1,1 @@
-"""Solvers of linear systems and cone programs, the interface to dolfinx, and threads of BLAS."""
+"""Solves linear systems and cone programs, and provides the interface to dolfinx and the control of BLAS threads."""

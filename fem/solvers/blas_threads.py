@@ -1,4 +1,4 @@
-"""Threads of BLAS, the library of dense linear algebra of NumPy, SciPy and MUMPS."""
+"""Controls the threads of BLAS, the library of dense linear algebra of NumPy, SciPy and MUMPS."""
 
 from threadpoolctl import ThreadpoolController
 
@@ -16,7 +16,7 @@ def use_one_thread() -> None:
 
 def bears_threads() -> bool:
     """Return whether several threads may call BLAS concurrently. OpenBLAS built without threads (Debian's
-    ``libopenblas0-serial``) returns wrong results then, since the callers share its work space.
+    ``libopenblas0-serial``) then returns wrong results, since the callers share its work space.
     """
     return all(library.get("threading_layer") != "disabled" for library in ThreadpoolController().info())
 

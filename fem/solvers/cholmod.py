@@ -199,6 +199,6 @@ def _new_settings(library: ctypes.CDLL) -> ctypes.Array:
 
 
 def _forbid_threads(library: ctypes.CDLL) -> None:
-    """Keep OpenMP from starting threads here: CHOLMOD would start four for each of its small dense matrices."""
+    """Keep OpenMP from starting threads here, since CHOLMOD would start four for each of its small dense matrices."""
     if hasattr(library, "omp_set_max_active_levels"):
         library.omp_set_max_active_levels(0)

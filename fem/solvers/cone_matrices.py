@@ -68,9 +68,9 @@ class ConeProgram:
 
 @dataclass(frozen=True, eq=False)
 class Assembled:
-    """Holds the min cost·y with matrix y + s = offset and s in the ``cones``. The unknowns y are the velocities, the
-    dissipation over c at each corner of φ = 0, and the opening rates at torn corners. ``shear`` and ``torn`` compute
-    the values of the ``Solution`` from y.
+    """Holds the problem min cost·y subject to matrix y + s = offset, with s in the ``cones``. The unknowns y are the
+    velocities, the dissipation over c at each corner of φ = 0, and the opening rates at torn corners. ``shear`` and
+    ``torn`` compute the values of the ``Solution`` from y.
     """
 
     cost: np.ndarray
@@ -111,8 +111,8 @@ def assembled(program: ConeProgram, clay: np.ndarray) -> Assembled:
 
 
 def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray) -> sparse.csr_matrix:
-    """Return the matrix from the unknowns to the weighted shear rates (k,): volumetric rate over sin φ, or the unknown
-    of a corner of φ = 0.
+    """Return the matrix from the unknowns to the weighted shear rates (k,). The shear rate is the volumetric rate over
+    sin φ, or an unknown at corners of φ = 0.
     """
     corners, sin = len(program.cohesion), np.sin(program.friction)
     of_volume = sparse.diags(np.divide(program.weight, sin, out=np.zeros(corners), where=sin > 0.0)) @ across
@@ -121,9 +121,10 @@ def _shear_of(program: ConeProgram, across: sparse.csr_matrix, clay: np.ndarray)
 
 
 def _tension_of(program: ConeProgram) -> np.ndarray:
-    """Return the dissipation of a corner (k,) per volume of opening: weight times T; 0 for no cut-off.
+    """Return the dissipation of a corner (k,) per volume of opening: weight times T, or 0 without a cut-off.
 
-    On a bare surface it is half of this: there T limits the whole trace, which is twice the mean stress.
+    On a bare surface the dissipation is half of this, since there T limits the whole trace, which is twice the mean
+    stress.
     """
     torn = program.torn
     tension = np.zeros(len(program.cohesion))

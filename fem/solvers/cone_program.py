@@ -207,7 +207,7 @@ def _solve(
     in_the_middle: bool = False,
     start: Warm | None = None,
 ) -> Solution:
-    """Return the solution by the built-in interior-point method, or by Clarabel where this method finds none."""
+    """Return the solution by the built-in interior-point method, or by Clarabel if this method finds none."""
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
     data = assembled(program, clay)
@@ -272,7 +272,7 @@ def _by_interior_point(
     most_work: float,
     start: Warm | None = None,
 ) -> _End:
-    """Solve by the built-in interior-point method; again without the warm ``start`` if it breaks down."""
+    """Solve by the built-in interior-point method. If it breaks down, solve again without the warm ``start``."""
     form, order = standard(program, data, magnified)
     warm = start if start is not None and start.suits(form) else None
     try:
@@ -347,7 +347,7 @@ def _solved(
 
 
 def _poorness(solution: clarabel.DefaultSolution) -> int:
-    """Return the rank of a solution by its status: 0 within the tolerances, 3 without a solution.
+    """Return the rank of a solution by its status, from 0 (within the tolerances) to 3 (without a solution).
 
     0: tolerances met (or almost, with well-met equations), or infeasibility proven; 1: tolerances almost met; 2:
     infeasibility almost proven; 3: anything else.

@@ -1,4 +1,4 @@
-"""Every difference between dolfinx 0.5 (bookworm), 0.9 (trixie) and 0.11 (sid), in one place."""
+"""Contains every difference between dolfinx 0.5 (bookworm), 0.9 (trixie) and 0.11 (sid)."""
 
 import logging
 import sys
@@ -27,7 +27,7 @@ REFERENCE_EDGES = ((0, 1), (0, 2), (1, 3), (2, 3))
 
 @contextmanager
 def _symbols_to_themselves() -> Iterator[None]:
-    """Load later libraries with private symbols.
+    """Make later libraries load with private symbols.
 
     After import of dolfinx 0.5, Python loads libraries with public symbols (RTLD_GLOBAL). Then other libraries call
     parts of Pillow's HarfBuzz in place of the system's HarfBuzz, and the mixture of both crashes.

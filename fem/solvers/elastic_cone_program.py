@@ -1,4 +1,4 @@
-"""The second-order cone program of one elastoplastic step, and its solution by Clarabel in quadratic form.
+"""Solves the second-order cone program of one elastoplastic step by Clarabel in quadratic form.
 
 Stresses S at corners k, [xx, yy, xy], each times a weight w, and a multiplier λ solve
 
@@ -24,12 +24,12 @@ REGULARISATION = 1e-7
 
 
 class ElasticConeProgram:
-    """The program of one step, dimensionless.
+    """Solves the cone program of one elastoplastic step; all quantities are dimensionless.
 
     Attributes
     ----------
     work : float
-        Work of all solutions so far, in seconds of the reference machine.
+        Computing work of all solutions so far, in seconds of the reference machine.
     """
 
     def __init__(
@@ -41,8 +41,9 @@ class ElasticConeProgram:
         before: np.ndarray,
         displacement: float,
     ) -> None:
-        """The program of rates ``strain`` (3 k, n), ``compliance`` (k, 3, 3), ``sine`` of ψ (k,), ``loads`` b0 and b1
-        (n,), stress S0 (k, 3) ``before`` the step, and ``displacement`` d; with 0 for d the load is b0 alone.
+        """Set up the program from the strain rates ``strain`` (3 k, n), the ``compliance`` (k, 3, 3), the ``sine`` of ψ
+        (k,), the ``loads`` b0 and b1 (n,), the stress S0 (k, 3) ``before`` the step, and the ``displacement`` d. If d
+        is 0 the load is b0 alone.
         """
         corners = len(sine)
         self._corners, self._dead, self.work = corners, loads[0], 0.0
@@ -68,7 +69,7 @@ class ElasticConeProgram:
         self._cost = COST_SECONDS * (nonzeros / COST_NONZEROS) ** COST_EXPONENT
 
     def solve(self, strength: np.ndarray) -> tuple[float, np.ndarray] | None:
-        """Return the multiplier and stress (k, 3) for the ``strength`` w k (k,); None where the solver ends without an
+        """Return the multiplier and the stress (k, 3) for the ``strength`` w k (k,); None if the solver ends without an
         answer."""
         self._solver.update(b=self._offset(strength))
         end = interruptible(partial(self._solver.solve))

@@ -1,11 +1,11 @@
 """An interior-point method for the programs of ``cone_program.py`` that eliminates every corner in closed form.
 
-Once primal and dual equations are fulfilled, the two objectives are a bracket of the multiplier: bounds need a gap of
-3e-4, finite elements one of 1e-3. Newton's directions have the scaling of Nesterov & Todd (1997), the corrector of
-Mehrotra (1992) and up to two of Gondzio (1996). CHOLMOD factorises the positive definite stiffness matrix of a body
-whose corners have the compliances of ``corner_stiffness.py``; the load is one more right-hand side. Of what has no
-solution, the method can only prove that no stress balances the dead load, by velocities whose multiplier is below a
-``floor``. Below gaps of 1e-4 it may break down.
+Once primal and dual equations are fulfilled, the two objectives are a bracket of the multiplier. Bounds need a gap of
+3e-4, finite elements a gap of 1e-3. Newton's directions have the scaling of Nesterov & Todd (1997), the corrector of
+Mehrotra (1992) and up to two correctors of Gondzio (1996). CHOLMOD factorises the positive definite stiffness matrix of
+a body whose corners have the compliances of ``corner_stiffness.py``; the load is one more right-hand side. If a program
+has no solution, the method can prove this in one case only: no stress balances the dead load, which velocities prove
+whose multiplier is below a ``floor``. Below gaps of 1e-4 the method may break down.
 """
 
 from collections.abc import Callable
@@ -45,9 +45,9 @@ STEP, LEAST_CENTRING = 0.99, 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """Holds the kinds of the corners of a program: numbers (k,) of corners of φ = 0 (``clay``), of corners that open
-    with one unknown (``single``) or three (``triple``), -1 elsewhere. ``sine`` (k,) is sin φ, and 1 for clay;
-    ``torn_sine`` is the sine of an opening.
+    """Holds the kinds of the corners of a program as numbers (k,): of corners of φ = 0 (``clay``), and of corners that
+    open with one unknown (``single``) or three (``triple``); -1 for other corners. ``sine`` (k,) is sin φ, and 1 for
+    clay; ``torn_sine`` is the sine of an opening.
     """
 
     sine: np.ndarray
@@ -59,7 +59,8 @@ class Corners:
 
 @dataclass(frozen=True, eq=False)
 class Standard:
-    """Holds the min cost·y with matrix y + s = offset, s zero in the first rows and in the cones in the others.
+    """Holds the problem min cost·y subject to matrix y + s = offset. The slack s is zero in the first rows and lies in
+    the cones in the others.
 
     Rows are [load, volume of clay, cones of corners, cones of openings with three unknowns, openings with one], columns
     [velocities, dissipation of clay, openings with one unknown, openings with three].
@@ -96,7 +97,7 @@ class _BreakdownError(ArithmeticError):
 
 
 class _Method:
-    """The interior-point method on one program: its iterate, and the factors of its stiffness matrix."""
+    """Runs the interior-point method on one program, and holds its iterate and the factors of its stiffness matrix."""
 
     def __init__(self, standard: Standard, unit: float, tolerance: Tolerance, matrix: CornerMatrix) -> None:
         self.program, self.wanted, self.stiffness_matrix = standard, tolerance, matrix
@@ -174,7 +175,7 @@ class _Method:
     def direction(
         self, ry: np.ndarray, rz: np.ndarray, s: np.ndarray, z: np.ndarray, mean: float, tolerance: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[float, float]]:
-        """Return the changes of y, z and s, and the step lengths of (y, s) and z; raise ArithmeticError without a
+        """Return the changes of y, z and s, and the step lengths of (y, s) and z. Raises ArithmeticError without a
         solution."""
         if not scalings(self.cone(s), self.cone(z), self.axis, self.size, self.square):
             raise _BreakdownError
@@ -347,7 +348,8 @@ class _Method:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """Holds a direction: the residuals that it corrects, its changes, and its longest steps (at most 1)."""
+    """Holds a direction of the method: the residuals that it corrects, its changes, and its longest steps (at
+    most 1)."""
 
     d: np.ndarray
     dy: np.ndarray

@@ -46,7 +46,7 @@ def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.nda
 def _refined(
     scaled: sparse.csr_matrix, left: np.ndarray, correction: np.ndarray, shortest: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:
-    """Return the correction, refined: the ``shortest`` solution for the remaining residual is added until this residual
+    """Return the correction, refined by adding the ``shortest`` solution for the remaining residual until this residual
     no longer falls.
     """
     missed = np.inf
@@ -60,8 +60,8 @@ def _refined(
 
 
 def _normal_equations(scaled: sparse.csr_matrix) -> Callable[[np.ndarray], np.ndarray] | None:
-    """Return a function for the shortest d with ``scaled`` d = a right-hand side, regularised by SHIFT, by Cholesky
-    factors; None without factors.
+    """Return a function that computes the shortest d with ``scaled`` d = a right-hand side by Cholesky factors,
+    regularised by SHIFT; None without factors.
     """
     if not cholmod.available():
         return None

@@ -45,8 +45,8 @@ class LowerTriangle:
         self._factors = Cholesky(pattern)
 
     def factorise(self) -> None:
-        """Factorise the ``entries``, after the smallest share of STIFFER that makes them positive definite is added to
-        the diagonal.
+        """Factorise the ``entries``, with the smallest share of STIFFER added to the diagonal that makes the matrix
+        positive definite.
 
         Raises NotPositiveDefiniteError if no share does.
         """
