@@ -106,7 +106,9 @@ def _along(
     layers: Layering, loads: SurfaceLoads, x: np.ndarray, k: int, share: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return points (n, 2 ends, 2) at a share of the thickness of stratum k at both ends of the stretches between x (n
-    + 1,), and pore pressure and total vertical stress (n, 2) there; neither where the stratum has no thickness."""
+    + 1,), and pore pressure and total vertical stress (n, 2) there, 0 in a stretch without the stratum. Where the
+    stratum pinches out at one end of a stretch, they are those of its tip.
+    """
     middle = np.repeat(0.5 * (x[1:] + x[:-1]), 2)
     ends = np.column_stack([x[:-1], x[1:]]).ravel()
     elevations = layers.interfaces(ends, near=middle)
@@ -116,8 +118,8 @@ def _along(
     pressure = water.at_rest(points, near, np.full(len(ends), k))
     weight = water.overburden(points, near) + water.ponded(water.after, points, near)
     weight = weight - loads.dead(points, near, np.repeat(UPWARDS, len(points), axis=0))[:, 1]
-    there = elevations[:, k] > elevations[:, k + 1]
-    pressure, weight = (np.where(there, stress, 0.0).reshape(-1, 2) for stress in (pressure, weight))
+    there = (elevations[:, k] > elevations[:, k + 1]).reshape(-1, 2).any(axis=1, keepdims=True)
+    pressure, weight = (np.where(there, stress.reshape(-1, 2), 0.0) for stress in (pressure, weight))
     return points.reshape(-1, 2, 2), pressure, weight
 
 

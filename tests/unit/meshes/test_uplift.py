@@ -56,6 +56,23 @@ def test_an_excavation_above_a_lens_blows_out_where_its_floor_is_too_thin() -> N
     assert (uplift.start, uplift.end) == (-20.0, pytest.approx(10.0 + 2.0 * (6.0 * WATER / 18e3 - 2.0), rel=1e-6))
 
 
+def test_ground_above_the_tip_of_a_stratum_lifts_off_on_both_sides_of_it() -> None:
+    """The sand has no thickness 4 m below the ground at x = 20 m, and dips from there to both sides by 1:5: clay of
+    18 d (kN/m²) weighs less than its pressure, 9.81 (d + 4), down to d = 4.79 m."""
+    top = [[0.0, -8.0], [20.0, -4.0], [40.0, -8.0]]
+    bottom = [[0.0, -9.0], [20.0, -4.0], [40.0, -9.0]]
+    clay = soil("Clay", bottom={"elevation": top}, density="18 kN/m^3", density_saturated=None)
+    sand = soil(
+        "Sand", bottom={"elevation": bottom}, piezometric_level=4.0, density="18 kN/m^3", density_saturated=None
+    )
+    rock = soil("Rock", density="18 kN/m^3", density_saturated=None)
+    uplift = section(clay, sand, rock, **FLAT).uplift
+    assert uplift is not None
+    assert (uplift.x, uplift.elevation) == (20.0, -4.0)
+    deepest = 4.0 * WATER / (18e3 - WATER)
+    assert (uplift.start, uplift.end) == pytest.approx((20.0 - 5.0 * (deepest - 4.0), 20.0 + 5.0 * (deepest - 4.0)))
+
+
 @pytest.mark.parametrize(("ratio", "lifts"), [(0.9, False), (1.0, False), (1.1, True)])
 def test_a_pore_pressure_ratio_above_one_lifts_all_of_it(ratio: float, lifts: bool) -> None:
     uplift = section(soil(pore_pressure_ratio=ratio, density_saturated=None), unusual=True).uplift
