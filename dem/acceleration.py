@@ -1,4 +1,4 @@
-"""The external acceleration of the discs in time, and gravity in a tilted frame."""
+"""Describes the external acceleration of the discs in time, and gravity in a tilted frame."""
 
 from dataclasses import dataclass, field
 
@@ -46,8 +46,8 @@ class Acceleration:
         return cls(ramp[0] + s * (ramp[1] - ramp[0]), ax * share, az * share)
 
     def with_level(self, gravity: tuple[float, float]) -> np.ndarray:
-        """Return three components (3, times) in m/s2: along x, along z, and horizontally (perpendicular to gravity),
-        positive to the right.
+        """Return three components (3, times) of the acceleration in m/s2: along x, along z, and horizontally
+        (perpendicular to gravity), positive to the right.
         """
         right = right_of(gravity)
         return np.array([self.x, self.z, right[0] * self.x + right[1] * self.z])

@@ -1,4 +1,4 @@
-"""Geometry, materials and boundary of an assembly of discs."""
+"""Defines geometry, materials and boundary of an assembly of discs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -63,7 +63,7 @@ class DiscMaterials:
     law, mean : str
         Contact law, and kind of mean of the constants of two layers, see `pair_table.pair_table`.
     turns : bool
-        Whether discs rotate. Discs of layers with infinite rolling friction never do.
+        If arrays have different lengths, or radii are not positive.
     """
 
     layers: Sequence[LayerSprings]
@@ -72,7 +72,7 @@ class DiscMaterials:
     turns: bool = True
 
     def check_numbers(self, layer: np.ndarray) -> None:
-        """Raise ValueError unless discs of these layers (n,) have constants; -1 is the boundary."""
+        """Raise ValueError unless discs of these layers (n,) have constants. The number -1 stands for the boundary."""
         if layer.max() >= len(self.layers) or layer.min() < -1:
             raise ValueError(
                 f"discs: layer {layer.max()} of {len(self.layers)} layers (they count from 0, -1 is boundary)"
@@ -98,10 +98,11 @@ class DiscBoundary:
     lines : (k, 6)
         Rigid lines, see `DiscState`.
     strengths : tuple of Strength or None
-        Strength of the contacts with each line, None for the strength of the disc's layer; empty if it is None for all
-        lines.
+        Strength of the contacts with each line. An entry is None if the line has the strength of the disc's layer; the
+        tuple is empty if this holds for all lines.
     period : (length, rise) or None
-        Length (m) of the period, and height (m) by which the ground is higher one period to the right; soil discs only.
+        Length (m) of the period, and height (m) by which the ground is higher one period to the right; for soil discs
+        only.
     """
 
     def __init__(
@@ -110,7 +111,8 @@ class DiscBoundary:
         line_strength: LineStrengths = None,
         period: tuple[float, float] | None = None,
     ) -> None:
-        """line_strength: one for all lines, or one for each, such as `springs.SMOOTH`.
+        """Make the boundary from rigid lines; line_strength: one strength for all lines, or one for each, such as
+        `springs.SMOOTH`.
 
         Raises ValueError unless there are as many strengths as lines.
         """

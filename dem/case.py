@@ -1,4 +1,4 @@
-"""Cases of the slides, a table [[slide.cases]] each: stiffness, strength and volume of liquefied layers."""
+"""Defines the cases of the slides, each a table [[slide.cases]]: stiffness, strength and volume of liquefied layers."""
 
 from typing import Annotated, Self
 
@@ -15,7 +15,7 @@ LIQUEFIED = (50.0, 1e6)  # Pa: what residual strengths are, from a slurry to den
 
 
 def _of_liquefied_soil(strength: Quantity) -> Quantity:
-    """Check a residual strength (Pa); raises ValueError with a suggestion for values that no soil has."""
+    """Check a residual strength (Pa). Raises ValueError with a suggestion for values that no soil has."""
     least, most = LIQUEFIED
     if strength == 0.0 or least <= strength <= most:
         return strength
@@ -87,7 +87,7 @@ class Case(Model):
         return float(np.sqrt(self.stiffness)) if self.damping is None else self.damping
 
     def residual_of(self, stratum: str) -> float:
-        """Return the ratio of residual strength to vertical effective stress of a stratum, by the stratum's name."""
+        """Return the ratio of residual strength to vertical effective stress of a stratum with this name."""
         return value_of_stratum(self.residual, stratum) or 0.0 if isinstance(self.residual, dict) else self.residual
 
     def strength_of(self, stratum: str) -> float:
@@ -152,7 +152,7 @@ def cases_of_loose_sand(section: Section) -> tuple[Case, ...]:
     Returns
     -------
     tuple of Case
-        Cases whose residual strengths are the ratios of `LOOSE_SAND` times the mean vertical effective stress of each
+        Cases whose residual strength is the ratio in `LOOSE_SAND` times the mean vertical effective stress of each
         liquefying soil (Pa).
     """
     areas, parts = section.layering.areas(), dict[str, list[int]]()

@@ -1,5 +1,5 @@
-"""Work on the discs in ranges of their numbers, in one thread or several. The result is the same, since ranges are
-joined in their order.
+"""Splits work on the discs into ranges of their numbers, in one thread or several. The result is the same, since ranges
+are joined in their order.
 """
 
 from collections.abc import Callable
@@ -11,9 +11,7 @@ FEW = 20_000  # of fewer discs one thread has found the neighbours before anothe
 
 
 class Ranges(Protocol):
-    """Calls `work` with the begin and the end of ranges that cover all numbers below n, and returns the results in
-    order.
-    """
+    """Calls `work` with begin and end of ranges that cover all numbers below n, and returns the results in order."""
 
     def __call__(self, work: Callable[[int, int], Any], n: int) -> list[Any]:
         """Return the results of all ranges, in their order."""
@@ -25,7 +23,7 @@ def serial(work: Callable[[int, int], Any], n: int) -> list[Any]:
 
 
 def threaded(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
-    """Split the numbers into as many ranges as threads, if there are enough discs for a gain."""
+    """Call `work` with as many ranges as threads, if there are so many discs that threads save time."""
 
     def shared(work: Callable[[int, int], Any], n: int) -> list[Any]:
         if pool is None or threads == 1 or n < FEW:

@@ -1,4 +1,4 @@
-"""Area of discs with their voids (m2), which is their volume per metre out of plane."""
+"""Computes the area of discs with their voids (m2), which is their volume per metre out of plane."""
 
 import numpy as np
 from scipy.spatial import Delaunay
@@ -35,7 +35,7 @@ def area_with_voids(model: DiscModel) -> np.ndarray:
     """Return the area of every disc with its voids (n,) in m2: the area of its stratum is shared in proportion to the
     discs.
 
-    Fixed discs, and strata without triangles, have the mean ratio of the others.
+    Fixed discs, and strata without triangles, have the mean ratio of the other discs.
     """
     ratio = area_per_disc(model, model)
     mean = np.nanmean(ratio)

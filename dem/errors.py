@@ -1,4 +1,4 @@
-"""Errors that stop a run: each names disc, time and place, and a remedy."""
+"""Defines the errors that stop a run. Each message names disc, time and place, and a remedy."""
 
 from meshes.errors import NoAnswerError
 
@@ -9,7 +9,7 @@ class DemError(NoAnswerError):
     Attributes
     ----------
     reason, remedy : str
-        Cause of the error in words, and what the user can change.
+        Cause of the error in words, and advice on what the user can change.
     """
 
 

@@ -1,4 +1,4 @@
-"""Discs of a section: packing, frame of reference and layers.
+"""Places the discs of a section: packing, frame of reference and layers.
 
 There are two frames. In the frame of the section x points to the right and z up. In the frame of the discs u is
 parallel to their rows: for a "box" the u axis is parallel to the mean ground surface, and gravity is inclined; for
@@ -105,7 +105,7 @@ class Ground:
 
     def buoyancy(self, model: DiscModel) -> np.ndarray | None:
         """Return the acceleration (2, n) in m/s2, in the frame of the discs, by buoyancy in still water at the present
-        positions; None without water, see `dem.water.buoyancy`.
+        positions. Return None without water, see `dem.water.buoyancy`.
         """
         if self.section is None:
             return None
@@ -151,7 +151,8 @@ class Ground:
 
 
 def springs_of(section: Section, settings: DemSettings, radius: float) -> list[LayerSprings]:
-    """Return the springs of every stratum before calibration: Table 2 as printed, or by eqs. (5)-(13).
+    """Return the springs of every stratum before calibration: Table 2 of the paper as printed, or by eqs. (5)-(13) of
+    the paper.
 
     Parameters
     ----------
@@ -165,7 +166,7 @@ def springs_of(section: Section, settings: DemSettings, radius: float) -> list[L
     Returns
     -------
     list of LayerSprings
-        One for each stratum.
+        Springs of every stratum.
     """
     if settings.springs == "table2":
         layers = table2()
@@ -180,7 +181,7 @@ def springs_of(section: Section, settings: DemSettings, radius: float) -> list[L
 
 
 def ground_of(section: Section, settings: DemSettings) -> Ground:
-    """Return the place discs in a section.
+    """Place discs in a section.
 
     Parameters
     ----------
@@ -260,7 +261,8 @@ def _box(section: Section, radius: float) -> Ground:
 
 
 def in_stratum(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Return the stratum of each place (m); above the surface that at the surface, below the base that at the base."""
+    """Return the stratum of each place (m). Places above the surface have the stratum at the surface, places below the
+    base the stratum at the base."""
     inside = np.clip(x, *section.extent)
     ends = section.layering.interfaces(inside)
     layer = np.asarray(section.stratum_at(inside, np.clip(z, ends[:, -1], ends[:, 0])), np.int32)

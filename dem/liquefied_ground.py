@@ -1,5 +1,5 @@
-"""State of liquefied soil discs, and the list of their pairs. The laws are in `kernels.liquefied_pairs`; here their
-input is prepared: the liquefied discs, their degree of liquefaction, pore pressure and residual strength.
+"""Prepares the state of liquefied soil discs, and the list of their pairs: which discs liquefy, their degree of
+liquefaction, pore pressure and residual strength. The laws are in `kernels.liquefied_pairs`.
 """
 
 from typing import NamedTuple
@@ -51,8 +51,8 @@ class Onset(NamedTuple):
     strain : (n,)
         Shear strain at which the residual strength is reached.
     knee, soft_to : (n,)
-        Knee of the bilinear law at the strain potential: share of the residual strength, and share of the strain at
-        which it is reached; 0 without a strain potential.
+        Knee of the bilinear law at the strain potential: share of the residual strength (``knee``), and share of the
+        strain at which the steep line begins (``soft_to``); 0 without a strain potential.
     peak : bool
         Whether bonds have a larger limit until they have slipped, as discs need that lose their contacts under load.
     """
@@ -68,7 +68,8 @@ class Onset(NamedTuple):
 
 
 def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
-    """Make the list of pairs with a liquefied disc for the present positions; history variables of bonds are copied."""
+    """Make the list of pairs with a liquefied disc for the present positions. History variables of bonds are copied
+    from the old list."""
     if not len(state.liquefied):
         return
     order = state.order
@@ -134,8 +135,8 @@ def _in_pairs(state: DiscState) -> np.ndarray:
 
 def liquefy(model: DiscState, onset: Onset) -> None:
     """Start the liquefaction of discs, at degree 0 until `set_share`; discs whose liquefaction began earlier are
-    unchanged. The present overburden and density are the reference of the pore pressure. Raises ValueError for the
-    paper's discs, and for a period that is too short.
+    unchanged. The present overburden and density are the reference of the pore pressure. Raises ValueError for discs
+    with the law "paper", and for a period that is too short.
     """
     if model.law != "soil":
         raise ValueError("discs: only those of law='soil' liquefy; the paper's discs have the factors of their case")
@@ -206,7 +207,8 @@ def _densities(model: DiscState) -> np.ndarray:
 
 
 def change_areas(model: DiscState, factor: np.ndarray) -> None:
-    """Multiply the areas with voids by a factor (n,), as where ground drains; pore pressure changes, too."""
+    """Multiply the areas of discs with their voids by a factor (n,), for example where ground drains. The pore pressure
+    changes accordingly."""
     if not len(model.liquefied):
         return
     model.liquefied[:, bond.AREA] *= factor

@@ -1,4 +1,4 @@
-"""DiscModel: the discs, and operations on them between runs."""
+"""Provides DiscModel: the discs, and operations on them between runs."""
 
 import copy
 from collections.abc import Sequence
@@ -39,7 +39,7 @@ SORT_EVERY = 16  # lists made between two sortings in space
 
 
 class DiscModel(DiscState):
-    """Holds the discs, with operations on them between runs. Make a model with `DiscModel.create`.
+    """Holds the discs, with operations on them between runs. `DiscModel.create` makes a model.
 
     Call `make_list` after changing lines or skin directly; changed positions are detected when a run begins.
     """
@@ -183,11 +183,11 @@ class DiscModel(DiscState):
 
     @property
     def _gone(self) -> np.ndarray:
-        """Return the mask of the kinds of pairs that have neither element nor pore spring."""
+        """Return a mask of the kinds of pairs that have neither element nor pore spring."""
         return np.asarray((self.springs.pairs[KN] == 0.0) & (self.springs.pairs[KPN] == 0.0))
 
     def _carry(self, old: np.ndarray, sign: np.ndarray, in_ranges: Ranges) -> None:
-        """History variables of the contacts of a new list, see `carry_over`."""
+        """Return the history variables of the contacts of a new list, see `carry_over`."""
         before = tuple(getattr(self, name) for name in self.memory)
         after = tuple(np.empty(len(old)) for _ in before)
         turns = np.array([name in SIGN_CHANGES for name in self.memory])
@@ -196,9 +196,10 @@ class DiscModel(DiscState):
             setattr(self, name, values)
 
     def set_pore_springs(self) -> int:
-        """Set a pore spring without force between all discs with D <= alpha (r_i + r_j), eq. (14).
+        """Set a pore spring without force between all discs whose distance D is at most alpha (r_i + r_j), eq. (14) of
+        the paper.
 
-        Pairs with a pore spring keep it, intact or cracked. Returns the number of new springs.
+        Pairs that already have a pore spring, intact or cracked, keep it. Returns the number of new springs.
         """
         alpha = self.springs.alpha
         self._list(float(alpha.max()) * (1.0 + 1e-12), 0.0)

@@ -1,4 +1,4 @@
-"""Effective overburden of discs: the weight less buoyancy of the ground vertically above each."""
+"""Computes the effective overburden of discs: the weight less buoyancy of the ground vertically above each disc."""
 
 import numpy as np
 
@@ -47,7 +47,8 @@ def effective_overburden(model: DiscModel) -> np.ndarray:
 
 
 def _within(x: np.ndarray, left: float, right: float, width: float) -> np.ndarray:
-    """Return the share of a triangular distribution (half width `width`, peak at x) between two sides (n,)."""
+    """Return the share of a triangular distribution (half width `width`, peak at x) that lies between two sides
+    (n,)."""
 
     def beyond(distance: np.ndarray) -> np.ndarray:
         return 0.5 * np.clip(1.0 - np.maximum(distance, 0.0) / width, 0.0, 1.0) ** 2

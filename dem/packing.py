@@ -1,4 +1,4 @@
-"""Initial packings: triangular lattices and random packings inside any polygon, with their boundary.
+"""Makes initial packings: triangular lattices and random packings inside any polygon, with their boundary.
 
 A polygon is given by its corners (n, 2) in m, counter-clockwise, as by `Section.outline`; edges that run from right to
 left are the free surface, all others are walls. Boundary discs are outside the walls and touch them; rigid lines touch
@@ -172,7 +172,7 @@ def periodic_packing(
 
 
 def _thrice(line: np.ndarray, shift: np.ndarray) -> np.ndarray:
-    """Return a line with its images to the left and to the right."""
+    """Return a line with its images one period to the left and one to the right."""
     return np.vstack([line - shift, line[1:], line[1:] + shift])
 
 
@@ -310,10 +310,9 @@ def _checked(outline: np.ndarray) -> np.ndarray:
 
 
 def _scatter(rng: np.random.Generator, outline: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the uniformly spaced points in the outline, by Roberts's R2 sequence from a random start, each shifted a
-    little.
+    """Return evenly spaced points in the outline, by Roberts's R2 sequence from a random start, each shifted a little.
 
-    The points are uniformly spaced because pushing discs apart removes density variations over many discs only very
+    The points are evenly spaced because pushing discs apart removes density variations over many discs only very
     slowly.
     """
     low, high = outline.min(axis=0), outline.max(axis=0)

@@ -1,5 +1,5 @@
-"""The table of contact constants for pairs of layers: means of both layers, and for soil discs the strength of the
-weaker one.
+"""Makes the table of contact constants for pairs of layers: means of both layers, and for soil discs the strength of
+the weaker layer.
 
 SI units, per metre out of plane: springs in N/m, damping in N s/m, forces in N.
 """
@@ -98,8 +98,8 @@ def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
 
 
 def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:
-    """Return the tensile strength (N) of contacts between layers (n + 1, n + 1): the smaller of both; at the boundary
-    that of the layer.
+    """Return the tensile strength (N) of contacts between layers (n + 1, n + 1): the smaller strength of both layers;
+    at the boundary the strength of the layer.
     """
     strength = np.array([*(layer.attraction * layer.contact_cohesion for layer in layers), np.inf])
     pull = np.minimum(strength[:, None], strength[None, :])
@@ -108,8 +108,8 @@ def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:
 
 
 def _square(values: np.ndarray, mean: Mean) -> np.ndarray:
-    """Return constants for all pairs of layers and the boundary (rows, n + 1, n + 1), from those of the n layers (rows,
-    n)."""
+    """Return constants for all pairs of layers and the boundary (rows, n + 1, n + 1), from the constants of the n
+    layers (rows, n)."""
     n = values.shape[1]
     pairs = np.zeros((len(values), n + 1, n + 1))
     a, b = np.broadcast_arrays(values[:, :, None], values[:, None, :])
@@ -173,7 +173,7 @@ def with_line_strengths(table: PairTable, strengths: Sequence[Strength | None], 
     """Return the table with a block of columns for every strength given to lines.
 
     Stiffness and dashpots of a line are always those of its partner. Raises ValueError if friction or cohesion is
-    negative, and for cohesion with the paper's discs, whose contacts have none.
+    negative, and for cohesion with discs with the law "paper", whose contacts have none.
     """
     distinct = list(dict.fromkeys(strength for strength in strengths if strength is not None))
     blocks = [table.lines]

@@ -1,4 +1,4 @@
-"""Compilation of the kernels before a run, concurrently, unless an earlier run has compiled them.
+"""Compiles the kernels before a run, concurrently, unless an earlier run has compiled them.
 
 Without this, all processes of a run would reach the step loop at the same time, and each would compile it.
 """
@@ -42,8 +42,8 @@ def precompile(executor: Executor, tell: Tell) -> None:
 
 
 def _conditions() -> str:
-    """Return the fingerprint of the conditions of Numba's compiled files: its version, the processor, the file of the
-    step loop.
+    """Return the fingerprint of the conditions on which Numba's compiled files depend: Numba's version, the processor,
+    the file of the step loop.
     """
     source = Path(stepping.__file__)
     conditions = (numba.__version__, get_host_cpu_name(), str(source), source.stat().st_mtime_ns)
@@ -51,7 +51,7 @@ def _conditions() -> str:
 
 
 def _compiled(what: str, _: Tell) -> None:
-    """Compile the step loop, or the kernels around it, or those of the energies."""
+    """Compile the step loop, or the kernels around the step loop, or the kernels of the energies."""
     if what == "steps":
         # In a process that compiles nothing: here the lists of neighbours would be compiled for it, as they are by
         # another process at the same time.

@@ -1,4 +1,4 @@
-"""Shear stress by the pressure of liquefied discs, and its removal, since pore water has no shear stress.
+"""Removes the shear stress that the pressure of liquefied discs causes, since pore water has no shear stress.
 
 The pressure between two discs acts along the line of centres. On average over all directions this is an isotropic
 pressure, but the few neighbours of a disc are denser in some directions than in others. So the pressure in shearing
@@ -72,7 +72,8 @@ def _mean(
     over_pairs: Callable[[np.ndarray, np.ndarray], np.ndarray],
     i: np.ndarray, j: np.ndarray, width: np.ndarray, area: np.ndarray, at_zero: float,
 ) -> Callable[[np.ndarray], np.ndarray]:  # fmt: skip
-    """Return the mean of values (n,) of discs over liquefied neighbours, by the kernel and their areas.
+    """Return the mean of values (n,) of discs over their liquefied neighbours, weighted by the kernel and the areas of
+    the neighbours.
 
     over_pairs: sum over the pairs of every disc; i, j (pairs,): discs of each pair; width (pairs,): W, 0 but for two
     liquefied discs (1/m2); area (n,): areas of liquefied discs, 0 for others (m2); own: W at no distance (1/m2).

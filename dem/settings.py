@@ -1,4 +1,4 @@
-"""Settings of the discs and of slides: the tables [dem] and [slide]."""
+"""Defines the settings of the discs and of slides: the tables [dem] and [slide] of the input file."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -139,7 +139,7 @@ class DemSettings(Model):
         return self.range or FACTORS[self.model]
 
     def as_paper(self) -> "DemSettings":
-        """Return settings for the paper's own discs, uncalibrated."""
+        """Return settings for the uncalibrated discs with the law "paper"."""
         return self.changed(model="paper", paper=False, parameter="none")
 
     def problems(self, section: Section) -> list[str]:

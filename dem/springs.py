@@ -1,4 +1,4 @@
-"""From soil to spring constants, eqs. (5)-(13) and (17) of the paper.
+"""Derives spring constants from soil, eqs. (5)-(13) and (17) of the paper.
 
 SI units, per metre out of plane: springs in N/m, damping in N s/m, densities in kg/m3, forces in N.
 """
@@ -39,7 +39,8 @@ class LayerSprings:
     cn, ct : float
         Normal and tangential dashpot (N s/m).
     kpn, kps : float
-        Normal and tangential pore spring (N/m).
+        Normal and tangential stiffness of pore springs, the breakable springs between discs that stand for pore water
+        (N/m).
     density : float
         Density of the discs, eq. (5), for inertia and horizontal force (kg/m3).
     effective_density : float
@@ -113,8 +114,8 @@ class LayerSprings:
             raise ValueError(f"layer {self.name}: alpha must be at least 1 and beta above 1")
 
     def liquefied(self, stiffness: float, damping: float = 0.1, friction: float = 0.0) -> "LayerSprings":
-        """Return the layer after liquefaction (Sec. 4(3)): factors on element springs, dashpots and friction; no
-        cohesion. The stiffening of soil discs at large overlap remains.
+        """Return the layer after liquefaction (Sec. 4(3) of the paper): factors on element springs, dashpots and
+        friction; no cohesion. The stiffening of soil discs at large overlap remains.
 
         The pore springs of the layer have to be cut separately in the model of the discs, see `cut_pore_springs`.
         """
@@ -168,7 +169,7 @@ def from_stratum(
     alpha: float = 1.2,
     beta: float = 1.02,
 ) -> LayerSprings:
-    """Return the constants of the paper's discs in a stratum.
+    """Return the constants of discs with the law "paper" in a stratum.
 
     The horizontal force acts on the seismic density, the weight on the ordinary one (buoyant below water). Seismic and
     ordinary density are those of the soil, not corrected for the voids between the discs. radius: mean radius of the

@@ -1,4 +1,4 @@
-"""DiscState: the whole state of the discs as plain arrays, in the order the user numbered them.
+"""Defines DiscState: the whole state of the discs as plain arrays, in the order in which the user numbered them.
 
 x to the right, z up (m); angles and spins positive counter-clockwise. Rotation is stored as radius times spin and
 radius times angle, as contacts use it. The state is complete, so that a checkpoint holds nothing else, and a run from a
@@ -64,7 +64,7 @@ class DiscState:
         Force on the disc pair_j in the last step (N), for the energy balance.
     rolled, torque : (pairs,)
         Rolling moment over r_i r_j/(r_i + r_j): stored in the spring, and of spring and dashpot in the last step (N);
-        empty for the paper's discs.
+        empty for discs with the law "paper".
     lines : (k, 6)
         Point (m), inward normal, reach (m) along (-nz, nx) of rigid lines.
     line_strength : tuple
@@ -103,7 +103,7 @@ class DiscState:
     time, steps, last_dt : float, int, float
         Time (s), number of steps, and the step of the half-step velocities (s), 0 after velocities were set.
     rough_base : bool
-        Whether the fixed discs are a random packing like the others; otherwise they lie in straight rows.
+        Whether the fixed discs are a random packing like the other discs; otherwise they lie in straight rows.
     base_impedance, base_velocity, base_rate, base_next : float
         State of a compliant base (`dem.engine.compliant_base`): impedance times length (kg/s per metre), 0 for a rigid
         base; velocity (m/s), acceleration now and at the next update (m/s2).

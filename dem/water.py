@@ -1,7 +1,8 @@
-"""Forces of water and surcharges on discs, by the same fields as in finite elements and bounds. The force on a disc is
-the force on its share of the soil at its initial place; forces on the ground surface, and between strata with different
-pore pressures, act on the nearest discs. The force on a disc is constant as it moves, except for buoyancy: the water
-table does not move, and the buoyancy of soil discs that cross it follows from their part below it (`buoyancy`).
+"""Computes forces of water and surcharges on discs, by the same fields as in finite elements and bounds. The force on a
+disc is the force on its share of the soil at its initial place. Forces on the ground surface, and between strata with
+different pore pressures, act on the nearest discs. The force on a disc is constant as it moves, except for buoyancy:
+the water table does not move, and the buoyancy of soil discs that cross it follows from their part below it
+(`buoyancy`).
 """
 
 from collections.abc import Callable

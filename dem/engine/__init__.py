@@ -1,1 +1,1 @@
-"""The engine around the kernels: it packs a model, integrates its motion, checks it and keeps its energy balance."""
+"""Runs the kernels: packs a model, integrates its motion, checks it and keeps its energy balance."""

@@ -1,4 +1,4 @@
-"""Checks during a run; the error of each names the disc and the place."""
+"""Checks the discs during a run; the message of each error names the disc and the place."""
 
 import numpy as np
 

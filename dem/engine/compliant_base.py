@@ -1,14 +1,14 @@
-"""Compliant base: the ground continues below the discs, and waves that they send down leave through it.
+"""Models a compliant base: the ground continues below the discs, and waves that the discs send down leave through it.
 
 On a rigid base, ground vibrates undamped with its natural period, and cycles of Kh of that period build up to several
 times Kh. Below the base of a section the ground continues. A horizontal force F of the discs on the base moves it at
 
     v = F / (ρ V_s L)                                (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877)
 
-relative to its motion without the discs; ρ V_s is the impedance and L the length of the base. In its frame
-the additional acceleration -dv/dt acts on the discs. F follows from the momentum of the discs, and v follows F with the
-time constant `DELAY`. Positive is to the right, perpendicular to gravity. A constant Kh moves the base at a constant
-speed, which has no effect on the discs.
+relative to the motion that the base would have without the discs; ρ V_s is the impedance and L the length of the base.
+In the frame of the base, the additional acceleration -dv/dt acts on the discs. F follows from the momentum of the
+discs, and v follows F with the time constant `DELAY`. Positive is to the right, perpendicular to gravity. A constant Kh
+moves the base at a constant speed, which has no effect on the discs.
 """
 
 from dataclasses import replace
@@ -33,7 +33,7 @@ def felt(model: DiscState) -> Acceleration:
 
 
 def felt_until(model: DiscState, end: float, look: "Look | None") -> Acceleration:
-    """Return the acceleration of the discs from now to a time (s), with that of a compliant base during a look."""
+    """Return the acceleration of the discs from now to a time (s), including the acceleration of a compliant base."""
     if look is None:
         return model.acceleration
     begin = model.time
@@ -51,14 +51,15 @@ def momentum(model: DiscState) -> float:
 
 
 class Look:
-    """Steps from one measurement of the force on the base to the next, which a new neighbour list may interrupt.
+    """Holds the interval of steps from one measurement of the force on the base to the next. A new neighbour list may
+    interrupt it.
 
     Attributes
     ----------
     began, end : float
         Times at which these steps begin, and are to end (s).
     before, rate : float
-        Momentum of the discs (kg m/s per metre) and acceleration of the base (m/s2) at the beginning.
+        Momentum of the discs (kg m/s per metre) and acceleration of the base (m/s2) at the beginning of the interval.
     """
 
     def __init__(self, model: DiscState, dt: float) -> None:
@@ -67,29 +68,31 @@ class Look:
         self.before, self.rate = momentum(model), model.base_rate
 
     def steps_left(self, model: DiscState, dt: float) -> int:
-        """Return the number of steps of dt (s) to the end; none where the steps have become much longer."""
+        """Return the number of steps of dt (s) to the end of the interval; 0 or less if steps have become much
+        longer."""
         return round((self.end - model.time) / dt)
 
     def is_long_enough(self, model: DiscState, dt: float) -> bool:
-        """Return whether so many steps of dt (s) have passed that the force on the base can be measured."""
+        """Return whether enough steps of dt (s) have passed that the force on the base can be measured."""
         return round((model.time - self.began) / dt) >= LEAST_STEPS
 
     def rate_at(self, model: DiscState, time: float) -> float:
-        """Return the acceleration of the base (m/s2) at a time (s) of these steps, over which it changes linearly."""
+        """Return the acceleration of the base (m/s2) at a time (s) in the interval, over which it changes linearly."""
         share = (time - self.began) / (self.end - self.began)
         return self.rate + (model.base_next - self.rate) * share
 
     def follow(self, model: DiscState, since: float) -> None:
-        """Update the motion of the base after some of the steps; since: time before them (s)."""
+        """Update the motion of the base after some steps of the interval; since: time before these steps (s)."""
         before, model.base_rate = model.base_rate, self.rate_at(model, model.time)
         model.base_velocity += 0.5 * (model.time - since) * (before + model.base_rate)
 
     def measure(self, model: DiscState, dt: float) -> None:
-        """Measure the force on the base after all of the steps, of dt (s); the force determines the next acceleration.
+        """Measure the force on the base over the interval of steps of dt (s). The force determines the next
+        acceleration of the base.
 
-        The change of the velocities from the middle of one step to that of a later one follows from the accelerations
-        at the beginnings of the steps in between. Stiff clay rocked the base ever further while the one was taken
-        half a step later than the other.
+        The velocities change from the middle of the step before the interval to the middle of its last step by the
+        accelerations at the beginnings of the steps in between. With momentum and acceleration half a step apart, stiff
+        clay rocked the base ever further.
         """
         over, free = model.time - self.began, ~model.fixed
         moved_mass = float(np.sum((model.mass * (1.0 + _added_mass(model)))[free]))

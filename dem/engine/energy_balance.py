@@ -1,4 +1,4 @@
-"""The energy balance of the discs: energy, work and losses (J per metre out of plane)."""
+"""Computes the energy balance of the discs: energy, work and losses (J per metre out of plane)."""
 
 from dataclasses import dataclass
 
@@ -18,8 +18,8 @@ class EnergyBalance:
     elements, pores, rolling_springs : float
         Energy stored in springs: element springs, pore springs, springs of rolling resistance.
     bonds : float
-        Energy of contacts between discs of cohesive soil, which attract each other: minus the work that separates all
-        of these contacts.
+        Energy of contacts between discs of cohesive soil, which attract each other. It is minus the work that would
+        separate all of these contacts.
     dashpots, sliding, cracks, rolling : float
         Energy dissipated by dashpots, by sliding, by cracks and by rolling resistance.
     pore_water, liquefied_bonds : float
@@ -59,7 +59,7 @@ class EnergyBalance:
 
     @classmethod
     def of(cls, measured: np.ndarray, sums: np.ndarray, edits: float, turnover: float) -> "EnergyBalance":
-        """Return the energy balance from the results of the kernels: `energy.energies` and the sums of all slices.
+        """Return the energy balance from the results of the kernels: `energy.energies`, and the sums over all slices.
 
         measured: (ENERGIES,) energies now (J); sums: (slices, ENERGY_COLUMNS) work and losses (J); edits: energy that
         changes of the model added (J); turnover: total energy exchanged so far (J).

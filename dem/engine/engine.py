@@ -1,5 +1,4 @@
-"""The engine: integrates the motion of a DiscModel, renews its neighbour list, keeps the energy balance, and reports
-errors.
+"""Integrates the motion of a DiscModel, renews its neighbour list, keeps the energy balance, and reports errors.
 
 Between two calls of `run` the model may be changed in any way; the engine itself holds only settings.
 """
@@ -55,8 +54,8 @@ def largest_step(model: DiscModel) -> StableStep:
 
 
 def step_finder(model: DiscModel) -> Callable[[], StableStep]:
-    """Return a function that computes the largest stable time step of a model in its present state, and may run while
-    the layout is made.
+    """Return a function that computes the largest stable time step of a model in its present state. The function may
+    run while the layout is made.
     """
     invmass = np.where(model.fixed, 0.0, 1.0 / model.mass)
     bodies = Bodies(model.x, model.z, model.radius, invmass, invmass * model.inertia_ratio)
@@ -91,8 +90,8 @@ class Engine:
     pulls : bool
         Whether dashpots of element springs may pull (only for comparison with closed forms).
     crack_by : "contact" or "pore"
-        Normal force in the crack criterion of eq. (16): of element and pore spring together, or of the pore spring
-        alone. Soil discs always use the latter.
+        Normal force in the crack criterion of pore springs, eq. (16) of the paper: that of element and pore spring
+        together, or of the pore spring alone. Soil discs always use the latter.
     checkpoint, checkpoint_every : path, float
         File of the checkpoint, and model time between two checkpoints (s); the last checkpoint is kept when a run stops
         with an error.
@@ -148,7 +147,7 @@ class Engine:
         every: float | None = None,
         on_output: OnOutput | None = None,
     ) -> EnergyBalance | None:
-        """Advance the model by `duration` seconds (rounded to whole steps) or by a number of steps, which may be 0.
+        """Advance the model by `duration` seconds (rounded to whole steps), or by a number of steps, which may be 0.
 
         on_output is called with the model every `every` seconds and at the end; it may read and save the model, but not
         change it. Returns the energy balance at the end, None if it is not computed. Raises DemError, with the model in
@@ -202,7 +201,7 @@ class Engine:
 
 
 class EngineRun:
-    """One run of the engine: layout in memory, threads, and calls of the stepping kernel."""
+    """Runs the engine once: holds the layout in memory and the threads, and calls the stepping kernel."""
 
     def __init__(self, engine: Engine, model: DiscModel, dt: float) -> None:
         self.engine, self.model, self.dt = engine, model, dt
@@ -253,7 +252,7 @@ class EngineRun:
         check_escape(self.model, self.engine.checkpoint_note)
 
     def begin_energy_balance(self) -> None:
-        """Count the energy of changes of the model since the last run as edits in the energy balance."""
+        """Count as edits, in the energy balance, the energy of changes of the model since the last run."""
         if not self.engine.energies:
             self.model.energy_known = float("nan")
             return
@@ -325,7 +324,8 @@ class EngineRun:
         return energies
 
     def take_stretch(self, steps: int) -> int:
-        """Take up to `steps` steps, and update the motion of a compliant base; return why the kernel returned."""
+        """Take up to `steps` steps, and update the motion of a compliant base; return the reason why the kernel
+        returned."""
         model, dt = self.model, self.dt
         if model.base_impedance == 0.0:
             return self.call_kernel(steps)
@@ -345,7 +345,7 @@ class EngineRun:
         self.look = None
 
     def call_kernel(self, steps: int) -> int:
-        """Take up to `steps` steps in all threads; return why the kernel returned."""
+        """Take up to `steps` steps in all threads; return the reason why the kernel returned."""
         arguments = self.arguments(steps)
         if self.pool is None:
             return self.add(*take_steps(*arguments[0]))
@@ -370,7 +370,7 @@ class EngineRun:
         ]  # fmt: skip
 
     def collect(self) -> int:
-        """Wait for the kernel and count its steps; return why the kernel returned."""
+        """Wait for the kernel and count its steps; return the reason why the kernel returned."""
         results = [thread.result() for thread in self.working]  # of all, before any is believed
         self.working = []
         return self.add(*results[0])

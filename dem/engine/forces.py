@@ -1,4 +1,4 @@
-"""Current contact forces, and their resultant on each disc."""
+"""Computes current contact forces, and their resultant on each disc."""
 
 from dataclasses import dataclass
 
@@ -26,11 +26,11 @@ class ContactForces:
         Force on the disc pair_j; the force on pair_i is opposite.
     rim, rim_i : (pairs,)
         Moment over radius on pair_j and on pair_i: the tangential force times the ratio of distance and sum of radii,
-        and what rolling resistance adds.
+        plus the contribution of rolling resistance.
     normal, tangential : (pairs,)
         The force along (positive: push) and across the line of centres.
     line_fx, line_fz, line_rim : (contacts with lines,)
-        Force, and moment over radius, of rigid lines on discs.
+        Force of rigid lines on discs, and moment of this force over the radius.
     """
 
     fx: np.ndarray
@@ -65,9 +65,9 @@ def contact_forces(model: DiscModel) -> ContactForces:
 
 
 def keep_slip(model: DiscModel) -> None:
-    """Store the slip of the last step in the springs, as the next step would.
+    """Store the slip of the last step in the springs, as the next step would do.
 
-    To be called before velocities are set, since this slip follows from the velocities of the last step.
+    Call this function before velocities are set, since the slip follows from the velocities of the last step.
     """
     unpack(_evaluated(model), model)
 

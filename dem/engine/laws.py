@@ -1,4 +1,4 @@
-"""Contact law and constants of a model of discs, as arguments of the kernels."""
+"""Provides contact law and constants of a model of discs as arguments of the kernels."""
 
 from typing import Literal
 
@@ -16,8 +16,8 @@ CrackBy = Literal["contact", "pore"]
 def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact") -> Law:
     """Return the contact law of a model as an argument of the kernels; pulls and crack_by as in `Engine`.
 
-    In soil discs Fn of eq. (16) is the force of the pore spring alone: the normal force of the element contact already
-    contributes to the friction of the element.
+    In soil discs Fn of eq. (16) is the force of the pore spring alone, since the normal force of the element contact
+    already contributes to the friction of the element.
     """
     soil = model.law == "soil"
     pores = bool(model.springs.pairs[KPN].any())

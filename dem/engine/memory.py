@@ -1,4 +1,4 @@
-"""Memory of large arrays: large pages where the system supports them, and reuse of freed pages."""
+"""Provides memory for large arrays: large pages where the system supports them, and reuse of freed pages."""
 
 import ctypes
 import math
@@ -25,7 +25,7 @@ def large_zeros(*shape: int) -> np.ndarray:
 
 
 class Room:
-    """Memory that is reused, by name, for arrays of about the same size; earlier contents are lost.
+    """Reuses memory, by name, for arrays of about the same size. The earlier contents are lost.
 
     `Room` serves arrays above `LARGEST`, which glibc otherwise returns to the system: for 300,000 discs a quarter of
     the time of a new neighbour list was spent on new pages.

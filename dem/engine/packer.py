@@ -1,4 +1,4 @@
-"""DiscModel to Layout and back."""
+"""Converts a DiscModel to a Layout and back."""
 
 from functools import partial
 
@@ -157,7 +157,7 @@ def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
 
 
 def _bonds(layout: Layout, model: DiscModel) -> np.ndarray:
-    """Return the memory of the bonds (pairs, MEMORY), read back from their lanes."""
+    """Return the history variables of the bonds (pairs, MEMORY), read back from their lanes."""
     number = np.empty(len(model), np.int32)
     number[model.order] = np.arange(len(model), dtype=np.int32)
     lane, start = place_pairs(number[model.liquefied_i], len(layout.chunk_start) - 1)

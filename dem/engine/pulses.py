@@ -1,7 +1,7 @@
-"""A run in many short sections, between which only positions and velocities are read.
+"""Runs discs in many short sections, between which only positions and velocities are read.
 
-Conversion of a model into the layout of the kernels and back takes as long as some forty steps; positions of ground
-whose load depends on its motion, as in displacement control, are read more often than this.
+Conversion of a model into the layout of the kernels and back takes as long as some forty steps. In displacement control
+the load depends on the motion, and so positions are read more often than this.
 """
 
 from types import TracebackType
@@ -11,10 +11,10 @@ from dem.model import DiscModel
 
 
 class Pulses:
-    """A run in short sections: inside the block positions and velocities of the model are current, its contacts only
-    after `whole`.
+    """Runs discs in short sections. Inside the block, positions and velocities of the model are current, but its
+    contacts only after a call of `whole`.
 
-    Energies are not summed. The step is a share of the stable step at the time when the neighbour list was made.
+    Energies are not summed. The time step is a share of the stable step at the time when the neighbour list was made.
     """
 
     def __init__(self, model: DiscModel, share: float, threads: int = 1) -> None:
@@ -31,7 +31,7 @@ class Pulses:
         self.run.close()
 
     def on(self, seconds: float) -> None:
-        """Run the model for some seconds, by whole steps. Raises DemError."""
+        """Advance the model by some seconds, in whole steps. Raises DemError."""
         run = self.run
         assert run.stable is not None
         run.dt = min(self.share * run.stable.seconds, seconds)

@@ -1,4 +1,4 @@
-"""Slices at the borders between threads, and the order in which threads wait for each other."""
+"""Finds the slices at the borders between threads, and the order in which threads wait for each other."""
 
 import numpy as np
 
@@ -6,8 +6,8 @@ from dem.kernels.layout import LANES, LINK_FIELDS, Layout
 
 
 def needs(thread: int, threads: int, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-    """Return the slices of a thread that share contacts with other threads, and how many slices each other thread must
-    have finished before these slices move.
+    """Return the slices of a thread that share contacts with other threads. Also return how many slices each other
+    thread must have finished before these slices move.
 
     Returns (slices (shared,), counts (shared, threads)).
     """

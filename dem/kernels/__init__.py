@@ -1,1 +1,2 @@
-"""The step of the discs on flat arrays: contacts, motion, energies; they know NumPy and Numba only."""
+"""Kernels that compute one step of the discs on flat arrays: contacts, motion and energies. They import only NumPy and
+Numba."""

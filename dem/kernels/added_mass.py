@@ -1,4 +1,5 @@
-"""Kernel: added mass of surcharges and free water on discs (`Layout.added_mass`), which shakes with the ground."""
+"""Kernel: added mass of surcharges and free water on discs (`Layout.added_mass`). The added mass moves with the
+ground."""
 
 from dem.kernels.device_function import device_function
 from dem.kernels.layout import INVMASS, PULL_X, PULL_Z, VX, VZ, Layout, entry, place

@@ -1,4 +1,4 @@
-"""Arguments of kernels in groups: constants, law, loads, clock, threads, and one step."""
+"""Groups the arguments of kernels: constants, law, loads, clock, threads, and one step."""
 
 from typing import NamedTuple
 
@@ -57,13 +57,13 @@ class Law(NamedTuple):
     ----------
     soil : bool
         Whether the law is that of soil discs (weaker of two strengths, cohesion, rolling resistance, stiffening at
-        large overlap); otherwise it is the paper's law.
+        large overlap); otherwise it is the law of the paper.
     pores : bool
         Whether there are pore springs.
     floor : float
         Least normal force of an element contact (N): 0, or -inf if the dashpot may pull.
     share : float
-        Share of the element's normal force in Fn of eq. (16).
+        Share of the element's normal force in Fn of eq. (16) of the paper, the crack criterion of pore springs.
     period : Period
         Length and rise after which periodic ground repeats itself; for soil discs only.
     """
@@ -124,7 +124,7 @@ class Team(NamedTuple):
     barrier : array of int64
         Counters with which threads wait for each other, see `barrier.new_barrier`.
     stops : (2, threads)
-        Reason to stop that each thread met in a step, alternately for odd and even steps.
+        Reason for which each thread stopped in a step, alternately for odd and even steps.
     """
 
     thread: int
@@ -154,8 +154,8 @@ class Step(NamedTuple):
     Attributes
     ----------
     kick, dt, slip_time : float
-        Durations (s): between the stored and the new velocities; from the present to the new positions; from the last
-        to the present positions.
+        Durations (s): from the stored to the new velocities (``kick``), from the present to the new positions (``dt``),
+        and from the last to the present positions (``slip_time``).
     ax, az, level : float
         External acceleration at the beginning of the step: along x, along z, and horizontally (m/s2).
     mean_x, mean_z, mean_level : float

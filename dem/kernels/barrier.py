@@ -1,7 +1,8 @@
-"""A barrier for threads inside kernels: none passes before all have reached it.
+"""Kernel: barrier for threads, which no thread passes before all threads have reached it.
 
-Written with LLVM's atomic instructions, as Numba offers none for the CPU. Threads spin, and yield the processor now and
-then, so that they make progress on a busy machine, too. With the JIT switched off there is one thread and no barrier.
+The barrier is written with LLVM's atomic instructions, as Numba offers none for the CPU. Waiting threads spin, and now
+and then yield the processor, so that they make progress on a busy machine, too. With the JIT switched off there is one
+thread and no barrier.
 """
 
 from typing import Any
@@ -33,7 +34,7 @@ def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 @intrinsic
 def fetch_add(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
-    """Add a number to an entry of an int64 array, and return the earlier value; atomic.
+    """Add a number to an entry of an int64 array in one atomic operation, and return the earlier value.
 
     typing_context: typing context of Numba; array: int64 array; index: index of the entry; value: number that is added.
     """
@@ -47,7 +48,7 @@ def fetch_add(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
 
 @intrinsic
 def load(typing_context: Any, array: Any, index: Any) -> Any:
-    """Read an entry that other threads write; everything that they wrote before it is visible afterwards."""
+    """Read an entry that other threads write. Everything that they wrote before it is visible afterwards."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.load_atomic(_place(context, builder, signature, arguments), "acquire", 8)
@@ -83,7 +84,7 @@ def wait(barrier: np.ndarray, threads: int) -> None:
 
 @device_function(nogil=True)
 def report(barrier: np.ndarray, thread: int) -> None:
-    """Count one more finished piece of work of this thread; everything that the thread wrote before is visible to a
+    """Count one more finished piece of work of this thread. Everything that the thread wrote before is visible to a
     thread that reads the count.
     """
     fetch_add(barrier, PROGRESS + APART * thread, 1)

@@ -1,7 +1,8 @@
-"""Kernel: force-displacement law of a bond between liquefied discs; force and displacement are given as shares of their
+"""Kernel: force-displacement law of a bond between liquefied discs. Force and displacement are given as shares of their
 values at the limit of the bond.
 
-The law is bilinear: soft up to the strain potential, steep from there to the limit; linear without a strain potential.
+The law is bilinear: soft up to the strain potential, then steep up to the limit. Without a strain potential it is
+linear.
 """
 
 import math

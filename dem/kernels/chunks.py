@@ -1,4 +1,4 @@
-"""Kernel: forces and memory of contacts, 64 lanes at a time, and their energy losses since the last step."""
+"""Kernel: forces and history variables of contacts, 64 lanes at a time, and their energy losses since the last step."""
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from dem.kernels.work_buffers import BLOCK, constant, load_partners
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def add(total: float, value: float) -> float:
-    """Add two numbers in an order that the compiler may choose; used for the energy balance, never for the motion."""
+    """Add two numbers in an order that the compiler may choose. This sum is used for the energy balance, never for the
+    motion."""
     return total + value
 
 
@@ -112,8 +113,8 @@ def contacts_with_losses(
 ) -> tuple[bool, float, float, float, float]:
     """Compute forces and history variables of one chunk as `contacts` does, and the losses since the last step.
 
-    state, buffer, slip_time, law: as in `contact`.
-    Returns whether an overlap is too large, and the losses by dashpots, sliding, cracks and rolling (J).
+    state, buffer, slip_time, law: as in `contact`. Returns whether an overlap is too large, and the losses by dashpots,
+    sliding, cracks and rolling (J).
     """
     if not law.soil:
         return all_lanes(chunk, state, buffer, slip_time, law, False, True, True)

@@ -1,7 +1,8 @@
-"""The law between two discs, or a disc and a rigid line: forces from overlap, speed, slip and memory.
+"""Kernel: contact law between two discs, or a disc and a rigid line: forces from overlap, speed, slip and history
+variables.
 
-Signs everywhere in `dem`: an overlap and a compressive normal force are positive; `vn` is the speed of
-separation; `vt` the slip speed of disc j's rim over disc i's along t = (-nz, nx), n pointing from i to j. The
+Signs everywhere in `dem`: an overlap and a compressive normal force are positive; `vn` is the speed of separation; `vt`
+is the speed at which the rim of disc j slips over that of disc i along t = (-nz, nx), n pointing from i to j. The
 tangential force opposes slip. Exchanging i and j changes neither overlap, vn, vt nor the stored forces, so the order of
 the two discs does not matter; only rolling changes its sign. Units are SI, forces per metre out of plane.
 """
@@ -18,7 +19,7 @@ CONSTANTS = 20
 
 @device_function(forceinline=True)
 def clamp(value: float, limit: float) -> float:
-    """Return `value`, limited to [-limit, limit]."""
+    """Return `value`, limited to the interval [-limit, limit]."""
     value = value if value < limit else limit
     return value if value > -limit else -limit
 
@@ -27,9 +28,9 @@ def clamp(value: float, limit: float) -> float:
 def spring(over: float, kn: float, gap: float) -> float:
     """Return the force (N) of the element's normal spring at an overlap (m), positive in compression.
 
-    gap: largest gap across which discs of cohesive soil attract each other (m), 0 for all others. The spring pulls up
-    to kn times the gap; there is no force across a larger gap. The spring has no memory, so that sheared soil attracts
-    as before.
+    gap: largest gap across which discs of cohesive soil attract each other (m), 0 for all other discs. The spring pulls
+    up to kn times the gap; there is no force across a larger gap. The spring has no history variable, so that sheared
+    soil attracts as before.
     """
     return kn * over if over > -gap else 0.0
 
@@ -45,9 +46,10 @@ def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
 
 @device_function(forceinline=True)
 def stop(over: float, stiffness: float, depth: float) -> float:
-    """Return the additional repulsion (N) of soil discs if the overlap exceeds `depth` (m), which stiffens the contact.
+    """Return the additional repulsion (N) of soil discs whose overlap exceeds `depth` (m).
 
-    So discs do not pass through each other, however soft their layer becomes by liquefaction.
+    The repulsion stiffens the contact, so that discs do not pass through each other, however soft their layer becomes
+    by liquefaction.
     """
     deep = over - depth
     return stiffness * deep if deep > 0.0 else 0.0
@@ -55,7 +57,8 @@ def stop(over: float, stiffness: float, depth: float) -> float:
 
 @device_function(forceinline=True)
 def normal_force(over: float, vn: float, floor: float, spring: float, cn: float, gap: float) -> float:
-    """Return the normal force (N) of element spring and dashpot, eqs. (1)-(2); zero if the discs do not touch.
+    """Return the normal force (N) of element spring and dashpot, eqs. (1)-(2) of the paper; zero if the discs do not
+    touch.
 
     over: overlap (m); vn: speed of separation (m/s); spring: force of the spring (N); cn: dashpot (N s/m); gap: see
     `spring` (m). floor: least total normal force (N): 0 for contacts without tension, -inf if dashpots may pull.
@@ -67,8 +70,8 @@ def normal_force(over: float, vn: float, floor: float, spring: float, cn: float,
 
 @device_function(forceinline=True)
 def friction_limit(normal: float, mu: float) -> float:
-    """Return the largest tangential force (N) of an element contact in the paper's discs: Coulomb friction, with the
-    coefficient of Table 2.
+    """Return the largest tangential force (N) of an element contact of discs with the law "paper": Coulomb friction,
+    with the coefficient of Table 2.
     """
     limit = mu * normal
     return limit if limit > 0.0 else 0.0
@@ -94,8 +97,8 @@ def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c
 def friction_spring(
     force: float, way: float, speed: float, stiffness: float, dashpot: float, limit: float
 ) -> tuple[float, float, float]:
-    """Compute the force of a spring and a dashpot in parallel with a common limit, eqs. (3)-(4), for slip or for
-    rolling.
+    """Compute the force of a spring and a dashpot in parallel with a common limit, eqs. (3)-(4) of the paper, for slip
+    or for rolling.
 
     force: force of the spring in the last step (N); way: slip since then (m); speed: speed of slip (m/s); stiffness:
     stiffness of the spring (N/m); dashpot: coefficient of the dashpot (N s/m); limit: limit of the force (N). The force
@@ -121,8 +124,8 @@ def pore(
     bc: float,
     beta: float,
 ) -> tuple[float, float, float, float]:
-    """Compute the forces of a pore spring, eqs. (11)-(17). An intact spring pulls, pushes and shears; a cracked one
-    works only while compressed.
+    """Compute the forces of a pore spring, eqs. (11)-(17) of the paper. An intact spring pulls, pushes and shears; a
+    cracked one works only while compressed.
 
     length: distance L at which the spring was set (m), negative once cracked, 0 if there is none. distance: D of the
     centres (m); slip: since the last step (m); kpn, kps: normal and tangential stiffness (N/m); tan: tan(theta) of eq.

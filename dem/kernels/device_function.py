@@ -1,4 +1,4 @@
-"""Compilation of functions that are only called by other kernels.
+"""Compiles functions that are only called by other kernels.
 
 Numba adds two wrappers to every compiled function, for Python and for C, and compiles the body of an inlined function
 again with each wrapper. Compilation without wrappers takes two thirds of the time.

@@ -47,8 +47,8 @@ def book(now: Contact, out: np.ndarray) -> None:
 def lanes_energy(
     chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, soil: bool, out: np.ndarray
 ) -> None:
-    """Add the energies of one chunk of contacts to `out`; their forces go to the owners' sums and into the partners'
-    rows.
+    """Add the energies of one chunk of contacts to `out`. The forces of the contacts are added to the sums of their
+    owners and written into the rows of their partners.
 
     state, buffer, slip_time, law, soil: as in `chunks.contact`; out: energies (ENERGIES,) in J.
     """
@@ -90,8 +90,8 @@ def slice_energy(
     p: int, layout: Layout, springs: Springs, buffer: np.ndarray, slip_time: float, law: Law, force: np.ndarray,
     out: np.ndarray,
 ) -> None:  # fmt: skip
-    """Add the energies of all contacts that slice p owns to `out`, and their forces and rim forces to those on the
-    discs.
+    """Add the energies of all contacts that slice p owns to `out`, and the forces and rim forces of these contacts to
+    those on the discs.
 
     layout: discs and contacts; springs: constants; buffer: rows to work in; slip_time: length of the last step (s);
     law: law of the contacts; force: (3, discs) force along x, z and at the rim (N); out: energies (ENERGIES,) in J.

@@ -1,7 +1,7 @@
 """Kernel: forces, energies and losses of one contact, from the motion of its two sides and its history variables.
 
-Here the contact law is applied to the layout: for the stepping kernel, which stores the result, and for the energies,
-which only read it. All functions are inlined, so that values that a caller does not need are not computed.
+Here the contact law is applied to the layout. The stepping kernel stores the result; the energy balance only reads it.
+All functions are inlined, so that values that a caller does not need are not computed.
 """
 
 import math
@@ -79,7 +79,7 @@ class Contact(NamedTuple):
     over : float
         Overlap (m).
     normal, drag : float
-        Normal and tangential force of element and pore spring together (N).
+        Normal force (`normal`) and tangential force (`drag`) of element and pore spring together (N).
     torque : float
         Rolling moment over R = r_i r_j/(r_i + r_j) (N); positive on i, negative on j.
     shear, pore, rolled : float
@@ -174,7 +174,7 @@ def between_discs(
     pores: bool,
     with_losses: bool,
 ) -> tuple[Motion, Contact]:
-    """Compute the contact in lane q of the chunk at d (rolling memory at w); the state is not changed.
+    """Compute the contact in lane q of the chunk at d (rolling memory at w) without changing the state.
 
     state: arrays of discs and contacts; buffer: rows that `load_geometry` filled; slip_time: length of the last step
     (s); law: law of the contacts; soil, pores, with_losses: whether the law of soil discs holds, there are pore
@@ -265,7 +265,8 @@ def between_discs(
 
 @device_function(nogil=True)
 def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> tuple[float, Motion]:
-    """Return the overlap (m) of a disc with a rigid line, and their relative motion; the lever is the disc's radius.
+    """Return the overlap (m) of a disc with a rigid line, and the motion of the disc relative to the line. The lever is
+    the radius of the disc.
 
     e: number of the contact; layout: discs and contacts; walls: see `Springs`; slip_time: length of the last step (s).
     """
@@ -291,8 +292,8 @@ def line_motion(e: int, layout: Layout, walls: np.ndarray, slip_time: float) -> 
 def at_line(
     e: int, at: np.uint64, w: np.uint64, layout: Layout, springs: Springs, slip_time: float, law: Law
 ) -> tuple[Motion, Contact]:
-    """Compute the contact of a disc with a rigid line, whose forces are in lane `at` (rolling memory at w); the state
-    is not changed.
+    """Compute the contact of a disc with a rigid line without changing the state. The forces are in lane `at`, the
+    history variables of rolling at w.
 
     e: number of the contact; layout: discs and contacts; springs: constants; slip_time: length of the last step (s);
     law: law of the contacts.
@@ -331,7 +332,7 @@ def at_line(
 
 @device_function(nogil=True)
 def line_lane(e: int, layout: Layout) -> tuple[np.uint64, np.uint64]:
-    """Return the places of the contact e with a rigid line in `links` and in `rolling`: after the chunks and the empty
-    chunk."""
+    """Return the places of the contact e with a rigid line in `links` and in `rolling`. They lie after the chunks and
+    the empty chunk."""
     place = np.uint64(layout.chunk_start[-1] + 1) + np.uint64(e // field.LANES)
     return place * field.LINK + np.uint64(e % field.LANES), place * field.ROLL_LINK + np.uint64(e % field.LANES)

@@ -1,10 +1,10 @@
-"""Layout of discs and contacts in memory for the kernels, and the conversion to and from lists.
+"""Kernel: layout of discs and contacts in memory, and the conversion to and from lists.
 
-Discs are sorted in space and cut into slices of 64 lanes. A slice owns some of the contacts of its discs, kept in
-chunks of 64 lanes too: lane l of a chunk is a contact owned by lane l of the slice. Each field of a slice or chunk is
-64 doubles in a row, and all fields of one slice (or chunk) are adjacent. Every inner loop then runs over 64
-neighbouring doubles at fixed distances from one base address, so that the compiler can use vector instructions; lanes
-without a contact point to a disc far away.
+Discs are sorted in space and cut into slices of 64 lanes. A slice owns some of the contacts of its discs. These
+contacts are kept in chunks of 64 lanes: lane l of a chunk is a contact owned by lane l of the slice. Each field of a
+slice or chunk is 64 doubles in a row, and all fields of one slice (or chunk) are adjacent. Every inner loop then runs
+over 64 neighbouring doubles at fixed distances from one base address, so that the compiler can use vector instructions;
+lanes without a contact point to a disc far away.
 
 A layout does not depend on the number of threads, so that the order of sums is the same for any number.
 """
@@ -52,9 +52,9 @@ class Layout(NamedTuple):
     links : ((chunks + 1 + line chunks) * LINK,)
         Fields of the contacts: chunks, one chunk whose forces are always zero, then contacts with rigid lines.
     rolling : ((chunks + 1 + line chunks) * ROLL_LINK,)
-        History variables of rolling of the same contacts; empty for the paper's discs.
+        History variables of rolling of the same contacts; empty for discs with the law "paper".
     shared : (slices * 64 * SHARED,)
-        The fields of the discs that partners read, disc by disc.
+        Fields of the discs that partners read, disc by disc.
     partner : (chunks * 64,)
         Number of the partner of each contact in spatial order.
     kinds : (chunks * 64,)
@@ -66,7 +66,7 @@ class Layout(NamedTuple):
     chunk_start : (slices + 1,)
         First chunk of each slice.
     incoming : (slots * 64,)
-        Places in `links` of the contact forces that another disc owns, for each disc.
+        For each disc, the places in `links` of the contact forces that another disc owns.
     incoming_start : (slices + 1,)
         First slot of each slice.
     first, last : (slices,)
@@ -126,8 +126,8 @@ def place(disc: int, field: int) -> np.uint64:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def count_slots(member: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the first slot of each slice, and the number of every entry among those of its disc. A slice has as many
-    slots as one of its discs occurs in `member` at most.
+    """Return the first slot of each slice, and for every entry its number among the entries of the same disc. A slice
+    has at most as many slots as one of its discs occurs in `member`.
     """
     seen = np.zeros(slices * LANES, np.int32)
     turn = np.empty(len(member), np.int32)
@@ -164,8 +164,8 @@ def place_links(
 
     owner, partner: discs of each contact; turn: number of the contact among the contacts of its owner; chunk_start: as
     in `Layout`; radii: radii of the discs (m); kinds: column of the constants; memory: history variables of each
-    contact, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for the paper's discs); links, rolling,
-    where, kind: arrays of the layout to fill.
+    contact, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for discs with the law "paper"); links,
+    rolling, where, kind: arrays of the layout to fill.
     """
     for c in range(begin, end):
         i = owner[c]
@@ -284,8 +284,8 @@ def list_links(
     """List the contacts of slices begin to end from their lanes, slice by slice, slot by slot, lane by lane.
 
     start: as from `count_links`; layout: discs and contacts; order: original number of every disc. Writes `owner` and
-    `other` (original numbers) and `memory`, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for the
-    paper's discs).
+    `other` (original numbers) and `memory`, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for discs
+    with the law "paper").
     """
     discs = len(order)
     for p in range(begin, end):

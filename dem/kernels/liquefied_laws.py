@@ -1,4 +1,4 @@
-"""Kernel: laws of liquefied ground for one distance and one disc; `liquefied_pairs` combines them."""
+"""Kernel: laws of liquefied ground for one distance and one disc, which `liquefied_pairs` combines."""
 
 import math
 

@@ -14,7 +14,7 @@ FIRST, SECOND = int(WIDTH_1), int(WIDTH_2)
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lane (pairs,) of every pair, and the first block (slices + 1,) of every slice; each slice begins with
+    """Return the lane (pairs,) of every pair, and the first block (slices + 1,) of every slice. Each slice begins with
     a new block of lanes.
     """
     start = np.zeros(slices + 1, np.int64)
@@ -33,7 +33,7 @@ def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def members_of(first: np.ndarray, second: np.ndarray, lane: np.ndarray, slots: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return `member` and `members` of pairs: for every disc its pairs, in the order of the list.
+    """Return `member` and `members` of pairs, which list for every disc its pairs in the order of the list.
 
     first, second: discs of each pair; lane: lane of each pair; slots: number of discs including padding.
     """

@@ -1,6 +1,6 @@
-"""Kernel: liquefied ground, carried by its pore pressure and held together by its residual strength.
+"""Kernel: liquefied ground, whose pore pressure carries its weight and whose bonds provide its residual strength.
 
-Two laws act between every two discs that are nearer than the reach H if one of them has liquefied; they are independent
+Two laws act between every two discs that are nearer than the reach H if one of them has liquefied. They are independent
 of contacts.
 
 1. Pore pressure by volume. A disc represents an area V with its voids. The density of these areas is rho_i = sum_j V_j
@@ -165,8 +165,8 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool)
     """Compute densities, levers and speeds of a block of pairs, after `fetch_motion`; `wet`: liquefied pairs; `period`:
     period of the ground.
 
-    With `with_losses` it returns the work (J) since the last evaluation of the terms that replace discs which have not
-    liquefied.
+    With `with_losses` the function returns the work (J), since the last evaluation, of the terms that replace discs
+    which have not liquefied.
     """
     wide_vectors()
     w, reach = wet.working, wet.reach
@@ -239,7 +239,7 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, late
 
 @device_function(forceinline=True)
 def bond_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
-    """Return the weights of both discs in their bond: one each in one stratum, else two for the weaker disc."""
+    """Return the weights of both discs in their bond: 1 for each disc in one stratum, else 2 for the weaker disc."""
     if discs[i, SHARE] == 0.0:
         return 0.0, 2.0
     if discs[j, SHARE] == 0.0:
@@ -260,7 +260,8 @@ def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
 
 @device_function(nogil=True, _nrt=False)
 def fetch_strength(block: int, wet: Liquefied) -> None:
-    """Compute pressure and strength of the pairs of a block: sums over both discs; those of bonds are weighted."""
+    """Compute pressure and strength of the pairs of a block as sums over both discs; the sums for bonds are
+    weighted."""
     discs, w = wet.discs, wet.working
     for lane in range(LANES):
         q = np.uint64(block) * WORKED + np.uint64(lane)
@@ -279,7 +280,7 @@ def fetch_strength(block: int, wet: Liquefied) -> None:
 def press_pairs(
     block: int, wet: Liquefied, damping_time: float, relaxation: float, with_losses: bool
 ) -> tuple[float, float, float]:
-    """Compute forces and memory of the pairs of a block, after `fetch_strength` has read their strength.
+    """Compute forces and history variables of the pairs of a block, after `fetch_strength` has read their strength.
 
     Returns energies (J) since the last evaluation: dissipation of bonds by slip and by dashpots, and the work of the
     terms that replace discs which have not liquefied. damping_time: dashpot over stiffness of a bond (s); relaxation:
@@ -357,7 +358,7 @@ def press_pairs(
 
 @device_function(nogil=True, _nrt=False)
 def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
-    """Sum the forces of pairs on the discs near[begin:end]."""
+    """Add up the forces of pairs on the discs near[begin:end]."""
     discs, w = wet.discs, wet.working
     for k in range(begin, end):
         i = np.int64(wet.near[k])
@@ -371,7 +372,7 @@ def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
 
 @device_function(nogil=True)
 def liquefied_energy(wet: Liquefied, shared: np.ndarray, force: np.ndarray) -> tuple[float, float]:
-    """Return the energy (J) stored in pore water and in bonds; add the last forces to `force` (3, slots).
+    """Return the energy (J) stored in pore water and in bonds. Also add the last forces to `force` (3, slots).
 
     The work of these forces on displacements since the last evaluation counts as stored.
     """

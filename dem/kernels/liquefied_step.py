@@ -1,4 +1,4 @@
-"""Kernel: forces of liquefied ground in a step of all threads, slice by slice; the laws are in `liquefied_pairs`."""
+"""Kernel: forces of liquefied ground in a step of all threads, slice by slice. The laws are in `liquefied_pairs`."""
 
 import math
 

@@ -1,10 +1,10 @@
-"""Kernel: the shear stress about each liquefied disc, and the shear strain since the last neighbour list.
+"""Kernel: shear stress at each liquefied disc, and shear strain since the last neighbour list.
 
 The stress at a disc follows from its pairs and their forces at the last evaluation (virial of Love 1927; half of each
-pair belongs to either disc), tension positive. The displacement gradient is that of its neighbours by least squares.
-Stress and displacement gradient are means over the liquefied neighbours within reach, since the stress of single discs
-scatters next to a slip plane. The shear stress of ground that flows in the plane without change of volume is its
-plastic work over its shear strain, sigma : grad u / gamma (Tresca).
+pair belongs to either disc), tension positive. The displacement gradient is fitted to the displacements of the
+neighbours by least squares. Stress and displacement gradient are means over the liquefied neighbours within reach,
+since the stress of single discs scatters next to a slip plane. The shear stress of ground that flows in the plane
+without change of volume is its plastic work over its shear strain, sigma : grad u / gamma (Tresca).
 """
 
 import math
@@ -39,7 +39,7 @@ def measured_shear(
     way
         (2, n) Displacement since the last list (m).
     pairs
-        (2, pairs) Numbers of their discs.
+        Numbers of the discs of each pair.
     memory
         (pairs, MEMORY) History variables of the bonds.
     reach, period
@@ -66,7 +66,8 @@ def measured_shear(
 def _sums(
     discs: np.ndarray, way: np.ndarray, pairs: np.ndarray, memory: np.ndarray, reach: float, period: Period
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the stress and gradient of every disc (n, 13), and W (pairs,) of every pair (1/m2)."""
+    """Return the stress and displacement gradient of every disc (n, 13), and the kernel W (pairs,) of every pair
+    (1/m2)."""
     n = len(discs)
     sums = np.zeros((n, 13))
     width = np.zeros(pairs.shape[1])
@@ -138,8 +139,8 @@ def _shear_of(mean: np.ndarray) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float, values: np.ndarray) -> np.ndarray:
-    """Return the means of values (n, k) over liquefied discs of one stratum within reach, by the kernel (width) and
-    their areas.
+    """Return the means of values (n, k) over the liquefied discs of the same stratum within reach, weighted by the
+    kernel (width) and the areas of the discs.
 
     Means are computed one value after the other, since loops over rows would take seconds more to compile.
     """
@@ -169,7 +170,8 @@ def _means(discs: np.ndarray, pairs: np.ndarray, width: np.ndarray, reach: float
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _solve(sums: np.ndarray) -> None:
-    """Displacement gradients from sums over neighbours; zero where the neighbours lie on a line."""
+    """Compute displacement gradients from sums over neighbours. The gradient is zero if the neighbours lie on a
+    line."""
     xx, xz, zz = sums[M_XX], sums[M_XZ], sums[M_ZZ]
     scale = xx * zz - xz * xz
     inverse = 1.0 / scale if scale > FLAT * (xx + zz) * (xx + zz) else 0.0

@@ -1,6 +1,6 @@
-"""Kernel: energy losses of a contact since the last step, for the energy balance; they do not affect the motion.
+"""Kernel: energy losses of a contact since the last step, for the energy balance. They do not affect the motion.
 
-So the compiler may reorder and fuse their sums and products. Losses are doubled here, and halved after they are summed.
+So the compiler may reorder and fuse these sums and products. Losses are doubled here, and halved after they are summed.
 """
 
 import math

@@ -1,8 +1,9 @@
-"""Kernel: the neighbour list. A cell grid finds the pairs whose distance is below the sum of their radii plus a skin.
+"""Kernel: neighbour list. A cell grid finds the pairs whose distance is below the sum of their radii plus a margin, the
+skin.
 
-The list holds until some disc has moved half the skin. The list also contains every pair with a pore spring, intact or
-cracked, at any distance: a cracked spring resists again when the discs return to its length, so that removing it would
-make the result depend on the skin. History variables of springs are copied to the new list.
+The list is valid until some disc has moved half the skin. The list also contains every pair with a pore spring, intact
+or cracked, at any distance. A cracked spring resists again when the discs return to its length, so that removing it
+would make the result depend on the skin. History variables of springs are copied to the new list.
 """
 
 from typing import NamedTuple
@@ -24,8 +25,8 @@ def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
 
 
 class Near(NamedTuple):
-    """Holds discs in spatial order, and the criterion of neighbours: a distance below factor (r_i + r_j) + skin, and
-    not both fixed.
+    """Holds discs in spatial order, and the criterion of neighbours: their distance is below factor (r_i + r_j) + skin,
+    and they are not both fixed.
 
     Attributes
     ----------
@@ -90,7 +91,7 @@ class Known(NamedTuple):
     pair, higher : (pairs,)
         Number of each pair, and number of its other disc.
     start : (n + 1,)
-        Where the pairs of each lower number begin.
+        Place at which the pairs of each lower number begin.
     """
 
     pair: np.ndarray
@@ -100,8 +101,8 @@ class Known(NamedTuple):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def cell_grid(near: Near) -> Grid:
-    """Sort discs into cells that are no smaller than the largest distance of neighbours; the columns fill the period,
-    if there is one.
+    """Sort discs into cells that are no smaller than the largest distance of neighbours. If the ground is periodic, the
+    columns fill the period.
     """
     x, z, radius, period = near.x, near.z, near.radius, near.period
     n = len(x)
@@ -139,7 +140,7 @@ def cell_grid(near: Near) -> Grid:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def known_pairs(i: np.ndarray, j: np.ndarray, number: np.ndarray) -> Known:
-    """Return the pairs of an old list; number: number of each disc in spatial order."""
+    """Return the pairs of an old list by their lower number; number: number of each disc in spatial order."""
     start = np.zeros(len(number) + 1, np.int32)
     for c in range(len(i)):
         start[min(number[i[c]], number[j[c]]) + 1] += 1
@@ -158,7 +159,7 @@ def known_pairs(i: np.ndarray, j: np.ndarray, number: np.ndarray) -> Known:
 
 @device_function(nogil=True)
 def longer(array: np.ndarray, size: int) -> np.ndarray:
-    """Return a copy with space for `size` entries."""
+    """Return a copy of the array with space for `size` entries."""
     grown = np.empty(size, array.dtype)
     for k in range(len(array)):
         grown[k] = array[k]
@@ -274,8 +275,9 @@ def pairs_within(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
-    """Assign every pair to one of its discs, its owner, so that few discs own more than three; owners come first in a
-    pair.
+    """Three contacts per disc is the mean of a triangular lattice; computing lanes without a contact is wasted work.
+    Owners are near their partners in the order, since a slice can move only after the last owner of its contacts is
+    computed.
 
     Three is the mean of a triangular lattice; computing lanes without a contact is wasted work. Owners are near their
     partners in the order, since a slice can move only after the last owner of its contacts is computed.
@@ -309,7 +311,7 @@ def carry_over(
     turns: np.ndarray,
     after: tuple[np.ndarray, ...],
 ) -> None:
-    """Copy the history variables of the old list to the pairs from begin to end of the new list; zero for new pairs.
+    """Copy the history variables of the old list to the pairs from begin to end of the new list, and zero to new pairs.
 
     before, after: arrays of the old and of the new list; old: number of each pair in the old list, or -1; sign: -1
     where the discs of the pair are exchanged; turns: whether an array changes its sign with the exchange.

@@ -1,6 +1,7 @@
-"""Kernel: stress and imposed strain of a patch of discs in a frame, computed in the layout of the stepping kernel.
+"""Kernel: stress of a patch of discs in a frame, and strain imposed on it, computed in the layout of the stepping
+kernel.
 
-Writing a patch back into the model between two short runs would take longer than reading it.
+Writing a patch back into the model between two short runs would take longer than computing its stress in the layout.
 """
 
 import numpy as np
@@ -80,8 +81,8 @@ def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def outside(layout: Layout, discs: int, back: np.ndarray) -> int:
-    """Return the number in spatial order of a free disc that is not within the frame, -1 if there is none; see
-    `pair_forces`.
+    """Return the number in spatial order of a free disc that is not within the frame; -1 if there is none. Parameters
+    are those of `pair_forces`.
 
     A disc whose position is NaN counts as outside.
     """

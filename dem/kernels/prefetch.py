@@ -1,4 +1,4 @@
-"""Prefetching of memory; it changes no value, and does nothing without the JIT."""
+"""Prefetches memory, which changes no value and does nothing without the JIT."""
 
 from typing import Any
 

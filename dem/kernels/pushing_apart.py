@@ -1,4 +1,4 @@
-"""Kernel: overlapping discs are pushed apart, and discs too near the outline are pushed inwards."""
+"""Kernel: pushes overlapping discs apart, and discs too near the outline inwards."""
 
 import numpy as np
 from numba import njit
@@ -8,8 +8,7 @@ from dem.kernels.period import Period, image
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, float, float]:
-    """Return the distance of a point to the outline, positive inside, and the unit vector that leads inwards from
-    there."""
+    """Return the distance of a point to the outline, positive inside, and the unit vector from the point inwards."""
     n = len(outline)
     best = np.inf
     bx = bz = ex = ez = 0.0

@@ -54,7 +54,8 @@ OWN_LINES = (
 
 @device_function(nogil=True, _nrt=False, forceinline=True)
 def sum_forces(p: int, layout: Layout, buffer: np.ndarray) -> None:
-    """Sum forces and rim force on the 64 discs of slice p, from the contacts they own, then from the others."""
+    """Sum the forces and rim forces on the 64 discs of slice p, first from the contacts they own, then from all other
+    contacts."""
     wide_vectors()
     links = layout.links
     first = np.uint64(layout.chunk_start[p])
@@ -149,7 +150,7 @@ def move(p: int, discs: np.ndarray, shared: np.ndarray, buffer: np.ndarray, step
 def move_with_work(
     p: int, discs: np.ndarray, shared: np.ndarray, buffer: np.ndarray, step: Step
 ) -> tuple[bool, float, float, float]:
-    """Move the discs of slice p, and return the work of weight, external acceleration and moving boundaries, too (J).
+    """Move the discs of slice p. Also return the work of weight, external acceleration and moving boundaries (J).
 
     discs, shared, buffer, step: as in `move_lanes`.
     """
@@ -211,7 +212,7 @@ def contacts_of_slice(
 
 @device_function(nogil=True, _nrt=False)
 def move_slice(p: int, layout: Layout, buffer: np.ndarray, step: Step, entries: Entries, at_hand: int) -> bool:
-    """Sum the forces on slice p and move it; return True if a disc has left the reach of the neighbour list.
+    """Sum the forces on slice p and move its discs. Return True if a disc has left the reach of the neighbour list.
 
     layout: discs and contacts; buffer: rows to work in; step: the time step; entries: entries of the energy balance;
     at_hand: the slice whose discs are in the buffer.
@@ -234,7 +235,7 @@ def move_slice(p: int, layout: Layout, buffer: np.ndarray, step: Step, entries: 
 
 @device_function(nogil=True, _nrt=False)
 def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) -> float:
-    """Interpolate `values`, given at `times` (s), linearly at `time`; constant outside.
+    """Interpolate `values`, given at `times` (s), linearly at `time`. Outside the times the value is constant.
 
     place: an interval at or before that of `time`.
     """

@@ -1,4 +1,4 @@
-"""Transposition of records of a few doubles to rows of 64 and back, eight at a time, in registers.
+"""Transposes records of a few doubles to rows of 64 and back, eight at a time, in registers.
 
 Eight contacts read records of eight partners in no regular order; a compiler that cannot analyse such indices copies
 them double by double. Here the record of each disc, and of each kind of pair, is read two doubles at a time, and
@@ -54,7 +54,8 @@ def _all(builder: Any, value: Any) -> Any:
 
 
 def _turn(builder: Any, source: Any, begin: list[Any], fields: int, target: Any, to: Any) -> None:
-    """The first `fields` of the eight records that begin at these places of `source` into rows of `target`."""
+    """Transpose the first `fields` of the eight records that begin at these places of `source` into rows of
+    `target`."""
     word = ir.IntType(64)
     for field in range(0, fields, 2):
         parts = [builder.load(_at(builder, source, builder.add(start, word(field)), _pair), align=8) for start in begin]

@@ -1,1 +1,1 @@
-"""Element tests on a patch of discs, as on a soil sample: stiffness, strength, dilation."""
+"""Runs element tests on a patch of discs, as on a soil sample: stiffness, strength, dilation."""

@@ -1,4 +1,4 @@
-"""A patch of soil discs compressed beyond its peak: stiffness, peak and residual strength."""
+"""Compresses a patch of soil discs beyond its peak: stiffness, peak and residual strength."""
 
 from dataclasses import dataclass
 

@@ -1,7 +1,7 @@
-"""The dimensionless numbers of contacts that govern a patch of soil discs.
+"""Defines the dimensionless numbers of contacts that govern a patch of soil discs.
 
-Patches with equal numbers differ only by their scale: their strength is proportional to the pressure, their modulus to
-kn; size and weight of the discs have no influence. `strength_map` describes the numbers.
+Patches with equal numbers differ only by their scale. Their strength is proportional to the pressure and their modulus
+to kn; size and weight of the discs have no influence. `strength_map` describes the numbers.
 """
 
 from typing import NamedTuple
@@ -83,7 +83,7 @@ class ContactNumbers(NamedTuple):
 
 
 def _step(value: float, doublings: float) -> float:
-    """Return the nearest number of a geometric series that contains 1; ``doublings``: ratio of neighbours as a
-    logarithm to base 2.
+    """Return the number of a geometric series with a term of 1 that is nearest to a value; ``doublings``: logarithm to
+    base 2 of the ratio of neighbouring terms.
     """
     return float(2.0 ** (doublings * round(float(np.log2(value)) / doublings)))

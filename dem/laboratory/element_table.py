@@ -1,4 +1,4 @@
-"""Element tests of the discs of every layer of a section, compared with the soil of the layer."""
+"""Runs element tests of the discs of every layer of a section, and compares them with the soil of the layer."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -57,7 +57,7 @@ def element_tests(
     seed: int = 0,
     executor: Executor = SERIAL,
 ) -> list[dict[str, Any]]:
-    """Test every layer as a lattice and as a random packing; a test that fails is replaced by the reason of its
+    """Test every layer as a lattice and as a random packing. A test that fails is replaced by the reason of its
     failure.
 
     section: the ground; layers: springs of each stratum; radius: mean radius of the discs (m); seed: seed of the random

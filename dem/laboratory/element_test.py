@@ -1,4 +1,4 @@
-"""Element tests of a layer's discs: stiffness and strength of the soil that they represent.
+"""Runs element tests of a layer's discs: stiffness and strength of the soil that they represent.
 
 A patch of one layer, without gravity, is confined at several pressures, then its pore springs are set, as in the slope
 after settling. In this state small strains give its stiffness; a biaxial test (plane strain) and a simple-shear test
@@ -216,7 +216,7 @@ def element_test(
     ValueError
         If the pressures, the strain or the rate are not valid.
     DemError
-        Where a patch does not come to rest under its pressure.
+        If a patch does not come to rest under its pressure.
     """
     if len(set(pressures)) < 2 or not all(np.isfinite(p) and p > 0.0 for p in pressures):
         raise ValueError(f"pressures: expected two or more different ones above 0 Pa, not {list(pressures)}")

@@ -1,4 +1,4 @@
-"""Biaxial tests of the soil discs of every layer, to be compared with the soil."""
+"""Runs biaxial tests of the soil discs of every layer, to be compared with the soil."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -25,9 +25,9 @@ TestOutcome = PatchStrength | str  # the result of a test, or the reason why the
 class ElementTestProgramme:
     """Tests the discs of some layers: several patches for each layer at three confining pressures.
 
-    Similar contacts, as those of one sand at two pressures, share their patches: the patches have rounded dimensionless
-    numbers (`ContactNumbers.nearest`). Strength and stiffness are corrected by the ratio, of a few per cent, of the
-    strength map at the numbers of the layer and at the rounded ones.
+    Similar contacts, as those of one sand at two pressures, share their patches, which have rounded dimensionless
+    numbers (`ContactNumbers.nearest`). Strength and stiffness are corrected by a few per cent: by the ratio of the
+    strength map at the numbers of the layer to the strength map at the rounded numbers.
 
     Attributes
     ----------

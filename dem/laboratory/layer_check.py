@@ -1,4 +1,4 @@
-"""Stored comparison of a layer of soil with its discs."""
+"""Stores the comparison of a layer of soil with its discs."""
 
 # ruff: noqa: N815 (units are written as they are)
 
@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class LayerCheck:
-    """Compares a stratum with its discs at three confining pressures; means over the seeds, None for missing numbers.
+    """Compares a stratum with its discs at three confining pressures. Numbers are means over the seeds, and None if
+    they are missing.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Quasi-static loading of a patch: confinement, small strains, compression, shear.
+"""Loads a patch quasi-statically: confinement, small strains, compression, shear.
 
 In stress-controlled directions the strain rate is proportional to the error of the stress and its integral (servo
 control). Pressures are positive (Pa); strains are those of the frame.
@@ -115,7 +115,7 @@ def confine(patch: Patch, pressure: float) -> None:
 
 def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
     """Measure the tangent stiffness of a confined patch by three small strains, each constant until the patch is at
-    rest; also returns M_xx / M_zz - 1.
+    rest. Also return M_xx / M_zz - 1.
 
     The response of a copy without strain is subtracted, since the state of rest is not perfect. Raises ConfinementError
     if the result is not the stiffness of a stable body, since then the patch still rearranges.

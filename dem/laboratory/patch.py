@@ -1,5 +1,5 @@
-"""A patch of discs of one layer inside a frame of fixed discs: the sample of an element test, its strain and its
-stress.
+"""Builds a patch of discs of one layer inside a frame of fixed discs, the sample of an element test, and computes its
+strain and stress.
 
 The frame moves affinely, x = F X about the middle of the patch, so that the mean strain is known without measurement
 (Gauss), and no platen or membrane influences the place of failure. Stress is the mean over a region inside the frame
@@ -55,7 +55,7 @@ class PatchSample:
     size : (int, int) or None
         Numbers of columns and rows, including the frame; `SIZES` if None.
     law : "paper" or "soil"
-        Contact law; soil discs have the porosity of the discs in the slope.
+        Contact law of the discs. A patch of soil discs has the porosity of the discs in the slope.
     """
 
     layer: LayerSprings
@@ -101,7 +101,7 @@ class Patch:
     rates : (2, 2)
         Velocity gradient of the frame (1/s).
     run : EngineRun or None
-        The press that strains the patch at present.
+        Press that strains the patch at present.
     """
 
     model: DiscModel
@@ -247,8 +247,8 @@ def random_patch(
     seed: int = 0,
     law: Law = "paper",
 ) -> Patch:
-    """Arrange the discs of `random_packing` in the space of the lattice; discs at the rim, within the reach of pore
-    springs, are the frame.
+    """Arrange the discs of `random_packing` in the space of the lattice. Discs at the rim of the patch, within the
+    reach of pore springs, are the frame.
 
     layer: springs of the layer; radius: mean radius of the discs (m); size: half width and half height in radii and
     rows; seed: seed of the packing; law: contact law.

@@ -55,9 +55,9 @@ def lattice_elastic(layer: LayerSprings, pores: bool = True) -> PlaneElastic:
     """Return the elastic constants of a triangular lattice of discs without slip: M = sqrt(3)/4 (3 kn + ks), G =
     sqrt(3)/4 (kn + ks).
 
-    Pore springs, where set, act in parallel with the element springs: kn and ks are the sums of both. The spacing is
-    two radii. The moduli follow from the energy of the three bonds of a disc that rotates with the mean rotation, as in
-    Griffiths and Mustoe (2001), Int. J. Numer. Meth. Engng 50, 1791.
+    If there are pore springs, they act in parallel with the element springs: kn and ks are then the sums of both. The
+    spacing is two radii. The moduli follow from the energy of the three bonds of a disc that rotates with the mean
+    rotation, as in Griffiths and Mustoe (2001), Int. J. Numer. Meth. Engng 50, 1791.
     """
     kn = layer.kn + (layer.kpn if pores else 0.0)
     ks = layer.ks + (layer.kps if pores else 0.0)

@@ -1,5 +1,5 @@
-"""Contacts with which random discs have the cohesion and friction angle of a soil at a given stress; no section is
-needed.
+"""Finds contacts with which random discs have the cohesion and friction angle of a soil at a given stress, without a
+section.
 
 Strength is compared at a quarter, a half and all of the vertical effective stress. The required strength at a confining
 pressure p is half the deviator stress at failure of Mohr-Coulomb, (p sin phi + c cos phi) / (1 - sin phi): c_u for a

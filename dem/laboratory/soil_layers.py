@@ -1,4 +1,4 @@
-"""Contacts with which discs have the stiffness and strength of each stratum, from the strength map. A stratum is
+"""Finds contacts with which discs have the stiffness and strength of each stratum, from the strength map. A stratum is
 represented by the stress in its middle; see `soil_contacts`.
 """
 

@@ -1,4 +1,4 @@
-"""Results of element tests, stored in the cache folder of the user: patches of equal dimensionless numbers are tested
+"""Stores results of element tests in the cache folder of the user: patches of equal dimensionless numbers are tested
 once.
 
 The results are stored next to the compiled kernels, in one folder for each version of the sources of the discs, so that
@@ -33,9 +33,9 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
     Parameters
     ----------
     numbers : ContactNumbers
-        Dimensionless numbers of its contacts.
+        Dimensionless numbers of the contacts of the patch.
     seed : int
-        Seed of its packing.
+        Seed of the packing of the patch.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Strength from test curves: peak, verdict, dilation, and the Mohr-Coulomb line through several of them."""
+"""Derives strength from test curves: peak, verdict, dilation, and the Mohr-Coulomb line through several tests."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -75,8 +75,8 @@ def dilation(curve: Curve, at: int) -> float:
     """Return the dilation angle psi (rad) at a record, from the slope of the volumetric strain over some records around
     it.
 
-    Biaxial: sin psi = d eps_v / d(eps_1 - eps_3), eps_3 that of the sides, in plane strain; simple shear:
-    tan psi = d eps_v / d gamma (Bolton 1986, Geotechnique 36, 65). Positive where the patch grows.
+    Biaxial: sin psi = d eps_v / d(eps_1 - eps_3), where eps_3 is the strain of the sides, in plane strain; simple
+    shear: tan psi = d eps_v / d gamma (Bolton 1986, Geotechnique 36, 65). The angle is positive if the patch grows.
     """
     reach = max(1, round(WINDOW * len(curve.strain)))
     part = slice(max(0, at - reach), at + reach + 1)
@@ -90,8 +90,8 @@ def dilation(curve: Curve, at: int) -> float:
 def from_principal(major: Sequence[float], minor: Sequence[float]) -> tuple[float, float]:
     """Fit c (Pa) and phi (rad) of the line sigma_1 = sigma_3 N + 2 c sqrt(N), by least squares.
 
-    N = (1 + sin phi)/(1 - sin phi). Both are NaN if the major stress does not rise with the minor stress, as then there
-    is no friction angle.
+    N = (1 + sin phi)/(1 - sin phi). Both c and phi are NaN if the major stress does not rise with the minor stress, as
+    then there is no friction angle.
     """
     slope, start = np.polyfit(minor, major, 1)
     if not slope > 0.0:

@@ -1,4 +1,4 @@
-"""Strength and stiffness of random patches of soil discs as functions of the two dimensionless numbers that govern
+"""Maps strength and stiffness of random patches of soil discs as functions of the two dimensionless numbers that govern
 them.
 
 The discs have the law "soil" and random packings of porosity `patch.POROSITY`. If contacts are stiff for their stress
@@ -139,15 +139,15 @@ class StrengthMap:
 
     @property
     def _sand(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the friction mu (from 0 on) of contacts without cohesion, and half the deviator stress over the
-        pressure of patches with it.
+        """Return the friction mu (from 0 on) of contacts without cohesion, and for each mu half the deviator stress of
+        patches over the pressure.
         """
         has_any = self.friction >= 0.0
         return self.friction[has_any], self.after[has_any, 0]
 
     def fit(self, wanted: np.ndarray, pressure: np.ndarray, cohesive: bool = True) -> ContactStrength:
-        """Fit friction and cohesion whose strengths are closest to the required strengths (Pa), by their ratios, at all
-        the pressures.
+        """Fit the friction and cohesion of contacts, so that the ratios of the strengths by the map to the required
+        strengths (Pa) are closest to 1 at all pressures.
 
         cohesive: False for contacts without cohesion.
         """

@@ -1,1 +1,1 @@
-"""Critical Kh of discs, and calibration of their constants to a given critical Kh."""
+"""Finds the critical Kh of discs, and calibrates their constants to a given critical Kh."""

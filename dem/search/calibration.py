@@ -1,4 +1,4 @@
-"""Calibration of discs: the factor on their constants with which their critical Kh is equal to that of the FEM.
+"""Calibrates discs: finds the factor on their constants with which their critical Kh is equal to that of the FEM.
 
 A factor multiplies the constants of all layers. stiffness: all springs, and dashpots by its square root (the damping
 ratio is constant); friction: of elements and pore springs; pore_strength: cohesion and stretch at which pore springs
@@ -81,7 +81,7 @@ class Calibration:
 
 
 def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> list[LayerSprings]:
-    """Return the layers with a factor on one parameter. Raises ValueError for an unknown parameter."""
+    """Return the layers with a factor on the constants of one parameter; raise ValueError if unknown."""
     if parameter not in PARAMETERS:
         raise ValueError(f"there is no parameter {parameter!r}; expected one of {', '.join(PARAMETERS)}")
     stiffness = factor if parameter in ("stiffness", "all") else 1.0
@@ -106,14 +106,14 @@ def key_of(parameter: str, factor: float) -> Key:
 
 
 class Calibrator:
-    """Searches for the critical Kh at given factors, each once, several at a time.
+    """Searches the critical Kh at given factors, each factor once, several at a time.
 
     Parameters
     ----------
     ground
         Place of the discs in the section.
     layers
-        Their uncalibrated springs.
+        Uncalibrated springs of the layers.
     settled
         The discs at rest.
     settings
@@ -165,8 +165,8 @@ class Calibrator:
     def settled_with(self, parameter: str, factor: float) -> DiscModel:
         """Return discs at rest with a factor on a parameter.
 
-        The paper's discs start again from the initial lattice or packing. Soil discs start from the state of rest with
-        uncalibrated strength, since their surface is already cut to that of the section.
+        Discs with the law "paper" start again from the initial lattice or packing. Soil discs start from the state of
+        rest with uncalibrated strength, since their surface is already cut to that of the section.
         """
         if factor == 1.0:
             return self.settled
@@ -236,10 +236,10 @@ def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:
 
 
 def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], target: float) -> str:
-    """Return the parameter to calibrate: among those that reach the target, the one with the largest influence.
+    """Return the parameter with the largest influence among those that reach the target.
 
-    A parameter reaches the target if halving or doubling it does; failing that, the end of its range; if none reaches
-    it, the closest one is taken.
+    A parameter reaches the target if halving or doubling it does. If no parameter does, the ends of the ranges count.
+    If these do not reach the target either, the parameter that comes closest is taken.
     """
     base = middle(next(s for p, _, s in table if not p))
     weaker = target < base
@@ -371,8 +371,8 @@ def _out_of_reach(
 def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:
     """Yield the factors of the trials, from 1 towards the end of the range that the target requires.
 
-    Halves, quarters, ... or doubles, two at a time for any number of workers. For soil discs, whose range is short, the
-    first factor is the target over the uncalibrated critical Kh.
+    The factors are halves, quarters, ... or doubles, two at a time for any number of workers. For soil discs, whose
+    range is short, the first factor is the target over the uncalibrated critical Kh.
     """
     low, high = settings.factors
     weaker = base is None or middle(base) > target

@@ -1,5 +1,5 @@
-"""The critical seismic coefficient of discs, as a bracket: the largest Kh at which they stand, and the smallest at
-which they do not.
+"""Finds the critical seismic coefficient of discs, as a bracket: the largest Kh at which they stand, and the smallest
+at which they do not.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Preparation of soil discs: filled in a little too high, settled, cut to the surface of the section, and settled
+"""Prepares soil discs: they are filled in a little too high, settled, cut to the surface of the section, and settled
 again.
 
 Random packings settle by some per cent of their height. So the box is filled above the surface of the section; after
@@ -8,8 +8,9 @@ area of the section over area of discs. Settling and cutting are done `ROUNDS` t
 the surface filled, which is repeated where a column still deviates (`dem.search.levelling`).
 
 Discs that came to rest under their weight alone have hardly more contacts than equilibrium requires (three each), and
-move at a small share of their strength: S-13 moved 0.44 m under Kh = 0.1, its continuum 0.10 m. Natural ground is
-denser than such a packing. So the discs are compacted by some cycles of a small Kh; then Kh = 0.1 moves S-13 by 0.05 m.
+move at a small share of their strength: the discs of S-13 moved 0.44 m under Kh = 0.1, the continuum 0.10 m. Natural
+ground is denser than such a packing. So the discs are compacted by some cycles of a small Kh; then Kh = 0.1 moves the
+discs of S-13 by 0.05 m.
 """
 
 from collections.abc import Sequence
@@ -74,7 +75,7 @@ class Deposit:
 def deposit(
     section: Section, settings: DemSettings, soil: Sequence[SoilLayer] | None = None, *, periodic: bool = False
 ) -> Deposit:
-    """Fill a section with soil discs, let them settle, and cut them to its surface; clay is undrained from then on.
+    """Fill a section with soil discs, let them settle, and cut them to its surface. Clay is undrained from then on.
 
     Parameters
     ----------
@@ -124,8 +125,8 @@ def deposit(
 
 
 def densified_by_shaking(settled: DiscModel, ground: Ground) -> DiscModel:
-    """Return discs at rest after cycles of Kh in both directions; unchanged if they keep moving under every Kh of
-    `SHAKES`."""
+    """Return discs at rest after cycles of Kh in both directions. They are unchanged if they keep moving under every Kh
+    of `SHAKES`."""
     cycle = PERIODS * period(settled, ground)
     time = np.linspace(0.0, cycle, 41)
     for kh in SHAKES:
@@ -163,7 +164,7 @@ def cut(section: Section, settled: DiscModel, ground: Ground) -> Packing:
 
 
 def _packing_of(section: Section, settled: DiscModel) -> Packing:
-    """Return a packing of the discs in their present positions, for periodic ground moved into the section."""
+    """Return a packing of the discs in their present positions; discs of periodic ground are moved into the section."""
     x, z = brought_back(settled.x, settled.z, section.extent[0], settled.repeats)
     return Packing(x, z, settled.radius, settled.layer, settled.lines, settled.period)
 
@@ -219,7 +220,8 @@ def _filled(section: Section, settings: DemSettings, radius: float, periodic: bo
 def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) -> np.ndarray:
     """Return the outline of a box that extends above the surface, and beyond base and sides of the section (m).
 
-    on_top: mask (n,) of its corners that are on the surface; lift, rim: how far above and beyond (m).
+    on_top: mask (n,) of the corners that are on the surface; lift, rim: heights above the surface, and distances beyond
+    base and sides (m).
     """
     left, right = float(outline[:, 0].min()), float(outline[:, 0].max())
     raised = outline + np.where(on_top, lift, -rim)[:, None] * np.array([0.0, 1.0])
@@ -228,8 +230,8 @@ def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) ->
 
 
 def _fixed_in_box(packing: Packing, base: np.ndarray, left: float, right: float) -> Packing:
-    """Return the packing with all discs fixed whose centres are beyond the base or the sides: a rough box, like the
-    fixed nodes of the continuum.
+    """Return the packing with all discs fixed whose centres are beyond the base or the sides. They form a rough box,
+    like the fixed nodes of the continuum.
     """
     beyond = (packing.x < left) | (packing.x > right) | (packing.z < np.interp(packing.x, *base.T))
     return replace(packing, layer=np.where(beyond, -1, packing.layer).astype(packing.layer.dtype))

@@ -1,4 +1,4 @@
-"""Settling of discs, and trials whether they stand or fail under a seismic coefficient that rises smoothly and is then
+"""Settles discs, and tries whether they stand or fail under a seismic coefficient that rises smoothly and is then
 constant.
 
 Two dimensionless numbers measure the distance to rest. Unbalanced force ratio: mean resultant on free discs over mean
@@ -36,7 +36,7 @@ class NotSettledError(DemError):
 
 @dataclass(frozen=True)
 class Rest:
-    """Measures of the distance to rest at one time.
+    """Holds measures of the distance to rest at one time.
 
     Attributes
     ----------
@@ -85,11 +85,11 @@ class Trial:
     verdict : str
         "stands", "fails" or "undecided".
     reason : str
-        In words.
+        Reason of the verdict in words.
     unbalanced_ratio, kinetic_ratio : float
         Measures of rest at the last record, see `Rest`.
     displacement_m, elastic_displacement_m : float
-        Mean displacement downhill, and the one of elastic ground (m).
+        Mean displacement downhill of the discs, and that of elastic ground (m).
     seconds : float
         Model time of the trial (s).
     """
@@ -118,8 +118,8 @@ def unbalanced_ratio(model: DiscModel) -> float:
 
 
 def kinetic_ratio(model: DiscModel, kinetic: float | None = None) -> float:
-    """Return the kinetic energy over energy in springs, and in pore water and bonds of clay; `kinetic` (J/m) replaces
-    the present kinetic energy.
+    """Return the kinetic energy over the energy in springs, pore water and bonds of clay. `kinetic` (J/m) replaces the
+    present kinetic energy.
     """
     energy = Engine().measure(model)
     stored = energy.in_springs + energy.pore_water + energy.liquefied_bonds
@@ -127,7 +127,7 @@ def kinetic_ratio(model: DiscModel, kinetic: float | None = None) -> float:
 
 
 class Displacement:
-    """Mean horizontal displacement downhill since a state `before`, weighted by mass."""
+    """Computes the mean horizontal displacement downhill since a state `before`, weighted by mass."""
 
     def __init__(self, before: DiscModel, ground: Ground) -> None:
         self.before, self.ground, self.free = before, ground, np.flatnonzero(~before.fixed)
@@ -176,9 +176,9 @@ def settle(
     Parameters
     ----------
     ground : Ground
-        Where they lie in the section.
+        Place of the discs in the section.
     layers : list of LayerSprings
-        Their springs, one for each stratum.
+        Springs of the discs, one for each stratum.
     settings : DemSettings
         Contact law, and mean of the constants of two layers.
     model : DiscModel, optional
@@ -194,7 +194,7 @@ def settle(
     Raises
     ------
     NotSettledError
-        If they do not come to rest.
+        If the discs do not come to rest.
     """
     fresh = model is None
     if model is None:
@@ -268,7 +268,7 @@ def moving_energy(model: DiscModel) -> float:
 
 
 def step_on(model: DiscModel, seconds: float, threads: int = 1) -> None:
-    """Continue without energy balance, at the longest step that is safely stable."""
+    """Advance the discs without energy balance, at the longest step that is safely stable."""
     with Pulses(model, STEP, threads) as pulses:
         pulses.on(seconds)
 
@@ -281,7 +281,7 @@ def try_kh(
     rise: Rise,
     threads: int = 1,
 ) -> Trial:
-    """Raise Kh for discs that stand at a smaller one, and decide whether they still stand; `model` is changed.
+    """Raise Kh for discs that stand at a smaller Kh, and decide whether they still stand. `model` is changed.
 
     Kh rises by `RISE` in a period of the ground, and is then constant, with kinetic damping as in `settle`: dashpots of
     contacts hardly damp the vibration of the whole ground, which is not the subject of the test. The discs stand if

@@ -1,9 +1,9 @@
-"""Levelling of the surface of soil discs to that of the section: discs above it are removed, hollows are filled.
+"""Levels the surface of soil discs to that of the section: discs above the surface are removed, and hollows are filled.
 
 A removed disc leaves a hollow of its size, into which its neighbours slide. So a new disc is added wherever there is
-room for it on two others; its radius, within the spread of the packing, is the one that brings its top nearest to the
-surface. If a column has no such room, one of its discs is exchanged for others. Positions, radii and order follow from
-the discs, not from random numbers.
+room for it on two other discs. Its radius, within the spread of the packing, is the one that brings its top nearest to
+the surface. If a column has no such room, one of its discs is exchanged for others. Positions, radii and order follow
+from the discs, not from random numbers.
 """
 
 import numpy as np
@@ -57,7 +57,8 @@ def levelled(section: Section, packing: Packing, radius: float, spread: float) -
 
 
 def _images(discs: np.ndarray, period: tuple[float, float], extent: tuple[float, float], radius: float) -> np.ndarray:
-    """Return images (n, 3) of the discs of periodic ground: discs near one side are repeated beyond the other."""
+    """Return images (n, 3) of the discs of periodic ground, in which discs near one side are repeated beyond the
+    other."""
     shift = np.array([*period, 0.0])
     near_left, near_right = discs[:, 0] < extent[0] + DEEP * radius, discs[:, 0] > extent[1] - DEEP * radius
     return np.vstack([discs[near_left] + shift, discs[near_right] - shift])

@@ -1,5 +1,5 @@
-"""The critical Kh of soil discs by displacement control: their displacement is prescribed, and the Kh that it requires
-is measured.
+"""Finds the critical Kh of soil discs by displacement control: their displacement is prescribed, and the Kh that it
+requires is measured.
 
 So the curve continues beyond the largest Kh, like the equilibrium path of the FEM model. Both curves are Kh over the
 mass-weighted mean displacement in the direction of the seismic force (m). Both curves are compared at the same
@@ -206,7 +206,7 @@ def _points(
 
 
 def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, moved: float) -> str:
-    """Return why the test ends at this mean displacement (m), in words; empty while it continues."""
+    """Return the reason why the test ends at this mean displacement (m), in words; empty while the test continues."""
     way = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
     most = np.percentile(way, GROUND)
     if most >= FORMED * ground.radius:

@@ -1,10 +1,11 @@
-"""Undrained clay of soil discs: its volume is constant, and its strength is s_u at every strain.
+"""Models undrained clay by soil discs: its volume is constant, and its strength is s_u at every strain.
 
-Contacts with cohesion hold clay while discs are filled in, but once they break, a packing of discs keeps some friction,
-and parts where it dilates. So clay at rest takes the laws of liquefied ground (`dem.liquefied_ground`): pore pressure
-by volume bears its weight, and bonds have the strength s_u. With contacts, slumps of clay let go at once ran 2.0, 0.63
-and 0.90 of a continuum for γH/s_u of 5, 10 and 20; and a cutting in clay whose critical Kh is 0.129 to 0.134 by strict
-bounds failed at 0.12 to 0.24, by packing. With these laws it fails at 0.15 to 0.16. Stresses in Pa.
+Contacts with cohesion hold clay while discs are filled in. But once they break, a packing of discs keeps some friction,
+and parts of the packing dilate. So clay at rest takes the laws of liquefied ground (`dem.liquefied_ground`): pore
+pressure by volume bears its weight, and bonds have the strength s_u. With contacts, the run-out of released clay
+columns was 2.0, 0.63 and 0.90 times that of a continuum for γH/s_u of 5, 10 and 20; and a cutting in clay whose
+critical Kh is 0.129 to 0.134 by strict bounds failed at 0.12 to 0.24, by packing. With the laws of liquefied ground it
+fails at 0.15 to 0.16. Stresses are in Pa.
 """
 
 from collections.abc import Sequence
@@ -51,9 +52,9 @@ def replace_contacts_of_clay(model: DiscModel, seconds: float, ground: Ground | 
     Parameters
     ----------
     model
-        Discs at rest; they are changed. Clay are layers with an undrained strength.
+        Discs at rest, which are changed. Clay is every layer with an undrained strength.
     seconds
-        Time in which its contacts fade out (s).
+        Time in which the contacts of clay fade out (s).
     ground
         Place of the discs in a section, whose clay may be stronger at one place than at another; None for clay of one
         strength.
@@ -82,7 +83,8 @@ def replace_contacts_of_clay(model: DiscModel, seconds: float, ground: Ground | 
 
 
 def set_strengths(model: DiscModel, layers: Sequence[LayerSprings]) -> None:
-    """Give the discs of every layer new constants; bonds of clay are stronger by the ratio of the undrained strengths.
+    """Give the discs of every layer new constants. The strength of the bonds of clay is multiplied by the ratio of the
+    new to the old undrained strength.
 
     model: discs, which are changed; layers: their new constants.
     """
@@ -95,9 +97,10 @@ def set_strengths(model: DiscModel, layers: Sequence[LayerSprings]) -> None:
 
 
 def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.ndarray:
-    """Return the undrained strength s_u (n,) of all discs of clay in Pa, 0 for others; parameters as above.
+    """Return the undrained strength s_u (n,) of all discs of clay in Pa, and 0 for other discs. Parameters are those of
+    `replace_contacts_of_clay`.
 
-    Ground that is too strong to fail, such as rock, has ``ENOUGH`` times the largest total overburden.
+    Ground that is too strong to fail, such as rock, gets ``ENOUGH`` times the largest total overburden.
     """
     layers = model.springs.layers
     strength = np.append([layer.undrained_strength for layer in layers], 0.0)[model.layer]
@@ -113,7 +116,7 @@ def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.nda
 
 
 def _largest_overburden(section: Section) -> float:
-    """The largest total vertical stress at the base of a section (Pa)."""
+    """Return the largest total vertical stress at the base of a section (Pa)."""
     levels = section.layering.interfaces(middles(*section.extent, COLUMNS))
     weights = GRAVITY * np.array([max(s.density_seismic, s.density_ordinary) for s in section.strata])
     return float(((levels[:, :-1] - levels[:, 1:]) @ weights).max())
@@ -122,7 +125,7 @@ def _largest_overburden(section: Section) -> float:
 def _state_of_clay(model: DiscModel, discs: np.ndarray, strength: np.ndarray) -> Onset:
     """Return the pore pressure (overburden), the undrained strength s_u and the strain s_u/G at which clay reaches s_u.
 
-    discs: mask (n,) of those of clay; strength: their s_u (n,).
+    discs: mask (n,) of the discs of clay; strength: s_u (n,) of the discs.
     """
     modulus = SHEAR_MODULUS * np.append([layer.kn for layer in model.springs.layers], 1.0)[model.layer]
     strain = np.clip(strength / modulus, LEAST_STRAIN, MOST_STRAIN)

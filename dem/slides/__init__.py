@@ -1,1 +1,1 @@
-"""Slides after liquefaction of layers: displacement along the surface, and slip surface."""
+"""Computes slides after liquefaction of layers: displacement along the surface, and slip surface."""

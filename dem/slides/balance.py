@@ -1,4 +1,4 @@
-"""Checks of a slide: lost ground, discs that pass through the box, and discs near its sides.
+"""Checks a slide: lost ground, discs that pass through the box, and discs near its sides.
 
 Areas are volumes per metre out of plane (m2).
 """

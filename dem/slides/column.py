@@ -1,4 +1,4 @@
-"""A column of soil behind a gate: dry columns, clay that slumps, vertical cuts.
+"""Releases a column of soil behind a gate: dry columns, clay that slumps, vertical cuts.
 
 The column is on a rough floor between a smooth wall at x = 0, which is an axis of symmetry, and a smooth gate at x =
 width.
@@ -30,7 +30,7 @@ LayersOf = Callable[[float], Sequence[LayerSprings]]  # void ratio to springs
 
 
 class SoilColumn:
-    """Discs packed between wall and gate.
+    """Holds discs packed between a wall and a gate, and releases them.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class SoilColumn:
     layers_of
         Function that returns the springs for a void ratio of the packing; the column is of the first layer.
     seed
-        Of the packing.
+        Seed of the random packing.
     reach
         Length of the rough floor over the width.
     spread

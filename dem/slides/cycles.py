@@ -1,4 +1,4 @@
-"""A cyclic seismic coefficient: uniform cycles that are equivalent to the irregular ones of an earthquake."""
+"""Defines a cyclic seismic coefficient: uniform cycles that are equivalent to the irregular cycles of an earthquake."""
 
 import numpy as np
 

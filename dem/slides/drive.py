@@ -1,4 +1,4 @@
-"""Loading of a slide, and times of liquefaction: constant or cyclic Kh, or a record of the base."""
+"""Defines the loading of a slide, and times of liquefaction: constant or cyclic Kh, or a record of the base."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -34,8 +34,8 @@ class Shaking:
     time : (n,)
         Times (s), rising.
     acceleration : (n,)
-        Acceleration of the discs relative to the base (m/s2), linear in between; positive downslope, while the base
-        accelerates upslope.
+        Acceleration of the discs relative to the base (m/s2), linear in between. It is positive downslope, when the
+        base accelerates upslope.
     onsets : dict
         Onset of liquefaction by stratum (s after the beginning of the record).
     of_the_base : bool
@@ -125,7 +125,8 @@ def cycles(
 
 
 def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> BaseMotion:
-    """Return the loading by a constant Kh; all strata liquefy together, in soil discs once Kh has its full value.
+    """Return the loading by a constant Kh. All strata liquefy together; in soil discs they liquefy once Kh has its full
+    value.
 
     start: discs at rest; ground: the ground in which the discs lie; settings: settings of the slide.
     """

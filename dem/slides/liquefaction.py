@@ -1,9 +1,9 @@
-"""Slides of ground whose layers liquefy under a seismic coefficient or a record (Sec. 4(3)). In the paper's discs, pore
-springs of the liquefied layers are cut at the onset; element springs, dashpots and strength are multiplied by the
-factors of the case, in steps over the duration of the onset. Contacts of soil discs fade out instead, while pore water
-carries their overburden, and bonds provide their residual strength (`dem.liquefied_ground`). In both models discs
-shrink by the volume that drains. The paper applies Kh at the onset; on soil discs Kh acts before liquefaction, since
-shaking causes it.
+"""Slides of ground whose layers liquefy under a seismic coefficient or a record (Sec. 4(3)). In discs with the law
+"paper", pore springs of the liquefied layers are cut at the onset; element springs, dashpots and strength are
+multiplied by the factors of the case, in steps over the duration of the onset. Contacts of soil discs fade out instead,
+while pore water carries their overburden, and bonds provide their residual strength (`dem.liquefied_ground`). In both
+models discs shrink by the volume that drains. The paper applies Kh at the onset; on soil discs Kh acts before
+liquefaction, since shaking causes it.
 """
 
 import json
@@ -58,7 +58,7 @@ OnLook = Callable[[DiscModel, Row, bool], None]
 
 
 class Slider:
-    """One slide; `run` computes it to its end, from the last checkpoint if there is one.
+    """Computes one slide; `run` continues it to its end, from the last checkpoint if there is one.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ class Slider:
     folder
         Folder of checkpoint.npz and rows.json, or None.
     shaking
-        A record of the base instead of Kh; without one Kh is constant, or cyclic by the settings.
+        A record of the base instead of Kh. Without a record, Kh is constant or cyclic by the settings.
     """
 
     def __init__(
@@ -109,8 +109,8 @@ class Slider:
         self.model = self._resumed() or self._initial_model()
 
     def run(self, on_look: OnLook | None = None, threads: int = 1) -> Slide:
-        """Continue until the ground has settled or the time is over. Raises no DemError: an error ends the slide, and
-        is its ``reason``.
+        """Continue until the ground has settled or the time is over. The function raises no DemError: an error ends the
+        slide, and is its ``reason``.
         """
         slide = self.slide
         end = self.start.time + self.motion.end
@@ -149,8 +149,8 @@ class Slider:
         return model
 
     def _cut(self, model: DiscModel, strata: list[int]) -> None:
-        """Cut the pore springs of strata that liquefy, once for each; those of the first strata are cut at the
-        beginning.
+        """Cut the pore springs of strata that liquefy, once for each stratum. Those of the strata that liquefy first
+        are cut at the beginning.
         """
         new = [k for k in strata if k not in self.cut]
         if self.case is not None and new:
@@ -195,8 +195,8 @@ class Slider:
         return {k: self.motion.share(k, since) * self.case.volumetric_strain for k in self.strata}
 
     def _keep_volume(self) -> None:
-        """Shrink the discs of liquefied strata by the drained volume, and swell those of strata that keep their volume;
-        masses are constant.
+        """Shrink the discs of liquefied strata by the drained volume, and swell the discs of strata that keep their
+        volume. Masses are constant.
         """
         drained = self._drained()
         sizes = self.swelling[-1] if self.swelling else [1.0] * len(self.undrained)
@@ -213,9 +213,7 @@ class Slider:
             self.model.set_radius(radius)
 
     def _float(self) -> None:
-        """Set the buoyancy of soil discs that have crossed the water table, from the part of each disc below the
-        table.
-        """
+        """Set the buoyancy of soil discs that have crossed the water table, from the part of each disc below the table."""
         if self.buoyed is None or (now := self.ground.buoyancy(self.model)) is None:
             return
         model, start, change = self.model, self.start, now - self.buoyed
@@ -278,7 +276,8 @@ class Slider:
         return slide
 
     def _notes(self) -> list[str]:
-        """Return notes on this slide; its loss of area, and the side that stopped it, are computed here."""
+        """Return notes on this slide. The function also computes the loss of area of the slide, and the side that
+        stopped it."""
         slide, model, start = self.slide, self.model, self.start
         height = float(np.ptp(start.z[~start.fixed]))
         far = max((row.slide_max_m for row in slide.rows), default=0.0)

@@ -1,4 +1,4 @@
-"""Constants of liquefied layers, and the residual strength of soil discs."""
+"""Computes the constants of liquefied layers, and the residual strength of soil discs."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
@@ -28,9 +28,9 @@ def liquefied(
 ) -> list[LayerSprings]:
     """Return the springs of all layers when some have liquefied to the degree ``share``.
 
-    Springs of the paper's discs are multiplied by the factors of the case to the power of the share, and their overlap
-    is not limited. Contacts of soil discs fade out, since pore water then carries the load (`dem.liquefied_ground`).
-    which: numbers of the layers that liquefy; law: contact law.
+    Springs of discs with the law "paper" are multiplied by the factors of the case to the power of the share, and their
+    overlap is not limited. Contacts of soil discs fade out, since pore water then carries the load
+    (`dem.liquefied_ground`). which: numbers of the layers that liquefy; law: contact law.
     """
     out = []
     for k, layer in enumerate(layers):
@@ -45,12 +45,12 @@ def liquefied(
 
 
 def effect_of(case: Case, section: Section, strata: Sequence[int], law: Law) -> Hashable:
-    """Return all parameters of the discs that a case changes: two cases with equal parameters have the same slide, to
+    """Return all parameters of the discs that a case changes. Two cases with equal parameters have the same slide, to
     the last bit.
 
-    For the paper's discs these are the factors of the case. For soil discs they are the residual strength of each
-    stratum, and its stiffness unless it follows from a strain potential (see `onset`). case: stiffness and strength
-    after liquefaction; section: the ground; strata: numbers of those that liquefy; law: contact law.
+    For discs with the law "paper" these are the factors of the case. For soil discs they are the residual strength of
+    each stratum, and its stiffness unless it follows from a strain potential (see `onset`). case: stiffness and
+    strength after liquefaction; section: the ground; strata: numbers of those that liquefy; law: contact law.
     """
     felt = tuple(strata), case.volumetric_strain, bool(case.residual or case.residual_strength)  # notes name the last
     if law == "paper":
@@ -97,8 +97,8 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
 
 
 def weaken_clay(model: DiscModel, start: DiscModel, ground: Ground, shares: Mapping[int, float], case: Case) -> None:
-    """Lower the strength of clay in strata that liquefy from s_u to what the case leaves, by their degree of
-    liquefaction. Clay has the laws of liquefied ground already (`dem.search.undrained_clay`).
+    """Lower the strength of clay in strata that liquefy from s_u to the residual strength of the case, by their degree
+    of liquefaction. Clay has the laws of liquefied ground already (`dem.search.undrained_clay`).
 
     model: discs, which are changed; start: discs at the start; ground: the ground in which the discs lie; shares:
     degree of liquefaction by stratum; case: strength after liquefaction.

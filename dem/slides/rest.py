@@ -1,7 +1,8 @@
-"""End of a slide: the surface no longer moves; and source of energy of a slide that continues.
+"""Decides when a slide ends (the surface no longer moves), and names the source of energy of a slide that continues.
 
 Single discs that rattle in loosened ground always have some kinetic energy, so energy is not a useful criterion of
-rest. The criterion is the displacement of the ground: of every third of the surface, and its largest slide.
+rest. The criterion is the displacement of the ground: of every third of the surface, and the largest slide of the
+surface.
 """
 
 from collections.abc import Sequence

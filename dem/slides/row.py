@@ -1,4 +1,4 @@
-"""One row of the history of a slide."""
+"""Stores one row of the history of a slide."""
 
 from dataclasses import dataclass
 

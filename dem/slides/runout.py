@@ -1,4 +1,5 @@
-"""Run-out of discs: profile of the deposit, quantiles of the mass, and mass that has left the connected ground.
+"""Measures the run-out of discs: profile of the deposit, quantiles of the mass, and mass that has left the connected
+ground.
 
 All distances are in the frame of the discs, in m. The deposit is the connected ground: discs that touch, or nearly,
 without those that flew or rolled away.

@@ -1,4 +1,4 @@
-"""Record of a slide of discs."""
+"""Stores the record of a slide of discs."""
 
 from dataclasses import asdict, dataclass, field, fields
 from typing import Any
@@ -75,7 +75,7 @@ class Slide:
 
     def as_json(self, alone: "Slide | None" = None) -> dict[str, Any]:
         """Return the numbers of a case. alone: the same ground under Kh alone; a disc counts as sliding if it moves
-        twice as far as there.
+        twice as far as under Kh alone.
         """
         last = asdict(self.rows[-1])
         answers = {key: last[key] for key in last if key.startswith(("settlement", "slide", "crack_"))}

@@ -1,4 +1,4 @@
-"""Failure of discs: cracked pore springs by stratum, and the slip surface.
+"""Describes the failure of discs: cracked pore springs by stratum, and the slip surface.
 
 Surfaces are (k, 2), x and z in the section's frame (m).
 """

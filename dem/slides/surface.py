@@ -1,4 +1,4 @@
-"""The ground surface of discs: the topmost discs, how far they settle and slide, and how wide cracks open."""
+"""Describes the ground surface of discs: the topmost discs, how far they settle and slide, and how wide cracks open."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Undrained ground has a constant volume: its discs swell as their packing gets denser.
+"""Keeps the volume of undrained ground constant: its discs swell as their packing gets denser.
 
 Clay and liquefied ground do not drain during an earthquake, but for the prescribed volumetric strain. Random discs are
 looser than such soil and get denser as they shear. Liquefied discs get denser as their arrangement becomes regular,

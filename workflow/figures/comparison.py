@@ -101,8 +101,8 @@ def _curves(results: Results, name: str) -> bool:
 
 
 def _discs(axes: Any, search: DiscSearch, look: dict[str, Any], soil: bool) -> float:
-    """Draw all points of the displacement-controlled test of soil discs, or the stable states of the paper's discs;
-    returns the largest displacement (m).
+    """Draw all points of the displacement-controlled test of soil discs, or the stable states of discs with the law
+    "paper"; returns the largest displacement (m).
     """
     points = [(trial.kh, trial.displacement_m) for trial in search.trials] if soil else search.curve
     curve = np.array(sorted(points, key=lambda point: point[1])).reshape(-1, 2)

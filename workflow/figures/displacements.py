@@ -91,8 +91,8 @@ def _others(results: Results) -> Iterator[MethodRow]:
 
 
 def slides(results: Results) -> Iterator[MethodRow]:
-    """Return the slide of every case by discs, by material points, by the paper's discs, and as the paper printed
-    it."""
+    """Return the slide of every case by discs, by material points, by discs with the law "paper", and as the paper
+    printed it."""
     first, cases = results.case_set()
     yield from _of_cases(results, cases, "discs", SLIDES)
     yield from _of_cases(results, results.mpm.cases if results.mpm is not None else {}, "material points", POINTS)

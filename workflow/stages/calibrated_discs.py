@@ -256,7 +256,8 @@ def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDi
 def _layer_tests(
     config: Config, discs: Discs, searched: Searched, progress: Progress, executor: Executor
 ) -> tuple[LayerTest, ...]:
-    """Return the element tests of the paper's discs of every layer after calibration, if the settings request them."""
+    """Return the element tests of discs with the law "paper" of every layer after calibration, if the settings request
+    them."""
     if config.dem.model == "soil" or not config.dem.element_tests or searched.calibration is None:
         return ()
     progress("element tests of the discs of every layer", None)
@@ -277,7 +278,7 @@ def discs_answer(
     """Return the content of dem/critical.json; ``sliding`` are the discs at rest from which slides start.
 
     ``config``: config of the run; ``discs``: discs at rest; ``searched``: critical Kh before and after calibration;
-    ``stored``: states at recorded Kh; ``surfaces``: slip surfaces; ``paper``: answer of the paper's discs.
+    ``stored``: states at recorded Kh; ``surfaces``: slip surfaces; ``paper``: answer of discs with the law "paper".
     """
     return DiscsAnswer(
         section=SectionLabel.of(config.section),

@@ -105,8 +105,8 @@ def calibrator_for(
 
 
 def continuum_for(config: Config, store: Store) -> Continuum:
-    """Return the FEM model that discs are calibrated to; for the paper's discs the one with the sides of the section,
-    as in the paper.
+    """Return the FEM model that discs are calibrated to; for discs with the law "paper" the one with the sides of the
+    section, as in the paper.
     """
     if config.dem.model == "soil":
         like = DemCounterpart.read(store)

@@ -92,8 +92,8 @@ def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]
 
 
 def _tasks(config: Config, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[PlannedSlide]:
-    """Return the slides of all cases, and of Kh alone, on every set of springs; the paper's discs, the slowest,
-    first."""
+    """Return the slides of all cases, and of Kh alone, on every set of springs; discs with the law "paper", the
+    slowest, first."""
     numbers = sorted({ALONE, *wanted}, reverse=True) if wanted else []
     return [task(config, springs, number, *starts[springs]) for springs in reversed(starts) for number in numbers]
 
