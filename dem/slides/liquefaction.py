@@ -213,7 +213,7 @@ class Slider:
             self.model.set_radius(radius)
 
     def _float(self) -> None:
-        """Set the buoyancy of soil discs that have crossed the water table, from the part of each disc below the table."""
+        """Set the buoyancy of soil discs that have crossed the water table, from the part of each disc below it."""
         if self.buoyed is None or (now := self.ground.buoyancy(self.model)) is None:
             return
         model, start, change = self.model, self.start, now - self.buoyed
