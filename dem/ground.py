@@ -151,8 +151,7 @@ class Ground:
 
 
 def springs_of(section: Section, settings: DemSettings, radius: float) -> list[LayerSprings]:
-    """Return the springs of every stratum before calibration: Table 2 of the paper as printed, or by eqs. (5)-(13) of
-    the paper.
+    """Return the springs of every stratum before calibration: Table 2, or eqs. (5)-(13), of the paper.
 
     Parameters
     ----------
