@@ -18,6 +18,7 @@ from dem.settings import DemSettings
 from dem.springs import LayerSprings, from_strata, table2
 from dem.water import added_mass, buoyancy, excess, still_water
 from meshes.errors import InputError
+from meshes.section.base_impedance import base_impedance
 from meshes.section.polyline import downhill
 from meshes.section.section import Section
 
@@ -93,15 +94,8 @@ class Ground:
         return True
 
     def base_impedance(self) -> float:
-        """Return the impedance of a compliant base times its length (kg/s per metre): ρ V_s L of the lowest stratum, or
-        the mean of all strata if larger; 0 without a section.
-        """
-        if self.section is None:
-            return 0.0
-        strata, areas, (left, right) = self.section.strata, self.section.layering.areas(), self.section.extent
-        moduli = [stratum.youngs_modulus / (2.0 * (1.0 + stratum.poissons_ratio)) for stratum in strata]
-        impedances = np.sqrt([s.density_seismic * modulus for s, modulus in zip(strata, moduli, strict=True)])
-        return float(max(impedances[-1], np.average(impedances, weights=areas)) * (right - left))
+        """Return the impedance of the base (kg/s per metre), see `meshes.section.base_impedance`; 0 without a section."""
+        return 0.0 if self.section is None else base_impedance(self.section)
 
     def buoyancy(self, model: DiscModel) -> np.ndarray | None:
         """Return the acceleration (2, n) in m/s2, in the frame of the discs, by buoyancy in still water at the present

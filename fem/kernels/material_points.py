@@ -43,6 +43,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from fem.kernels.grid_motion import NEW, move_base, move_grid
+
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -62,9 +64,6 @@ SPAN_STRAIN, SPAN_COMPLIANCE = 7, 8
 RELAXED = 0.1  # of its deviation from the mean stress of its knot span, that a point loses in a step
 # Sums of a stripe (J/m): work of weight and shaking, energy dissipated by shear, opening and drainage.
 EXTERNAL, DISSIPATED = range(2)
-# Of a column of nodes (J/m): kinetic energy that forces gave it, work of pore water.
-GAINED, BUOYED = range(2)
-FREE, FIXED, WALL = range(3)  # of a node: free; at rest; at rest horizontally
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -135,45 +134,6 @@ def scatter(
                     grid[column, j + b, 4] += w * (bz - sxz * dx - tzz * dz)
                     grid[column, j + b, 5] += w * volume
                     grid[column, j + b, 6] += abs(side[p])
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def move_grid(
-    first: int, last: int, grid: Floats, uplift: Floats, support: NDArray[np.int8], dt: float, damping: float,
-    velocity: Floats, gained: Floats,
-) -> None:  # fmt: skip
-    """Compute the velocities (nx, nz, 4) of the nodes in columns first to last, before and after a step.
-
-    ``grid`` (nx, nz, NODE): see `scatter`; ``uplift`` (nx, nz, 2): force of pore water on a volume of ground, minus its
-    pressure gradient (N/m³); ``support`` (nx, nz): FREE, FIXED or WALL; ``dt``: time step (s); ``damping``: local non-
-    viscous damping of the forces (Cundall 1987), 0 for none. Fills ``velocity`` (m/s) and ``gained`` (nx, 2): the
-    kinetic energy (J/m) by all forces on the nodes, and the part of it by pore water.
-    """
-    for i in range(first, last):
-        energy = buoyed = 0.0
-        for j in range(grid.shape[1]):
-            mass = grid[i, j, 0]
-            if mass <= 0.0 or support[i, j] == FIXED:
-                velocity[i, j, 0] = velocity[i, j, 1] = velocity[i, j, 2] = velocity[i, j, 3] = 0.0
-                continue
-            old_x, old_z = grid[i, j, 1] / mass, grid[i, j, 2] / mass
-            if support[i, j] == WALL:
-                old_x = 0.0
-            water_x, water_z = grid[i, j, 5] * uplift[i, j, 0], grid[i, j, 5] * uplift[i, j, 1]
-            ax, az = (grid[i, j, 3] + water_x) / mass, (grid[i, j, 4] + water_z) / mass
-            if damping > 0.0:
-                ax *= 1.0 - damping if ax * old_x > 0.0 else 1.0 + damping
-                az *= 1.0 - damping if az * old_z > 0.0 else 1.0 + damping
-            new_x, new_z = old_x + dt * ax, old_z + dt * az
-            if support[i, j] == WALL:
-                new_x = 0.0
-            if grid[i, j, 6] > 0.0:
-                old_z = new_z = 0.0
-            velocity[i, j, 0], velocity[i, j, 1], velocity[i, j, 2], velocity[i, j, 3] = old_x, old_z, new_x, new_z
-            energy += 0.5 * mass * (new_x * new_x + new_z * new_z - old_x * old_x - old_z * old_z)
-            buoyed += 0.5 * dt * (water_x * (old_x + new_x) + water_z * (old_z + new_z))
-        gained[i, GAINED] += energy
-        gained[i, BUOYED] += buoyed
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -258,14 +218,14 @@ def _update_stress(
 @njit(cache=True, nogil=True, error_model="numpy")
 def gather(
     stripes: Integers, offsets: Integers, grid: Floats, velocity: Floats, cell: float, slope: float, periodic: bool,
-    dt: float, keep: float, shaking: float, gravity_x: float, gravity_z: float, x: Floats, v: Floats, affine: Floats,
-    stress: Floats, state: Floats, side: Floats, properties: Floats, sums: Floats,
+    dt: float, keep: float, shaking: float, gravity_x: float, gravity_z: float, base: float, x: Floats, v: Floats,
+    affine: Floats, stress: Floats, state: Floats, side: Floats, properties: Floats, sums: Floats,
 ) -> None:  # fmt: skip
-    """Move the points of some stripes with the grid, and update their stress.
+    """Move the points of some stripes with the grid, and update their stress. Places are relative to the base.
 
     ``velocity`` (nx, nz, 4): velocities of the nodes, see `move_grid`; ``properties`` (n, PROPERTIES); ``dt``: time
     step (s); ``keep``: share α, 0 or 1, of the part of its velocity that a point keeps although the grid cannot resolve
-    it; ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``,
+    it; ``base``: velocity of the base (m/s); ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``,
     ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``shaking``, ``gravity_x``, ``gravity_z``: as in `scatter`.
     """
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
@@ -315,10 +275,10 @@ def gather(
             external += dt * (side[p] * middle_x - 0.25 * cell * abs(side[p]) * cxx)
             v[p, 0] = new_x + keep * (v[p, 0] - old_x)
             v[p, 1] = new_z + keep * (v[p, 1] - old_z)
-            x[p, 0] += dt * new_x
+            x[p, 0] += dt * (new_x - base)
             x[p, 1] += dt * new_z
             if not periodic and not low < x[p, 0] < high_x:
-                x[p, 0], v[p, 0] = min(max(x[p, 0], low), high_x), 0.0
+                x[p, 0], v[p, 0] = min(max(x[p, 0], low), high_x), base
             height = x[p, 1] - slope * x[p, 0]
             if not low < height < high_z:
                 x[p, 1], v[p, 1] = min(max(height, low), high_z) + slope * x[p, 0], 0.0
@@ -369,14 +329,14 @@ def take_off(
 @njit(cache=True, nogil=True, error_model="numpy")
 def advance(
     steps: int, stripes: Integers, offsets: Integers, cell: float, slope: float, periodic: bool, dt: float,
-    keep: float, accelerations: Floats, gravity_x: float, gravity_z: float, damping: float, uplift: Floats,
+    keep: float, accelerations: Floats, gravity_x: float, gravity_z: float, damping: float, base: Floats, uplift: Floats,
     support: NDArray[np.int8], x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats, side: Floats,
     properties: Floats, grid: Floats, velocity: Floats, gained: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Advance the material points by some time steps on one thread.
 
-    ``accelerations`` (steps,): accelerations by shaking (m/s²); ``steps``: how many. ``uplift``, ``support``,
-    ``damping``, ``velocity``, ``gained``: as in `move_grid`; ``keep``, ``properties``, ``sums``: as in `gather`;
+    ``accelerations`` (steps,): accelerations by shaking (m/s²); ``steps``: how many. ``base``: as in `move_base`;
+    ``uplift``, ``support``, ``damping``, ``velocity``, ``gained``: as in `move_grid`; ``keep``, ``properties``, ``sums``: as in `gather`;
     ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``, ``cell``, ``slope``,
     ``periodic``, ``dt``, ``gravity_x``, ``gravity_z``, ``grid``: as in `scatter`.
     """
@@ -389,8 +349,9 @@ def advance(
                 stripes[parity::2], offsets, x, v, affine, stress, state, heavy, side, properties, cell, slope,
                 periodic, shaking, gravity_x, gravity_z, grid,
             )  # fmt: skip
-        move_grid(0, grid.shape[0], grid, uplift, support, dt, damping, velocity, gained)
+        move_base(grid, uplift, support, dt, shaking, base)
+        move_grid(0, grid.shape[0], grid, uplift, support, dt, damping, base, velocity, gained)
         gather(
-            stripes, offsets, grid, velocity, cell, slope, periodic, dt, keep, shaking, gravity_x, gravity_z, x, v,
-            affine, stress, state, side, properties, sums,
+            stripes, offsets, grid, velocity, cell, slope, periodic, dt, keep, shaking, gravity_x, gravity_z, base[NEW],
+            x, v, affine, stress, state, side, properties, sums,
         )  # fmt: skip

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.kernels import grid_motion
 from fem.kernels import material_points as kernel
 from fem.mpm.grid import BackgroundGrid
 from fem.mpm.points import MaterialPoints
@@ -32,7 +33,7 @@ class MaterialPointEnergy:
     external : float
         Work of weight, shaking and pore water.
     dissipated : float
-        Energy dissipated by shear, opening and drainage.
+        Energy dissipated by shear, opening and drainage, and energy of waves that left through a compliant base.
     kinetic_gained : float
         Kinetic energy that forces gave to the nodes of the grid.
     kinetic, elastic : float
@@ -91,6 +92,9 @@ class MaterialPointEngine:
         Gravitational acceleration (m/s²), components x and z.
     threads : int
         Number of threads; the result is the same to the last bit for any number.
+    base_impedance : float
+        Impedance of a compliant base times its length (kg/s per metre), see `fem.kernels.grid_motion.move_base`; 0 for
+        a rigid base.
     decay : float
         Rate (1/s) at which velocities that the grid cannot resolve are damped; with inf they are removed in every step
         (APIC).
@@ -103,6 +107,7 @@ class MaterialPointEngine:
         gravity: tuple[float, float] = (0.0, -GRAVITY),
         threads: int = 1,
         decay: float = np.inf,
+        base_impedance: float = 0.0,
     ) -> None:
         self.points, self.grid, self.gravity, self.threads, self.decay = points, grid, gravity, threads, decay
         self.time, self.steps = 0.0, 0
@@ -117,6 +122,8 @@ class MaterialPointEngine:
             stripes -= 1  # even, so that the last one is no neighbour of its like
         self._stripes = np.arange(stripes, dtype=np.int64)
         self._sums = np.zeros((stripes, 2))
+        self.base = np.zeros(grid_motion.BASE)
+        self.base[grid_motion.IMPEDANCE] = base_impedance
         self._sort()
 
     @property
@@ -124,6 +131,7 @@ class MaterialPointEngine:
         """Return the energy balance since the beginning."""
         (external, dissipated), (gained, buoyed) = self._sums.sum(axis=0), self._gained.sum(axis=0)
         now = self.points.kinetic(self.grid.cell), self.points.elastic()
+        dissipated += self.base[grid_motion.LEFT]
         return MaterialPointEnergy(float(external + buoyed), float(dissipated), float(gained), *now, *self._began)
 
     def run(self, seconds: float, shaking: ShakingHistory | None = None, damping: float = 0.0) -> None:
@@ -162,7 +170,7 @@ class MaterialPointEngine:
     def begin_again(self) -> None:
         """Set time and energies to zero."""
         self.time, self.steps, self._filtered = 0.0, 0, (0.0, 0)
-        self._gained[:], self._sums[:] = 0.0, 0.0
+        self._gained[:], self._sums[:], self.base[grid_motion.OLD :] = 0.0, 0.0, 0.0
         self._began = self.points.kinetic(self.grid.cell), self.points.elastic()
 
     def dissipate(self, energy: float) -> None:
@@ -172,7 +180,13 @@ class MaterialPointEngine:
     def as_it_is(self) -> dict[str, np.ndarray]:
         """Return the state of the engine as a mapping of names to arrays, for `go_on_from`."""
         state = {name: getattr(self.points, name) for name in ARRAYS}
-        state |= {"order": self.order, "gained": self._gained, "sums": self._sums, "offsets": self._offsets}
+        state |= {
+            "order": self.order,
+            "gained": self._gained,
+            "sums": self._sums,
+            "base": self.base,
+            "offsets": self._offsets,
+        }
         clock = np.array([self.time, self.steps, *self._filtered, *self._began])
         return state | {"sorted_at": self._sorted_at, "clock": clock}
 
@@ -181,7 +195,7 @@ class MaterialPointEngine:
         for name in ARRAYS:
             getattr(self.points, name)[:] = state[name]
         self.order, self._offsets, self._sorted_at = state["order"], state["offsets"], state["sorted_at"]
-        self._gained[:], self._sums[:] = state["gained"], state["sums"]
+        self._gained[:], self._sums[:], self.base[:] = state["gained"], state["sums"], state["base"]
         self.time, steps, filtered, at_step, *began = (float(value) for value in state["clock"])
         self.steps, self._filtered, self._began = int(steps), (filtered, int(at_step)), (began[0], began[1])
         self._share()
@@ -194,28 +208,22 @@ class MaterialPointEngine:
             kernel.advance(
                 len(accelerations), self._stripes, self._offsets, grid.cell, grid.slope, grid.periodic,
                 dt, keep, accelerations,
-                *self.gravity, damping, grid.uplift, grid.support, *moving, points.side, points.properties, self._nodes,
+                *self.gravity, damping, self.base, grid.uplift, grid.support, *moving, points.side, points.properties, self._nodes,
                 self._velocity, self._gained, self._sums,
             )  # fmt: skip
             return
         for acceleration in accelerations:
-            self._move_grid(pool, points.v, points.affine, dt, acceleration, damping)
+            self._scatter(pool, points.v, points.affine, acceleration)
+            grid_motion.move_base(self._nodes, grid.uplift, grid.support, dt, acceleration, self.base)
+            self._move_grid(pool, dt, damping, self.base)
             list(pool.map(lambda stripe, acceleration=acceleration: kernel.gather(
                 stripe, self._offsets, self._nodes, self._velocity, grid.cell, grid.slope, grid.periodic,
                 dt, keep, acceleration,
-                *self.gravity, *moving, points.side, points.properties, self._sums,
+                *self.gravity, self.base[grid_motion.NEW], *moving, points.side, points.properties, self._sums,
             ), self._all))  # fmt: skip
 
-    def _move_grid(
-        self,
-        pool: ThreadPoolExecutor,
-        v: np.ndarray,
-        affine: np.ndarray,
-        dt: float,
-        acceleration: float,
-        damping: float,
-    ) -> None:
-        """Compute the velocities of the nodes from those (n, 2), (n, 4) of the points, before and after a step."""
+    def _scatter(self, pool: ThreadPoolExecutor, v: np.ndarray, affine: np.ndarray, acceleration: float) -> None:
+        """Compute mass, momentum and forces of the nodes from velocities (n, 2), (n, 4) of the points."""
         points, grid = self.points, self.grid
         heavy = points.properties[:, kernel.HEAVY].copy()
         self._nodes[:] = 0.0
@@ -224,9 +232,13 @@ class MaterialPointEngine:
                 stripe, self._offsets, points.x, v, affine, points.stress, points.state, heavy, points.side,
                 points.properties, grid.cell, grid.slope, grid.periodic, acceleration, *self.gravity, self._nodes,
             ), shares))  # fmt: skip
+
+    def _move_grid(self, pool: ThreadPoolExecutor, dt: float, damping: float, base: np.ndarray) -> None:
+        """Compute the velocities of the nodes before and after a step of ``dt`` (s)."""
+        grid = self.grid
         edges = np.linspace(0, grid.shape[0], self.threads + 1).astype(int)
-        list(pool.map(lambda first, last: kernel.move_grid(
-            first, last, self._nodes, grid.uplift, grid.support, dt, damping, self._velocity, self._gained
+        list(pool.map(lambda first, last: grid_motion.move_grid(
+            first, last, self._nodes, grid.uplift, grid.support, dt, damping, base, self._velocity, self._gained
         ), edges[:-1], edges[1:]))  # fmt: skip
 
     def _filter(self, pool: ThreadPoolExecutor, seconds: float) -> None:
@@ -234,9 +246,11 @@ class MaterialPointEngine:
         points, grid = self.points, self.grid
         if self.decay == 0.0 or np.isinf(self.decay):
             return
-        v, affine = points.v.copy(), points.affine.copy()
+        v, affine, at_rest = points.v.copy(), points.affine.copy(), np.zeros(grid_motion.BASE)
+        v[:, 0] -= self.base[grid_motion.NEW]
         for _ in range(FILTER):
-            self._move_grid(pool, v, affine, 0.0, 0.0, 0.0)
+            self._scatter(pool, v, affine, 0.0)
+            self._move_grid(pool, 0.0, 0.0, at_rest)
             list(pool.map(lambda stripe: kernel.take_off(
                 stripe, self._offsets, self._velocity, grid.cell, grid.slope, grid.periodic, points.x, v, affine
             ), self._all))  # fmt: skip

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.kernels import material_points as kernel
+from fem.kernels import grid_motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,7 +16,7 @@ class BackgroundGrid:
     cell : float
         Side of a cell (m).
     support : ndarray (nx, nz)
-        Boundary condition of each node: `FREE`, `FIXED` or `WALL` of `fem.kernels.material_points`.
+        Boundary condition of each node: `FREE`, `FIXED` or `WALL` of `fem.kernels.grid_motion`.
     uplift : ndarray (nx, nz, 2)
         Minus the gradient of the pore pressure (N/m³).
     periodic : bool
@@ -36,10 +36,10 @@ class BackgroundGrid:
         """Make a grid without water whose lowest ``floor`` rows of nodes are fixed, and three columns at either side
         unless it is periodic. ``cell`` is the side of a cell (m); ``columns`` and ``rows`` are the numbers of nodes.
         """
-        support = np.full((columns, rows), kernel.FREE, dtype=np.int8)
-        support[:, :floor] = kernel.FIXED
+        support = np.full((columns, rows), grid_motion.FREE, dtype=np.int8)
+        support[:, :floor] = grid_motion.FIXED
         if not periodic:
-            support[:3] = support[-3:] = kernel.FIXED
+            support[:3] = support[-3:] = grid_motion.FIXED
         return cls(cell, support, np.zeros((columns, rows, 2)), periodic)
 
     @property

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fem.kernels import grid_motion
 from fem.kernels import material_points as kernel
 from fem.mpm.grid import BackgroundGrid
 from fem.mpm.points import MaterialPoints, PointSoil
@@ -287,19 +288,19 @@ def _grid(
     at = np.clip(x, left + 1e-9 * (right - left), right - 1e-9 * (right - left))
     levels = section.layering.interfaces(at)
     base = levels[:, -1]
-    support = np.full(shape, kernel.FREE, dtype=np.int8)
+    support = np.full(shape, grid_motion.FREE, dtype=np.int8)
     if sides == "smooth":
         below = z < levels[:, :1] + cell - TINY  # up to the first row of nodes that is not in the ground
         beyond = np.maximum(left - x, x - right)[:, None]
-        support[below & (beyond > -TINY)] = kernel.WALL
+        support[below & (beyond > -TINY)] = grid_motion.WALL
         reached = np.where(z < levels[:, :1] - TINY, 1.5, 0.5) * cell  # up to there the ground inside slides along it
-        support[below & (beyond > reached)] = kernel.FIXED
-    support[z <= base[:, None] - (BORDER - 1) * cell] = kernel.FIXED
+        support[below & (beyond > reached)] = grid_motion.FIXED
+    support[z <= base[:, None] - (BORDER - 1) * cell] = grid_motion.FIXED
     if sides == "free-field":
-        support[:2] = support[-2:] = kernel.FIXED
+        support[:2] = support[-2:] = grid_motion.FIXED
     elif sides == "fixed":
-        support[(x <= left - (BORDER - 1) * cell) | (x >= right + (BORDER - 1) * cell)] = kernel.FIXED
-    support[:, -2:] = kernel.FIXED
+        support[(x <= left - (BORDER - 1) * cell) | (x >= right + (BORDER - 1) * cell)] = grid_motion.FIXED
+    support[:, -2:] = grid_motion.FIXED
     return BackgroundGrid(cell, support, _uplift(section, cell, x, z), sides == "periodic", slope)
 
 

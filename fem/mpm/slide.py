@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from fem.continuum.liquefied_ground import LEAST, UNDRAINED
+from fem.kernels import grid_motion
 from fem.kernels import material_points as kernel
 from fem.mpm.engine import MaterialPointEngine, ShakingHistory
 from fem.mpm.ground import FAR, PointGround, with_free_sides
@@ -65,6 +66,9 @@ class SlideProgramme:
         % of the slide, from one window of 5 s to the next, twice in a row.
     drained : float
         Volumetric strain by drainage while a stratum liquefies (-).
+    base_impedance : float
+        Impedance of a compliant base times its length (kg/s per metre), see `meshes.section.base_impedance`; 0 for a
+        rigid base.
     """
 
     shaking: ShakingHistory
@@ -75,6 +79,7 @@ class SlideProgramme:
     duration: float
     still: float = 0.01
     drained: float = 0.0
+    base_impedance: float = 0.0
 
 
 class PointSlider:
@@ -146,6 +151,7 @@ class PointSlider:
         """
         slide = PointSlide(before=self._surface(), cell=self.ground.grid.cell)
         self.engine.decay = decay
+        self.engine.base[grid_motion.IMPEDANCE] = programme.base_impedance
         self._remember(programme)
         shares: dict[int, float] = dict.fromkeys(programme.starts, 0.0)
         if checkpoint is not None:

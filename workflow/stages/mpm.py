@@ -205,6 +205,7 @@ def _slid(run: PointRun, tell: Tell) -> "PointSlide":
 def programme_of(config: Config, number: int) -> "SlideProgramme":
     """Return loading of the ground and onset of liquefaction: a constant Kh, or a record, as for the discs."""
     from fem.mpm.slide import SlideProgramme
+    from meshes.section.base_impedance import base_impedance
     from meshes.section.quantity import GRAVITY
     from workflow.stages.shaking import shaking_of
 
@@ -218,6 +219,7 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
         return SlideProgramme(
             lambda t: np.interp(t, time, acceleration, right=0.0), dict(shaking.onsets), remains, onset, last,
             float(time[-1]) + settings.duration, settings.still, case.volumetric_strain,
+            0.0 if shaking.of_the_base else base_impedance(config.section),
         )  # fmt: skip
     duration = settings.kh_seconds
 

@@ -1,0 +1,96 @@
+"""Motion of the background grid of material points in a step, and of the base on which its lowest nodes stand.
+
+Velocities are those in the frame in which the ground far below does not move; Kh or a record acts in it as an
+acceleration of the whole mass. Positive is to the right and upwards; m, kg and N are those of a metre out of plane.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+# Of a column of nodes (J/m): kinetic energy that forces gave it, work of pore water.
+GAINED, BUOYED = range(2)
+FREE, FIXED, WALL = range(3)  # of a node: free; at rest relative to the base; horizontally at rest relative to it
+# Of a compliant base: ρ V_s L (kg/s per metre), 0 if rigid; its velocity before and after a step (m/s); energy (J/m)
+# that left through it.
+IMPEDANCE, OLD, NEW, LEFT = range(4)
+BASE = 4
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def move_base(grid: Floats, uplift: Floats, support: NDArray[np.int8], dt: float, shaking: float, base: Floats) -> None:
+    """Advance the velocity of a compliant base by a step; a rigid base stays at rest.
+
+    The nodes that are held have the velocity v of the base, and waves leave the ground through dashpots below it
+    (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877):
+
+        M dv/dt = F - F_0 - ρ V_s L v,
+
+    M their mass, F the force on them, and F_0 the sum of all forces on the ground but those of shaking: the base
+    carries F_0 while the ground is at rest. The dashpots are implicit, so that no time step is too long for them.
+    ``base`` (BASE,) is changed; ``grid``, ``uplift``, ``support``, ``dt``: as in `move_grid`; ``shaking``: as in
+    `scatter`.
+    """
+    if base[IMPEDANCE] == 0.0:
+        return
+    at_rest = held_mass = held_force = 0.0
+    for i in range(grid.shape[0]):
+        for j in range(grid.shape[1]):
+            mass = grid[i, j, 0]
+            if mass > 0.0:
+                force = grid[i, j, 3] + grid[i, j, 5] * uplift[i, j, 0]
+                at_rest += force - shaking * mass
+                if support[i, j] != FREE:
+                    held_mass += mass
+                    held_force += force
+    old = base[NEW]
+    new = (held_mass * old + dt * (held_force - at_rest)) / (held_mass + dt * base[IMPEDANCE])
+    base[OLD], base[NEW] = old, new
+    base[LEFT] += 0.5 * dt * (old + new) * (base[IMPEDANCE] * new + at_rest)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def move_grid(
+    first: int, last: int, grid: Floats, uplift: Floats, support: NDArray[np.int8], dt: float, damping: float,
+    base: Floats, velocity: Floats, gained: Floats,
+) -> None:  # fmt: skip
+    """Compute the velocities (nx, nz, 4) of the nodes in columns first to last, before and after a step.
+
+    ``grid`` (nx, nz, NODE): see `scatter`; ``uplift`` (nx, nz, 2): force of pore water on a volume of ground, minus its
+    pressure gradient (N/m³); ``support`` (nx, nz): FREE, FIXED or WALL; ``dt``: time step (s); ``damping``: local non-
+    viscous damping of the forces (Cundall 1987), 0 for none; ``base`` (BASE,): motion of the base and of the nodes that
+    are held. Fills ``velocity`` (m/s) and ``gained`` (nx, 2): the kinetic energy (J/m) by all forces on the nodes, and
+    the part of it by pore water.
+    """
+    base_old, base_new = base[OLD], base[NEW]
+    for i in range(first, last):
+        energy = buoyed = 0.0
+        for j in range(grid.shape[1]):
+            mass = grid[i, j, 0]
+            if mass <= 0.0 or support[i, j] == FIXED:
+                velocity[i, j, 0], velocity[i, j, 2] = base_old, base_new
+                velocity[i, j, 1] = velocity[i, j, 3] = 0.0
+                if mass > 0.0:
+                    energy += 0.5 * mass * (base_new * base_new - base_old * base_old)
+                    buoyed += 0.5 * dt * grid[i, j, 5] * uplift[i, j, 0] * (base_old + base_new)
+                continue
+            old_x, old_z = grid[i, j, 1] / mass, grid[i, j, 2] / mass
+            if support[i, j] == WALL:
+                old_x = base_old
+            water_x, water_z = grid[i, j, 5] * uplift[i, j, 0], grid[i, j, 5] * uplift[i, j, 1]
+            ax, az = (grid[i, j, 3] + water_x) / mass, (grid[i, j, 4] + water_z) / mass
+            if damping > 0.0:
+                ax *= 1.0 - damping if ax * old_x > 0.0 else 1.0 + damping
+                az *= 1.0 - damping if az * old_z > 0.0 else 1.0 + damping
+            new_x, new_z = old_x + dt * ax, old_z + dt * az
+            if support[i, j] == WALL:
+                new_x = base_new
+            if grid[i, j, 6] > 0.0:
+                old_z = new_z = 0.0
+            velocity[i, j, 0], velocity[i, j, 1], velocity[i, j, 2], velocity[i, j, 3] = old_x, old_z, new_x, new_z
+            energy += 0.5 * mass * (new_x * new_x + new_z * new_z - old_x * old_x - old_z * old_z)
+            buoyed += 0.5 * dt * (water_x * (old_x + new_x) + water_z * (old_z + new_z))
+        gained[i, GAINED] += energy
+        gained[i, BUOYED] += buoyed
