@@ -35,7 +35,7 @@ def move_base(grid: Floats, uplift: Floats, support: NDArray[np.int8], dt: float
     """
     if base[IMPEDANCE] == 0.0:
         return
-    at_rest = held_mass = held_force = 0.0
+    at_rest = base_mass = base_force = 0.0
     for i in range(grid.shape[0]):
         for j in range(grid.shape[1]):
             mass = grid[i, j, 0]
@@ -43,10 +43,10 @@ def move_base(grid: Floats, uplift: Floats, support: NDArray[np.int8], dt: float
                 force = grid[i, j, 3] + grid[i, j, 5] * uplift[i, j, 0]
                 at_rest += force - shaking * mass
                 if support[i, j] != FREE:
-                    held_mass += mass
-                    held_force += force
+                    base_mass += mass
+                    base_force += force
     old = base[NEW]
-    new = (held_mass * old + dt * (held_force - at_rest)) / (held_mass + dt * base[IMPEDANCE])
+    new = (base_mass * old + dt * (base_force - at_rest)) / (base_mass + dt * base[IMPEDANCE])
     base[OLD], base[NEW] = old, new
     base[LEFT] += 0.5 * dt * (old + new) * (base[IMPEDANCE] * new + at_rest)
 
