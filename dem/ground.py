@@ -94,7 +94,7 @@ class Ground:
         return True
 
     def base_impedance(self) -> float:
-        """Return the impedance of the base (kg/s per metre), see `meshes.section.base_impedance`; 0 without a section."""
+        """Return the impedance of the base (kg/s per metre), see `base_impedance`; 0 without a section."""
         return 0.0 if self.section is None else base_impedance(self.section)
 
     def buoyancy(self, model: DiscModel) -> np.ndarray | None:

@@ -225,8 +225,9 @@ def gather(
 
     ``velocity`` (nx, nz, 4): velocities of the nodes, see `move_grid`; ``properties`` (n, PROPERTIES); ``dt``: time
     step (s); ``keep``: share α, 0 or 1, of the part of its velocity that a point keeps although the grid cannot resolve
-    it; ``base``: velocity of the base (m/s); ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``,
-    ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``shaking``, ``gravity_x``, ``gravity_z``: as in `scatter`.
+    it; ``base``: velocity of the base (m/s); ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``,
+    ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``shaking``,
+    ``gravity_x``, ``gravity_z``: as in `scatter`.
     """
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
     stiff = 4.0 * inverse * inverse
@@ -329,16 +330,16 @@ def take_off(
 @njit(cache=True, nogil=True, error_model="numpy")
 def advance(
     steps: int, stripes: Integers, offsets: Integers, cell: float, slope: float, periodic: bool, dt: float,
-    keep: float, accelerations: Floats, gravity_x: float, gravity_z: float, damping: float, base: Floats, uplift: Floats,
-    support: NDArray[np.int8], x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats, side: Floats,
-    properties: Floats, grid: Floats, velocity: Floats, gained: Floats, sums: Floats,
+    keep: float, accelerations: Floats, gravity_x: float, gravity_z: float, damping: float, base: Floats,
+    uplift: Floats, support: NDArray[np.int8], x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats,
+    side: Floats, properties: Floats, grid: Floats, velocity: Floats, gained: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Advance the material points by some time steps on one thread.
 
     ``accelerations`` (steps,): accelerations by shaking (m/s²); ``steps``: how many. ``base``: as in `move_base`;
-    ``uplift``, ``support``, ``damping``, ``velocity``, ``gained``: as in `move_grid`; ``keep``, ``properties``, ``sums``: as in `gather`;
-    ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``, ``cell``, ``slope``,
-    ``periodic``, ``dt``, ``gravity_x``, ``gravity_z``, ``grid``: as in `scatter`.
+    ``uplift``, ``support``, ``damping``, ``velocity``, ``gained``: as in `move_grid`; ``keep``, ``properties``,
+    ``sums``: as in `gather`; ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``,
+    ``cell``, ``slope``, ``periodic``, ``dt``, ``gravity_x``, ``gravity_z``, ``grid``: as in `scatter`.
     """
     heavy = properties[:, HEAVY].copy()
     for step in range(steps):
