@@ -208,8 +208,8 @@ class MaterialPointEngine:
             kernel.advance(
                 len(accelerations), self._stripes, self._offsets, grid.cell, grid.slope, grid.periodic,
                 dt, keep, accelerations,
-                *self.gravity, damping, self.base, grid.uplift, grid.support, *moving, points.side, points.properties, self._nodes,
-                self._velocity, self._gained, self._sums,
+                *self.gravity, damping, self.base, grid.uplift, grid.support, *moving, points.side, points.properties,
+                self._nodes, self._velocity, self._gained, self._sums,
             )  # fmt: skip
             return
         for acceleration in accelerations:
