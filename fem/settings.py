@@ -147,10 +147,10 @@ class FemSettings(Model):
     davis: DavisForm = Field(
         default="B", description="form of Davis's reduced strength in the factor of safety: A, B or C"
     )
-    own_dilation: StrictBool | Literal["auto"] = Field(
-        default="auto",
-        description="true or false: whether a third critical Kh is computed where ψ < φ, about that of ground which "
-        'flows with the ψ of the strata; "auto": where Davis\'s estimate is below 0.85 of the critical Kh with ψ = φ',
+    own_dilation: StrictBool = Field(
+        default=False,
+        description="whether a third critical Kh is computed where ψ < φ, about that of ground which flows with the ψ "
+        "of the strata; it takes some 20 s",
     )
     kh: RecordedKh = Field(
         default=(),

@@ -18,7 +18,7 @@ from fem.search.adaptive import AdaptiveSearch, failing_by_itself
 from fem.search.checks import SAME_MESH, of_uplift, warnings_of
 from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.mesh_sequence import AdaptiveResult
-from fem.search.own_dilation import OwnDilation, is_far_apart, own_dilation
+from fem.search.own_dilation import OwnDilation, own_dilation
 from fem.search.result_warnings import ResultWarning
 from fem.search.strength_reduction import SafetyFactor, safety_factor
 from fem.settings import FemSettings, FlowSetting
@@ -261,14 +261,12 @@ class _Search:
         other: AdaptiveResult[LimitLoadResult] | None,
         settings: FemSettings,
     ) -> OwnDilation | None:
-        """Return the critical Kh for the ψ of the strata, if it may differ from ``adapted`` and from the limit load by
-        the ``other`` flow rule; None if these two are close to each other.
+        """Return the critical Kh for the ψ of the strata if the settings ask for it, and if it differs from ``adapted``
+        and from the limit load by the ``other`` flow rule; otherwise None.
         """
-        if other is None or self.comm.size > 1:
+        if other is None or self.comm.size > 1 or not settings.own_dilation:
             return None
-        full, davis = (adapted, other) if settings.flow == "associated" else (other, adapted)
-        if not is_far_apart(settings, self.section, full.result.kc, davis.result.kc):
-            return None
+        full = adapted if settings.flow == "associated" else other
         self.tell("Kh for the dilation angles of the strata", None)
         return own_dilation(self.section, settings, full.result, self.comm)
 

@@ -1,5 +1,4 @@
-"""Computes a third, approximate critical Kh for the ψ of the strata, if the critical Kh with ψ = φ and Davis's estimate
-lie far apart.
+"""Computes a third, approximate critical Kh for the ψ of the strata, beside those with ψ = φ and by Davis's estimate.
 
 The limit load with these angles (``nonassociated_limit_load.py``) depends on element and mesh by 5 to 15 %, and on some
 ground it is not found at all. So it is computed on three meshes, on the first of them from two starts, and reported
@@ -12,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from fem.continuum.strength import is_dilating_fully
 from fem.limit_load.limit_load import LimitLoadResult, critical_limit_load
 from fem.limit_load.nonassociated_limit_load import nonassociated_limit_load
 from fem.settings import FemSettings
@@ -21,8 +19,6 @@ from meshes.gmsh_model import generate
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 
-# Davis's estimate lies far below ψ = φ where it is less than this share of it.
-FAR_APART = 0.85
 # Cells of the three meshes, how many times as many there may be where layers are thin, and the largest work on all of
 # them (s of the reference machine).
 CELLS, MOST_TIMES, WORK = (300, 375, 450), 1.8, 15.0
@@ -51,15 +47,6 @@ class OwnDilation:
     high: float | None
     cells: tuple[int, ...]
     reason: str = ""
-
-
-def is_far_apart(settings: FemSettings, section: Section, associated: float, davis: float) -> bool:
-    """Return whether the third critical Kh is to be computed. It is if the settings require it, or if Davis's estimate
-    is far below the critical Kh with ψ = φ (``associated``).
-    """
-    if settings.own_dilation != "auto":
-        return settings.own_dilation and not is_dilating_fully(section.strata)
-    return associated > 0.0 and davis < FAR_APART * associated
 
 
 def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult, comm: Any) -> OwnDilation:

@@ -10,7 +10,7 @@ from workflow.report import post_liquefaction
 from workflow.report.contradictions import FALLS, FALLS_TIMES
 from workflow.report.crests import crest_parts, crest_sentences, crests_in_short
 from workflow.report.faces import faces_sentences
-from workflow.report.flow_rule import WHEN, critical_with_flow, own_dilation_sentences, with_flow
+from workflow.report.flow_rule import critical_with_flow, other_flow_sentences, own_dilation_sentences, with_flow
 from workflow.report.numbers import between, coefficient, span
 from workflow.report.residual import residual_sentences
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
@@ -83,8 +83,7 @@ def fem_sentences(
         f"the {answer.towards}{how}.{interval}"
     )
     if every:
-        if answer.davis is not None or answer.associated is not None:
-            yield WHEN
+        yield from other_flow_sentences(answer)
         yield from meshes_sentences(answer)
     yield from own_dilation_sentences(answer)
     yield from comparison_sentences(answer)

@@ -12,6 +12,8 @@ WHEN = (
     "Strict bounds, limit equilibrium and most strength reduction results are for ψ = φ. Davis's estimate, with "
     "reduced strength, is low. Davis's estimate governs if dense ground is confined, or if a dilation angle is given."
 )
+# Davis's estimate lies far below ψ = φ where it is less than this share of it.
+FAR_APART = 0.85
 # Which critical Kh sliding blocks resist with, and why.
 BLOCKS: Mapping[Flow, str] = {
     "associated": "The yield coefficient is the critical Kh with ψ = φ, as in limit equilibrium, with which such "
@@ -81,3 +83,14 @@ def own_dilation_sentences(fem: FemAnswer) -> Iterator[str]:
             f"{third.high:.3f} on three meshes. An iteration of pressures found it; element and mesh decide 5 to 15 % "
             "of it."
         )
+
+
+def other_flow_sentences(fem: FemAnswer) -> Iterator[str]:
+    """Yield sentences on the use of Davis's estimate, and how to get a number between a low estimate and ψ = φ."""
+    if fem.davis is None and fem.associated is None:
+        return
+    yield WHEN
+    full = fem.kc if fem.associated is None else fem.associated.kc
+    low = fem.kc if fem.davis is None else fem.davis.kc
+    if fem.own_dilation is None and low < FAR_APART * full:
+        yield f"The critical Kh for {fem.own_angles}, about, takes some 20 s more: --set fem.own_dilation=true."

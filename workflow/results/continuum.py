@@ -157,7 +157,7 @@ class FemAnswer(Answer):
         default=None, description="Davis's estimate, a low one and no bound, where the flow is ψ = φ and ψ is not"
     )
     own_dilation: OwnDilationPart | None = Field(
-        default=None, description="about the same with ψ of the strata, where ψ = φ and Davis's estimate are far apart"
+        default=None, description="about the same with ψ of the strata, where fem.own_dilation = true"
     )
     shallow_failures: tuple[ShallowFailurePart, ...]
     flow: Flow

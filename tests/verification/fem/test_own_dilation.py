@@ -7,7 +7,7 @@ from mpi4py import MPI
 
 from fem.limit_load.limit_load import critical_limit_load
 from fem.limit_load.nonassociated_limit_load import NonassociatedLimitLoad, nonassociated_limit_load
-from fem.search.own_dilation import is_far_apart, own_dilation
+from fem.search.own_dilation import own_dilation
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
 from meshes.section.section import Section
@@ -78,12 +78,3 @@ def test_a_section_of_bare_sand_does_not_settle_and_is_not_told() -> None:
     settings = FemSettings(flow="associated", direction="downhill")
     full = critical_limit_load(ground, generate(ground), settings, MPI.COMM_SELF)
     assert own_dilation(ground, settings, full, MPI.COMM_SELF).kc is None
-
-
-def test_the_third_number_is_for_answers_far_apart() -> None:
-    ground = section(soil(cohesion="10 kPa", friction_angle="30 deg"))
-    settings = FemSettings()
-    assert is_far_apart(settings, ground, associated=0.21, davis=0.12)
-    assert not is_far_apart(settings, ground, associated=0.21, davis=0.20)
-    assert is_far_apart(settings.changed(own_dilation=True), ground, associated=0.21, davis=0.20)
-    assert not is_far_apart(settings.changed(own_dilation=False), ground, associated=0.21, davis=0.12)
