@@ -48,7 +48,7 @@ STAGES = ", ".join(stages.NAMES)
 
 @app.callback()
 def root(version: Version = False) -> None:
-    """Options of all commands."""
+    """Read the options of all commands."""
 
 
 @app.command(rich_help_panel=Panel.BEFORE)
@@ -149,7 +149,7 @@ def mesh(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """Mesh a section with quadrilaterals and draw both. Later commands on the same folder use the same mesh."""
+    """Mesh a section with quadrilaterals, and draw it. Later commands on the same folder use the same mesh."""
     from workflow.cli.invocation import Invocation, mesh_options
     from workflow.cli.terminal import show_strata
 
@@ -240,7 +240,7 @@ def view(
     field: Annotated[str, typer.Option(help="The field in colour, such as displacement.")] = "displacement",
     at: Annotated[float | None, typer.Option(help="The seismic coefficient. [default: the last]")] = None,
 ) -> None:
-    """Look at the FEM results of a run in a window that can be turned and zoomed. Needs a screen."""
+    """Show the FEM results of a run in a window that can be turned and zoomed. Needs a screen."""
     from workflow.cli.invocation import stored_job
     from workflow.figures.single import window
 
@@ -305,7 +305,7 @@ def bounds(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """Find strict lower and upper bounds of the critical seismic coefficient, ψ = φ; they check the finite elements."""
+    """Find strict lower and upper bounds of the critical seismic coefficient, ψ = φ, to check the finite elements."""
     from workflow.cli.invocation import Invocation
 
     options = {"gap": gap, "davis": davis, "max_cells": max_cells, "safety_factor": safety_factor}
@@ -314,7 +314,7 @@ def bounds(
 
 
 def _of_stage(stage: str, panel: str, words: str) -> None:
-    """A command that runs a stage after the stages that it needs."""
+    """Return a command that runs a stage after the stages that it needs."""
 
     def command(
         section: SectionFile,
@@ -376,7 +376,7 @@ app.registered_commands.sort(key=lambda command: [*Panel].index(Panel(command.ri
 def _up_to(
     stage: str, invocation: "Invocation", force: bool, verbosity: Verbosity, also: Sequence[str] = (), **more: Any
 ) -> None:
-    """Run a stage and the stages in ``also``, after the stages that these need and that have not run yet."""
+    """Run a stage and the stages in ``also``, after the stages that they need and that have not run yet."""
     from workflow.cli.terminal import execute
     from workflow.run.plan import Choice
 
@@ -386,7 +386,7 @@ def _up_to(
 
 
 def _warn(verbosity: Verbosity, invocation: "Invocation", command: str, chosen: Sequence[str]) -> list[str]:
-    """Print, and return, warnings: options of an earlier command that still apply, and settings that are not read."""
+    """Print and return warnings on options of an earlier command that still apply, and on unread settings."""
     from workflow.cli.terminal import warn
     from workflow.cli.unread import in_words
 

@@ -19,7 +19,7 @@ def example(name: str | None = None) -> str:
 
 
 def write_example(path: Path, name: str | None = None) -> None:
-    """Write an example; raises InputError if there is such a file or it cannot be written."""
+    """Write an example. Raises InputError if the file exists already or cannot be written."""
     text = example(name)
     try:
         with path.open("x", encoding="utf-8") as file:
@@ -31,7 +31,7 @@ def write_example(path: Path, name: str | None = None) -> None:
 
 
 def said_of(path: Path, as_json: bool) -> str:
-    """Return the message after an example is written: how to use it, or its path as JSON."""
+    """Return the message printed after an example is written: how to use it, or its path as JSON."""
     if as_json:
         return json.dumps({"section": str(path)})
     return f"{path} is a section that runs as it is. Change it to yours, then: noshiro run {path}"

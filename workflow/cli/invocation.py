@@ -50,7 +50,7 @@ class Invocation:
         cls, section: Path, folder: Path | None, options: Tables, settings: list[str] | None, afresh: bool = False
     ) -> "Invocation":
         """Read the section file, and replace its settings by settings and options of the command line. Without options
-        of the mesh those of the folder are used, unless ``afresh``. Raises InputError with every problem.
+        of the mesh, those stored in the folder are used, unless ``afresh``. Raises InputError with every problem.
         """
         options_given = {
             table: {key: value for key, value in values.items() if value is not None}
@@ -73,9 +73,7 @@ class Invocation:
         return cls(read, store, mesh or stored, bool(stored), section, tables)
 
     def refuse_unknown(self, cases: Sequence[int]) -> None:
-        """Raise InputError for numbers of cases in which no stratum liquefies, or if there is no case with a liquefying
-        stratum.
-        """
+        """Raise InputError for numbers of cases without a liquefying stratum, or if no case has one."""
         if not self.config.section.liquefies:
             wanted = 'expected liquefies_in = [1] in one that liquefies, or "triggered" with blow counts'
             raise InputError(str(self.section), [f"strata: no layer liquefies, so no slide can be computed; {wanted}"])
@@ -90,7 +88,7 @@ class Invocation:
         return Job(self.config, self.store, stages.STAGES, **origin, **more)
 
     def with_bounds(self) -> "Invocation":
-        """Return the invocation with bounds, whatever the setting bounds.run."""
+        """Return the invocation with bounds, whatever the setting bounds.run says."""
         return replace(self, config=self.config.with_settings("bounds", run=True))
 
     def with_safety_factors(self) -> "Invocation":
@@ -144,7 +142,7 @@ def stored_job(folder: Path) -> Job:
 
 
 def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:
-    """Return the config with the mesh options of the folder; an InputError names the folder."""
+    """Return the config with the mesh options of the folder. The message of an InputError names the folder."""
     try:
         return load_config(section, merged(tables, {"mesh": mesh}))
     except InputError as error:

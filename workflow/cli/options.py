@@ -17,14 +17,14 @@ def _version(wanted: bool) -> None:
 
 
 class SlideModel(StrEnum):
-    """Method of a slide."""
+    """Names the methods that compute a slide."""
 
     discs = "discs"
     mpm = "mpm"
 
 
 class Panel(StrEnum):
-    """The groups of commands in the help, in their order."""
+    """Names the groups of commands in the help, in their order."""
 
     BEFORE = "Before a run"
     RUN = "All at once"
@@ -75,7 +75,7 @@ Model = Annotated[
 
 
 def literal_help(call: Callable[..., Any]) -> Any:
-    """Make a command line show words in brackets unchanged in its help; other calls are returned unchanged."""
+    """Make a command line show words in brackets unchanged in its help. Other calls are returned unchanged."""
     from rich.markup import escape
 
     if not isinstance(call, typer.Typer):

@@ -44,7 +44,7 @@ def say(line: str) -> None:
 
 
 def warn(lines: Iterable[str], verbosity: Verbosity) -> list[str]:
-    """Print and return warnings; on standard error if the output contains no sentences."""
+    """Print warnings and return them. They go to standard error if the output contains no sentences."""
     messages = list(lines)
     for line in messages:
         (out if verbosity.in_sentences else err).print(line, soft_wrap=True, markup=False)
@@ -108,19 +108,19 @@ def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:
 
 
 def _show_shaking(job: Job) -> None:
-    """Print corrections of records, warnings about them and the earthquake, and the resulting Kh."""
+    """Print the corrections of records, the warnings about records and earthquake, and the resulting Kh."""
     for line in notice_lines(job.config.notices_of_slides):
         say(line)
 
 
 def _announce(decisions: Sequence[Decision], job: Job) -> None:
-    """Print how long a run takes if the run takes long."""
+    """Print how long a run takes if it takes long."""
     if words := announcement(decisions, job.config):
         say(words)
 
 
 def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str] = (), pdf: bool = False) -> None:
-    """Run the chosen stages, print their results, and write the report as PDF if requested; JSON output contains the
+    """Run the chosen stages, print their results, and write the report as PDF if requested. JSON output contains the
     ``warnings``.
 
     Raises the errors of `pipeline.execute` and `write_pdf`.
@@ -144,9 +144,7 @@ def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[s
 
 
 def _tell(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str], pdf: bool) -> None:
-    """Print the results of the stages, in sentences or as JSON, and the folder of the files; write the PDF if
-    ``pdf``.
-    """
+    """Print the results of the stages, in sentences or as JSON, and the folder of the files; write the PDF if asked."""
     if pdf:
         from workflow.report.pdf import write_pdf
 
@@ -159,7 +157,7 @@ def _tell(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str
 
 def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
     """Print the results of a whole run in at most twelve lines, or those of the requested stages, then warnings of the
-    stages that they need; with ``every`` those of all stages with details.
+    stages that they need. With ``every``, print the results of all stages with details.
     """
     from workflow.report.console import run_lines, sentences
     from workflow.results.results import Results

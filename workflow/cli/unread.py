@@ -25,7 +25,7 @@ def keys_of(settings: Mapping[str, Mapping[str, Any]]) -> list[str]:
 
 
 def is_read(key: str, reads: Iterable[str]) -> bool:
-    """Return whether "table.key" is among settings that are read; these are whole tables or single keys."""
+    """Return whether "table.key" is among settings that are read, which are whole tables or single keys."""
     return bool({key, key.split(".")[0]} & set(reads))
 
 
@@ -36,7 +36,7 @@ def reads_of(stages: Sequence[Stage]) -> list[str]:
 
 
 def unread(settings: Sequence[str], job: Job, chosen: Sequence[str], without: Callable[[str], Job]) -> list[str]:
-    """Return the ``settings`` that no ``chosen`` stage uses; ``without`` is the job without one setting.
+    """Return the ``settings`` that no ``chosen`` stage uses; ``without`` returns the job without one setting.
 
     A setting that acts through other settings, such as a blow count that determines strengths, changes the inputs of a
     stage.
@@ -50,7 +50,7 @@ def unread(settings: Sequence[str], job: Job, chosen: Sequence[str], without: Ca
 
 
 def _changes(stages: Sequence[Stage], job: Job, key: str, without: Callable[[str], Job]) -> bool:
-    """Return whether leaving out a setting changes the inputs of any of the stages, or leaves no valid input."""
+    """Return whether leaving out a setting changes the inputs of any stage, or leaves no valid input."""
     try:
         other = without(key)
     except InputError:
@@ -59,7 +59,8 @@ def _changes(stages: Sequence[Stage], job: Job, key: str, without: Callable[[str
 
 
 def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list[str]:
-    """Return one sentence on each setting that a ``command`` does not read, with the ``commands`` that read it."""
+    """Return one sentence on each setting that a ``command`` does not read. The sentence names the ``commands`` that
+    read it."""
     from workflow.stages import STAGES, command_of
 
     reads = {command_of(stage.name): stage.reads for stage in STAGES if not stage.of_all}

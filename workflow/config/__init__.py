@@ -1,3 +1,4 @@
-"""The whole input as data: a section, and one settings object for each table; old words, and the analysed config."""
+"""The whole input as data: a section, one settings object for each table, old names of settings, and the config after
+analyses."""
 
 from workflow.config.config import FILES, K_MAX, Config, merged, notice_lines

@@ -1,4 +1,4 @@
-"""Settings that follow from analyses: strata that liquefy, their residual strength, and the Kh of slides."""
+"""Completes settings by analyses: strata that liquefy, their residual strength, and the Kh of slides."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -27,7 +27,7 @@ def config_after_triggering(config: Config, source: str = "section") -> Config:
     config : Config
         The config as read from the file.
     source : str
-        File that the config was read from, as error messages name it.
+        File from which the config was read; error messages name it.
 
     Returns
     -------
@@ -156,7 +156,7 @@ def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
 
 
 def _assumed(config: Config, section: Section, slide: SlideSettings) -> SlideSettings:
-    """Return the settings of the slides, with assumed values where ground liquefies and the input gives none.
+    """Return the settings of the slides, with assumed values if ground liquefies and the input gives none.
 
     ``config``: config as read from the file; ``section``: the section after triggering; ``slide``: settings after the
     earthquake.

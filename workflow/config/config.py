@@ -48,13 +48,13 @@ DONE = (
 
 
 def notice_lines(notices: Iterable[str]) -> list[str]:
-    """Return notices in the form that commands print: notes state what was done, warnings may require an action of the
+    """Return notices as lines that commands print. Notes state what was done; warnings may require an action of the
     user."""
     return [f"{'Note' if any(words in text for words in DONE) else 'Warning'}: {text}." for text in notices]
 
 
 class Config(Tables):
-    """The content of a run's input file: a section, and the settings of the stages."""
+    """Holds the content of a run's input file: a section, and the settings of the stages."""
 
     section: Section
 
@@ -105,8 +105,8 @@ class Config(Tables):
         return reach_of(self._before_the_cut(), self.uncertain.numbers, (Section, Tables))
 
     def _before_the_cut(self) -> dict[str, Any]:
-        """Return the section as written in the file, before the water table divided its strata, with the settings in
-        use."""
+        """Return the section as written in the file, before the water table divided its strata, together with the
+        settings in use."""
         settings = set(self.tables()) - {"uncertain", "study"}
         used = self.model_dump(mode="python", exclude_none=True, by_alias=True, include=settings)
         unset = OPEN.keys() - self.slide.model_fields_set
@@ -115,7 +115,7 @@ class Config(Tables):
         return {**self._written, **used, "slide": {**slide, **left}}
 
     def to_data(self, tables: Collection[str] | None = None) -> dict[str, Any]:
-        """Return the config as data for TOML or JSON: the section, and the ``tables``, or all tables."""
+        """Return the config as data for TOML or JSON: the section, and the named ``tables``, or all tables."""
         wanted = set(self.tables() if tables is None else tables)
         section = self.section.model_dump(mode="json", exclude_none=True, by_alias=True)
         return {**section, **self.model_dump(mode="json", exclude_none=True, by_alias=True, include=wanted)}
@@ -164,8 +164,8 @@ class Config(Tables):
 
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
-        """Make the config from the content of a TOML file; raises InputError with every problem.
-        `config_after_triggering` completes it by analyses. Cases from blow counts replace the default ones.
+        """Make the config from the content of a TOML file. `config_after_triggering` completes it by analyses; cases
+        from blow counts then replace the default cases. Raises InputError with every problem.
         """
         data = current(data)
         slide = data.get("slide", {})
@@ -195,17 +195,17 @@ class Config(Tables):
         return config
 
     def with_settings(self, table: str, **values: Any) -> Self:
-        """Return the config with other values in one table of settings; raise ValidationError for an invalid one."""
+        """Return the config with other values in one table of settings. Raises ValidationError for an invalid value."""
         return self.model_copy(update={table: getattr(self, table).changed(**values)})
 
     @property
     def left_open(self) -> dict[str, str]:
-        """Return the keys of [slide] that other tables determine, each with the word that names the table."""
+        """Return the keys of [slide] that other tables determine, each with the word that names the other table."""
         return self._left_open
 
     def analysed(self, section: Section, slide: SlideSettings, cases: Sequence[Case], keys: Sequence[str]) -> Self:
-        """Return the config completed by analyses: ground, slides, cases of blow counts; ``keys`` are those that the
-        earthquake determines.
+        """Return the config completed by analyses: ground, slides, and cases from blow counts; ``keys`` are the keys
+        that the earthquake determines.
 
         ``section``: the section of the ground; ``slide``: settings of slides.
         """
@@ -256,12 +256,12 @@ class Config(Tables):
 
     @property
     def cases(self) -> tuple[Case, ...]:
-        """Return the cases of the slide: those of [slide], then those that followed from blow counts, by their
+        """Return the cases of the slide: the cases of [slide], then the cases that follow from blow counts, by their
         names."""
         return (*self.slide.cases, *self._derived_cases)
 
     def called(self, *numbers: int) -> str:
-        """Return the name of a case, or of several cases with one answer, in pictures: its number, and its name if it
+        """Return the name of a case, or of several cases with one answer, for pictures: its number, and its name if it
         has one."""
         names = {n: self.cases[n - 1].name if 0 < n <= len(self.cases) else "" for n in numbers}
         if len(names) == 1:
@@ -297,7 +297,7 @@ class Config(Tables):
         return read
 
     def files(self, *tables: str) -> dict[str, Path]:
-        """Return the files that the settings, or some tables of them, name, by table and key."""
+        """Return the files that the settings, or some tables of settings, name, by table and key."""
         wanted = tables or self.tables()
         return {f"{table}, {key}": path for (table, key), path in self.named_files().items() if table in wanted}
 
@@ -324,7 +324,7 @@ def _is_unknown_table(key: str, value: Any) -> bool:
 
 
 def _find_files(data: Mapping[str, Any], folder: Path) -> None:
-    """Make the paths of the files that settings name absolute ones."""
+    """Make the paths of files in the settings absolute."""
     for table, key in FILES:
         values = data.get(table)
         if isinstance(values, dict) and isinstance(name := values.get(key), str) and name not in ("", AVERAGE):
@@ -332,7 +332,7 @@ def _find_files(data: Mapping[str, Any], folder: Path) -> None:
 
 
 def merged(lower: Mapping[str, Any], upper: Mapping[str, Any]) -> dict[str, Any]:
-    """Return two nested tables merged into one; values of the upper table replace those of the lower one."""
+    """Return two nested tables merged into one. Values of the upper table replace those of the lower table."""
     both = {**lower, **upper}
     for key in lower.keys() & upper.keys():
         if isinstance(lower[key], Mapping) and isinstance(upper[key], Mapping):

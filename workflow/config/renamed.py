@@ -1,4 +1,4 @@
-"""Old names of settings: they are still read, with a notice, and rewritten by `noshiro migrate`.
+"""Old names of settings are still read, with a notice, and rewritten by `noshiro migrate`.
 
 No other module has an old name. A later renaming is one more entry of ``RENAMED``.
 """
@@ -30,7 +30,7 @@ class Renamed:
 
     @property
     def key_now(self) -> str:
-        """Return the key that is written now."""
+        """Return the present name of the key."""
         return self.new_key or self.key
 
     @property

@@ -1,4 +1,4 @@
-"""The tables of settings in the file of a run, one settings object each."""
+"""The tables of settings in the input file of a run, one settings object for each."""
 
 from pathlib import Path
 from typing import Literal
@@ -34,7 +34,7 @@ class FigureSettings(Model):
 
 
 class Observed(Model):
-    """Holds a displacement that was measured, a table [[report.observed]]."""
+    """Holds a displacement that was measured, one table [[report.observed]] of the input file."""
 
     name: str = Field(min_length=1, description="where or how it was measured, such as inclinometer SI-5")
     displacement: Length = Field(description='measured displacement of the ground, such as "0.26 m"')
@@ -45,7 +45,7 @@ class Observed(Model):
 
 
 class ReportSettings(Model):
-    """Holds the title block of the report, a table [report]; empty entries are left out."""
+    """Holds the title block of the report, the table [report] of the input file. Empty entries are left out."""
 
     project: str = Field(default="", description="the name of the project")
     client: str = Field(default="", description="for whom the report is")
@@ -66,7 +66,8 @@ Variant = Literal["mesh", "element", "step", "dilation", "sides"]
 
 
 class VariantSettings(Model):
-    """Holds the variants of the critical Kh, one assumption changed at a time, a table [variants]."""
+    """Holds the settings of variants, the table [variants] of the input file. A variant is the critical Kh with one
+    assumption changed."""
 
     which: tuple[Variant, ...] = Field(
         default=("element", "step", "dilation", "sides"),
@@ -77,7 +78,8 @@ class VariantSettings(Model):
 
 
 class FaceSettings(Model):
-    """Holds the finite elements and bounds of every face of the structures, a table [faces]."""
+    """Holds the settings for the faces of structures, the table [faces] of the input file. Every face is computed by
+    finite elements and bounds."""
 
     run: StrictBool | Literal["auto"] = Field(
         default="auto",
@@ -91,7 +93,8 @@ class FaceSettings(Model):
 
 
 class SlidingBlockSettings(Model):
-    """Holds the sliding block that slides are compared with, a table [sliding_block]."""
+    """Holds the settings of the sliding block, the table [sliding_block] of the input file. Slides are compared with
+    this block."""
 
     accelerogram: str = Field(
         default="", description="a file with a record of the ground: PEER, K-NET, COSMOS, CSMIP, ESM or .csv"
@@ -110,12 +113,12 @@ class SlidingBlockSettings(Model):
     )
 
     def in_use(self) -> Accelerogram:
-        """Return the record that is named, scaled; raise InputError if it cannot be read."""
+        """Return the named record, scaled. Raises InputError if it cannot be read."""
         return read_record(Path(self.accelerogram), self.unit, self.component).scaled(self.scale)
 
 
 class Tables(Model):
-    """Holds the settings of all stages, one TOML table each."""
+    """Holds the settings of all stages, one TOML table for each stage."""
 
     mesh: MeshSettings = Field(default=MeshSettings(), description="a table [mesh] of the settings of the mesh")
     fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")

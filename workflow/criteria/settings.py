@@ -1,4 +1,4 @@
-"""Limits that the answers are compared with, a table [criteria], and the verdict."""
+"""Limits that the answers are compared with, the table [criteria] of the input file, and the verdict."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ Preset = Literal["hynes_griffin_franklin_1984", "nchrp_611"]
 
 @dataclass(frozen=True)
 class PublishedCriterion:
-    """Holds a published criterion: a factor of safety under a share of the peak acceleration, and the displacement that
-    it limits.
+    """Holds a published criterion: the required factor of safety under a share of the peak acceleration, and the
+    displacement to which it limits slides.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ SOURCE = "source of the limit, such as the name of a guideline"
 
 
 class FactorCriterion(Model):
-    """Holds a least factor of safety, a table [criteria.factor_of_safety]."""
+    """Holds the smallest factor of safety allowed, the table [criteria.factor_of_safety] of the input file."""
 
     limit: float = Field(gt=0.0, le=100.0, description="the least factor of safety, such as 1.2")
     kh: float = Field(default=0.0, ge=0.0, le=2.0, description="Kh of this factor of safety")
@@ -59,21 +59,22 @@ class FactorCriterion(Model):
 
 
 class KhCriterion(Model):
-    """Holds a least critical Kh, a table [criteria.critical_kh]."""
+    """Holds the smallest critical Kh allowed, the table [criteria.critical_kh] of the input file."""
 
     limit: float = Field(gt=0.0, le=2.0, description="the least critical Kh, such as 0.15")
     source: str = Field(default="", description=SOURCE)
 
 
 class LengthCriterion(Model):
-    """Holds a largest displacement or settlement, a table [criteria.displacement] or [criteria.crest_settlement]."""
+    """Holds the largest displacement or settlement allowed, the table [criteria.displacement] or
+    [criteria.crest_settlement]."""
 
     limit: Length = Field(description='the largest length that is allowed, such as "0.3 m"')
     source: str = Field(default="", description=SOURCE)
 
 
 class FreeboardCriterion(Model):
-    """Holds a least freeboard after the earthquake, a table [criteria.freeboard]."""
+    """Holds the smallest freeboard allowed after the earthquake, the table [criteria.freeboard] of the input file."""
 
     limit: Height = Field(description='the least height of the crest above the water, such as "0.5 m", or 0')
     water: Coordinate | None = Field(
@@ -84,7 +85,7 @@ class FreeboardCriterion(Model):
 
 
 class CriteriaSettings(Model):
-    """Holds limits, each with its source; quantities without a limit have no verdict."""
+    """Holds the limits of all criteria, each with its source. Quantities without a limit have no verdict."""
 
     preset: Preset | None = Field(
         default=None,
@@ -107,8 +108,8 @@ class CriteriaSettings(Model):
     )
 
     def resolved(self, peak: float | None) -> Self:
-        """Return the limits with those of the preset, whose factor applies to a ``peak`` acceleration of the ground
-        (over gravity)."""
+        """Return the limits together with those of the preset. The factor of the preset applies to a ``peak``
+        acceleration of the ground (over gravity)."""
         if self.preset is None:
             return self
         preset, factor = PRESETS[self.preset], self.factor_of_safety

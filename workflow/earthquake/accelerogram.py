@@ -53,7 +53,7 @@ class Accelerogram:
 
 
 def read(path: Path, unit: str = "", component: str = "") -> Accelerogram:
-    """Read a record of acceleration; the format is recognised by the content of the file.
+    """Read a record of acceleration. The format is recognised by the content of the file.
 
     Velocity and displacement are differentiated in time, and an offset is subtracted; the remarks state both.
 
@@ -99,8 +99,8 @@ def _lines(path: Path) -> list[str]:
 
 
 def _chosen(components: list[RecordedSeries], wanted: str) -> RecordedSeries:
-    """Return the chosen component; by default acceleration, not velocity or displacement. Raises ValueError without a
-    choice.
+    """Return the chosen component; without a choice the acceleration, not velocity or displacement. Raises ValueError
+    if a choice is necessary and missing.
     """
     of_acceleration = [component for component in components if component.quantity.lower().startswith("accel")]
     components = of_acceleration or components
@@ -180,8 +180,8 @@ def _unit(series: RecordedSeries, setting: str) -> MotionUnit:
 
 
 def _differentiated(time: np.ndarray, values: np.ndarray, times: int) -> np.ndarray:
-    """Return the acceleration from velocity, or twice from displacement, by a spline of the fifth degree through the
-    values."""
+    """Return the acceleration by differentiating velocity once, or displacement twice, with a spline of the fifth
+    degree through the values."""
     from scipy.interpolate import make_interp_spline
 
     if len(time) < 6 or np.any(np.diff(time) <= 0.0):
@@ -192,8 +192,8 @@ def _differentiated(time: np.ndarray, values: np.ndarray, times: int) -> np.ndar
 def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, list[str]]:
     """Return accelerations without a constant offset, and a remark where one was removed.
 
-    Ground that ends at rest has a mean acceleration of 0. If the median agrees with the mean, the whole record has an
-    offset; if not, the record is a pulse, or cut off, and is not changed.
+    The mean acceleration of ground that ends at rest is 0. If the median agrees with the mean, the whole record has an
+    offset. If not, the record is a pulse, or cut off, and is not changed.
     """
     mean = float(0.5 * (values[1:] + values[:-1]) @ np.diff(time)) / max(float(time[-1] - time[0]), 1e-9)
     middle, peak = float(np.median(values)), float(np.abs(values).max())
@@ -207,7 +207,8 @@ def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, l
 
 
 def _warnings(record: Accelerogram, stated: float | None) -> Iterator[str]:
-    """Yield warnings about a record: its size, its steps, and a peak that is not that of its heading (m/s²)."""
+    """Yield warnings about the size and the steps of a record, and about a peak that differs from the peak in its
+    heading (m/s²)."""
     if text := _size(record.peak):
         yield text
     longest = float(np.diff(record.time).max())

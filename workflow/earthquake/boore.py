@@ -27,8 +27,8 @@ PHI_FAR, FAR, PHI_SOFT, SOFT = 0.1, (110.0, 270.0), 0.07, (225.0, 300.0)
 
 
 def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> PeakMotion:
-    """Return the peak acceleration by ln A = F_E + F_P + F_S, A over g: magnitude and mechanism, path, and site; no
-    further term for a basin or a region.
+    """Return the peak acceleration A (over g) by ln A = F_E + F_P + F_S: magnitude and mechanism, path, and site. There
+    is no further term for a basin or a region.
 
     F_E = e + e4 (M - 5.5) + e5 (M - 5.5)² up to M 5.5, e + e6 (M - 5.5) above; F_P = (c1 + c2 (M - 4.5)) ln R +
     c3 (R - 1), R² = R_JB² + 4.5² in km; F_S = c ln(V/760) + f2 ln((A_r + f3)/f3) with A_r the acceleration at V = 760
@@ -57,8 +57,8 @@ def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> Pea
 
 
 def _spread(magnitude: float, kilometres: float, velocity: float) -> float:
-    """Return the standard deviation of ln A: between earthquakes (τ) and within one (φ), less on soft ground, more far
-    away."""
+    """Return the standard deviation of ln A from its parts between earthquakes (τ) and within one earthquake (φ). It is
+    smaller on soft ground, and larger far away."""
     tau, phi = (float(np.interp(magnitude, (4.5, 5.5), ends)) for ends in (TAU, PHI))
     phi += PHI_FAR * float(np.interp(math.log(max(kilometres, 0.1)), np.log(FAR), (0.0, 1.0)))
     phi -= PHI_SOFT * float(np.interp(math.log(velocity), np.log(SOFT), (1.0, 0.0)))

@@ -1,4 +1,4 @@
-"""The layers under a point of a section, under a record of the rock below them."""
+"""Computes the response of the layers under a point of a section to a record of the rock below them."""
 
 from dataclasses import dataclass
 from pathlib import Path

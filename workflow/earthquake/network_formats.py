@@ -68,7 +68,7 @@ ESM_KEY = re.compile(r"^([A-Z][A-Z0-9_/^]*): ?(.*)$")
 
 @dataclass(frozen=True)
 class NetworkFormat:
-    """Holds a file format of records: how it is recognised, and its reader."""
+    """Holds a file format of records: the function that recognises it, and its reader."""
 
     name: str
     recognised: Callable[[Lines], bool]
@@ -205,7 +205,7 @@ def esm(lines: Lines) -> list[RecordedSeries]:
 
 
 def spectra(lines: Lines) -> list[RecordedSeries]:
-    """Raise ValueError: spectra are no record."""
+    """Raise ValueError for a file of spectra, which are no record."""
     raise ValueError(
         "holds spectra (volume 3 of CSMIP or COSMOS), not a record; expected the acceleration in time of the same "
         "station, volume 1 or 2"
@@ -227,7 +227,7 @@ def _wrong_number(count: int, stated: int, where: str, what: str) -> str:
 
 
 def unit_in(heading: str) -> str:
-    """Return the unit in a heading after "units of", "units:", "units =" or in brackets; empty without one."""
+    """Return the unit in a heading after "units of", "units:", "units =" or in brackets; empty without a unit."""
     if match := IN_UNITS.search(heading):
         return (match[1] or match[2]).strip(" .,;:")
     brackets = re.findall(r"[(\[]\s*([^)\]]+?)\s*[)\]]", heading)
@@ -235,7 +235,7 @@ def unit_in(heading: str) -> str:
 
 
 def word_of(heading: str) -> str:
-    """Return the word of a heading for the quantity: acceleration, velocity or displacement; empty without one."""
+    """Return the quantity that a heading names: acceleration, velocity or displacement; empty without a quantity."""
     match = QUANTITY.search(heading)
     return match[0] if match else ""
 

@@ -41,7 +41,7 @@ SAME_TIMES = 0.6  # share of the times that may be those before them: a record o
 
 @dataclass(frozen=True)
 class TableColumn:
-    """Holds a column: its name, and the unit in it, or empty."""
+    """Holds a column: its name, and the unit in the name, or an empty unit."""
 
     name: str
     unit: str
@@ -112,7 +112,7 @@ def _without_count(rows: list[list[float]]) -> list[list[float]]:
 
 
 def _split(lines: Sequence[str]) -> tuple[list[str], list[list[float]]]:
-    """Return the lines before the first row of numbers, and all rows; each row has as many numbers as the first.
+    """Return the lines before the first row of numbers, and all rows. Each row has as many numbers as the first row.
 
     The last row of a series that is written in rows may have fewer.
     """
@@ -181,8 +181,8 @@ def _columns(heading: list[str], count: int) -> list[TableColumn]:
 
 
 def _columns_in(heading: list[str], count: int) -> list[TableColumn]:
-    """Return names and units from the last line of the heading that has an entry for every column; none without such a
-    line.
+    """Return names and units from the last line of the heading that has an entry for every column; nothing without such
+    a line.
     """
     for above, line in enumerate(reversed(heading)):
         for apart in (";", "\t", ","):
@@ -204,7 +204,8 @@ def _column(cell: str) -> TableColumn:
 
 
 def _step(text: str) -> float | None:
-    """Return the time step (s) that a heading states, or one over its sampling rate; None if it states neither."""
+    """Return the time step (s) that a heading states, or 1 over its sampling rate; None if the heading states
+    neither."""
     if match := STEP.search(text):
         second = time_unit(match[2]) if match[2] else 1.0
         return float(match[1]) * (second if second is not None else 1.0)

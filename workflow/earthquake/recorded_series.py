@@ -1,4 +1,4 @@
-"""A series of a record file in its original unit, and the numbers of a file in fixed or free columns."""
+"""A series of a record file in its original unit, and functions that read numbers in fixed or free columns."""
 
 import re
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The earthquake of a section, a table [earthquake], and the peak acceleration expected from it."""
+"""The earthquake of a section, the table [earthquake] of the input file, and the peak acceleration expected from it."""
 
 from collections.abc import Mapping
 from functools import cached_property
@@ -30,8 +30,8 @@ Relation = Literal["si_midorikawa", "fukushima_tanaka", "boore"]
 
 
 class EarthquakeSettings(Model):
-    """Holds an earthquake, given by magnitude and distance, or by the peak or a record of the acceleration at the
-    ground surface.
+    """Holds the settings of an earthquake, given by magnitude and distance, or by the peak or a record of the
+    acceleration at the ground surface.
     """
 
     magnitude: float | None = Field(
@@ -83,16 +83,16 @@ class EarthquakeSettings(Model):
 
     @cached_property
     def _recorded(self) -> Accelerogram:
-        """Return the record, read once."""
+        """Return the record, which is read only once."""
         try:
             return read_record(Path(self.record), self.unit, self.component).scaled(self.scale)
         except InputError as error:
             raise InputError("earthquake", [f"record = {self.record}: {text}" for text in error.problems]) from None
 
     def contradiction(self) -> str:
-        """Return a sentence if the given peak differs from the one by magnitude and distance by more than one standard
-        deviation, else empty. In case of a contradiction the peak is used; relations of magnitude and distance alone
-        use both as given.
+        """Return a sentence if the given peak differs by more than one standard deviation from the peak by magnitude
+        and distance, else empty. In case of a contradiction the given peak is used; relations of magnitude and distance
+        alone use both as given.
         """
         has_peak = self.peak_acceleration is not None or bool(self.record)
         if not has_peak or self.magnitude is None or self.distance is None:
@@ -112,7 +112,8 @@ class EarthquakeSettings(Model):
         )
 
     def notices(self, slide: SlideSettings | None) -> list[str]:
-        """Return warnings, contradictions, and the source of the Kh of the slides, if it follows from this table."""
+        """Return warnings, contradictions, and the source of the Kh of the slides, if it follows from the table
+        [earthquake]."""
         notices = [self._unlikely_peak(), self._unlike_record(), self.contradiction()]
         if slide is not None and (cycles := self.driving(slide)) is not None:
             notices.append(f"slide, kh = {cycles.kh:g} of [earthquake]: {cycles.words}")
@@ -131,7 +132,7 @@ class EarthquakeSettings(Model):
         return [text for text in notices if text]
 
     def _overruled(self, slide: SlideSettings) -> str:
-        """Return a notice that slides have another Kh or duration than that of the earthquake; else empty."""
+        """Return a notice if slides have another Kh or duration than that of the earthquake; else empty."""
         cycles = None if slide.accelerogram or slide.kh == 0.0 else self.equivalent()
         if cycles is None:
             return ""
@@ -143,7 +144,7 @@ class EarthquakeSettings(Model):
         )
 
     def _unlike_record(self) -> str:
-        """Return a notice that a record is not used because its peak differs from the given one; else empty."""
+        """Return a notice if a record is not used because its peak differs from the given peak; else empty."""
         if self.peak_acceleration is None or not self.record:
             return ""
         try:
@@ -159,7 +160,7 @@ class EarthquakeSettings(Model):
         )
 
     def _unlikely_peak(self) -> str:
-        """Return a notice that a peak is above all recorded ones, or a plain number that may be meant in g; else
+        """Return a notice if a peak is above all recorded peaks, or is a plain number that may be meant in g; else
         empty."""
         if self.peak_acceleration is None:
             return ""
@@ -181,8 +182,8 @@ class EarthquakeSettings(Model):
         return self.equivalent() is None and not slide.accelerogram and loading == assumed_loading(self.magnitude)
 
     def equivalent(self) -> EquivalentKh | None:
-        """Return the equivalent cycles of Kh; with a record, the cycles of the record, also if the peak is given. None
-        without a peak acceleration.
+        """Return the equivalent cycles of Kh. With a record they are the cycles of the record, also if the peak is
+        given. None without a peak acceleration.
         """
         try:
             motion = self.motion()
@@ -194,8 +195,8 @@ class EarthquakeSettings(Model):
         return equivalent_kh(motion, self.magnitude, self.distance, self.site, record)
 
     def problems(self) -> list[str]:
-        """Return missing input of the attenuation relation, and values outside its range; records are checked when
-        read."""
+        """Return missing input of the attenuation relation, and values outside its range. Records are checked when they
+        are read."""
         if self.record and self.peak_acceleration is None:
             return []
         try:
@@ -206,8 +207,8 @@ class EarthquakeSettings(Model):
 
 
 class SiteResponseSettings(Model):
-    """Holds the site response: the layers under a point of the section and a record at their base, a table
-    [site_response]."""
+    """Holds the settings of the site response, the table [site_response] of the input file: a point of the section and
+    a record at the base of the layers under it."""
 
     record: str = Field(
         default="",

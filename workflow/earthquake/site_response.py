@@ -1,7 +1,8 @@
 """One-dimensional site response: vertical shear waves in layers on a half-space, equivalent linear.
 
-Time in s, accelerations in m/s², stresses in Pa, depths in m. An upward wave A and a downward wave B in each layer,
-from the free surface (A = B) down (P. B. Schnabel, J. Lysmer, H. B. Seed, SHAKE, EERC 72-12, 1972).
+Time is in s, accelerations in m/s², stresses in Pa, depths in m. In each layer there are an upward wave A and a
+downward wave B, computed from the free surface (A = B) down (P. B. Schnabel, J. Lysmer, H. B. Seed, SHAKE, EERC 72-12,
+1972).
 """
 
 from collections.abc import Sequence
@@ -86,8 +87,8 @@ class Response:
 def stiffness_and_damping(strain: float, mean_stress: float, plasticity: float) -> tuple[float, float]:
     """Return G/G_max and damping at a shear strain, of normally consolidated soil (Darendeli 2001).
 
-    G/G_max = 1/(1 + (γ/γ_r)^0.919), γ_r = (0.0352 + 0.0010 PI) σ'^0.3483 in percent, σ' in atmospheres; damping is
-    that of Masing's rule, scaled, and the smallest one.
+    G/G_max = 1/(1 + (γ/γ_r)^0.919), γ_r = (0.0352 + 0.0010 PI) σ'^0.3483 in percent, σ' in atmospheres. Damping is that
+    of Masing's rule, scaled, plus the smallest damping.
     """
     pressure = max(mean_stress, 1e3) / ATMOSPHERE
     reference = (0.0352 + 0.0010 * plasticity) * pressure**0.3483  # %
@@ -108,7 +109,7 @@ def stiffness_and_damping(strain: float, mean_stress: float, plasticity: float) 
 def waves(
     layers: Sequence[ColumnLayer], base: HalfSpace, omega: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return upward and downward waves (n + 1, w) for A = B = 1 at the surface, and wave numbers (n + 1, w)."""
+    """Return the upward and downward waves (n + 1, w) for A = B = 1 at the surface, and the wave numbers (n + 1, w)."""
     velocity = [layer.velocity * np.sqrt(layer.stiffness * (1.0 + 2j * layer.damping)) for layer in layers]
     velocity.append(base.velocity * np.sqrt(1.0 + 2j * base.damping))
     density = [*(layer.density for layer in layers), base.density]
@@ -171,7 +172,8 @@ def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcro
 
 
 def warning(strain: float) -> str:
-    """Return the warning about equivalent linear layers of large shear strain; empty without any."""
+    """Return the warning about layers whose shear strain is too large for equivalent linear analysis; empty if there
+    are none."""
     if strain <= LARGE:
         return ""
     message = f"the largest shear strain is {100.0 * strain:.3g} %"
@@ -214,7 +216,7 @@ class _Motion:
         return cls(omega, np.fft.rfft(outcrop, count), count, len(outcrop))
 
     def in_time(self, transfer: np.ndarray) -> np.ndarray:
-        """Return the motion in time (rows, t) after a transfer function."""
+        """Return the motion in time (rows, t) after a transfer function was applied to the motion."""
         return np.asarray(np.fft.irfft(transfer * self.spectrum, self.count)[:, : self.length])
 
 

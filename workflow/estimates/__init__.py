@@ -1,1 +1,2 @@
-"""Estimates to compare slides with: sliding blocks, regressions over observed cases, limit equilibrium of slices."""
+"""Estimates with which slides are compared: sliding blocks, regressions over observed cases, limit equilibrium of
+slices."""

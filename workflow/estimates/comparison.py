@@ -1,4 +1,4 @@
-"""Estimates of displacement to compare slides with: sliding blocks, and regressions over observed cases."""
+"""Estimates of displacement with which slides are compared: sliding blocks, and regressions over observed cases."""
 
 import math
 from collections.abc import Iterator
@@ -63,7 +63,7 @@ class BlockDrive:
 
 
 def block_drive(settings: Tables) -> BlockDrive:
-    """Return the loading of the block by Kh: for the duration in its settings, or else as for the slides."""
+    """Return the loading of the block by Kh, for the duration in the settings of the block, or else of the slides."""
     slide, seconds = settings.slide, settings.sliding_block.seconds
     if seconds is None and slide.kh_cycles is not None and slide.kh_period is not None:
         return BlockDrive(slide.kh_cycles * slide.kh_period, slide.kh_cycles, slide.kh_period)
@@ -71,17 +71,17 @@ def block_drive(settings: Tables) -> BlockDrive:
 
 
 def is_s13(section: Section) -> bool:
-    """Return whether a section is the paper's: by its name and its ten strata."""
+    """Return whether a section is S-13, the section of the paper, by its name and its ten strata."""
     return section.name == "s13" and tuple(stratum.name for stratum in section.strata) == S13_STRATA
 
 
 def estimates(
     section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray = NO_LINE
 ) -> list[Estimate]:
-    """Return all estimates that this input allows; estimates by a block with resistance need the critical Kh.
+    """Return all estimates that this input allows. Estimates by a block with resistance need the critical Kh.
 
-    ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty. Estimates of the paper are only made
-    for its own section. ``settings``: settings of all tables; ``kc``: critical Kh, None if there is none.
+    ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty. The estimates of the paper are only
+    made for its own section. ``settings``: settings of all tables; ``kc``: critical Kh, None if there is none.
     """
     rows: list[Estimate] = []
     if kc is not None and kc > 0.0:
@@ -97,7 +97,7 @@ def estimates(
 
 @dataclass(frozen=True)
 class BlockSlide:
-    """Holds the slide of a rigid block (m) in both directions of a record, or under Kh, and its loading in words."""
+    """Holds the slide of a rigid block (m), in both directions of a record or under Kh, and the loading in words."""
 
     low: float
     high: float
@@ -111,7 +111,7 @@ class BlockSlide:
 
 
 def block_slide(settings: Tables, kc: float) -> BlockSlide | None:
-    """Compute the slide of a rigid block with yield coefficient ``kc`` (above 0): in both directions of the record, or
+    """Compute the slide of a rigid block with yield coefficient ``kc`` (above 0), in both directions of the record, or
     else under Kh.
 
     The slide is None if Kh is constant without end and exceeds ``kc``, so that the block never stops.

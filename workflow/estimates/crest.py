@@ -1,4 +1,4 @@
-"""Crests of the ground: the top of a structure between its feet, and embankments that stand out on both sides."""
+"""Finds crests of the ground: the top of a structure between its feet, and embankments that stand out on both sides."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -62,9 +62,9 @@ def crest_between(ground: np.ndarray, start: float, end: float) -> Crest:
 def embankments(ground: np.ndarray) -> tuple[Crest, ...]:
     """Find the crests that stand out on both sides, from left to right.
 
-    The prominence of a crest is its height above the higher one of the lowest points on either side, within the ground
-    that is lower than the crest. The crest belongs to an embankment if its prominence is at least 1 m and 20 % of the
-    relief of the section, and both faces are steeper than 1 in 10.
+    The prominence of a crest is its height above the higher one of two points: the lowest ground on its left and on its
+    right, as far as the ground is lower than the crest. The crest belongs to an embankment if its prominence is at
+    least 1 m and 20 % of the relief of the section, and both faces are steeper than 1 in 10.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def _standing_out(ground: np.ndarray) -> Iterator[Crest]:
 
 
 def _foot(points: np.ndarray, base: float, height: float) -> float:
-    """Return x at which the ground, followed from the top (the first of the ``points``), reaches the elevation
+    """Return x where the ground, followed from the top (the first of the ``points``), reaches the elevation
     ``base``."""
     k = int(np.argmax(points[:, 1] <= base + NEAR * height))
     (x0, z0), (x1, z1) = points[k - 1], points[k]

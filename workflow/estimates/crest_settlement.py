@@ -13,8 +13,8 @@ def crest_level(surface: np.ndarray, crest: Crest) -> float | None:
     """Return the elevation of the highest ground as wide as the crest between the feet of a structure.
 
     Water flows over a structure where its highest ground is lower than the water. The level is a mean over the width of
-    the crest, because a surface of discs is rough. The level is taken at the highest place, because a crest that moved
-    sideways still retains water.
+    the crest, because a surface of discs is rough. The highest place counts, because a crest that moved sideways still
+    retains water.
 
     Parameters
     ----------
@@ -63,8 +63,8 @@ def crest_settlement(before: np.ndarray, after: np.ndarray, crest: Crest) -> flo
 def reconsolidation_settlement(thickness: Sequence[float], volumetric_strain: Sequence[float]) -> float:
     """Return the settlement of level ground as the excess pore pressure drains: S = Σ ε_v Δh.
 
-    Strain is vertical alone (K. Ishihara & M. Yoshimine, Soils and Foundations 32 (1992) 173-188; I. M. Idriss &
-    R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12, 2008, section 4.4).
+    Only vertical strain is considered (K. Ishihara & M. Yoshimine, Soils and Foundations 32 (1992) 173-188; I. M.
+    Idriss & R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12, 2008, section 4.4).
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
-"""Slip circles in ground with cohesionless faces: faces with a governing shallow failure are strengthened, as in the
-finite elements.
+"""Finds slip circles in ground with cohesionless faces: faces with a governing shallow failure are strengthened, as in
+the finite elements.
 """
 
 import numpy as np
@@ -26,8 +26,8 @@ def ground_of_circles(
 ) -> tuple[Section, SlipCircle | None]:
     """Find the ground in which slip circles are searched, and the critical circle in it.
 
-    Where a cohesionless face fails before any circle slides, as an infinite slope, the critical circle would be the
-    shallowest one of the search. In this case the ground has an apparent cohesion below such faces, as in finite
+    If a cohesionless face fails before any circle slides, as an infinite slope, the critical circle would be the
+    shallowest one of the search. In this case the ground gets an apparent cohesion below such faces, as in finite
     elements and bounds, so that all methods describe the whole slope.
 
     Parameters

@@ -1,4 +1,5 @@
-"""Empirical relations for the displacement by earthquake, blow counts or the overlying layer, each within its range."""
+"""Estimates the displacement by empirical relations from earthquake, blow counts or the overlying layer, each within
+its range."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -70,7 +71,7 @@ ZHANG_RANGE = "gently sloping ground of 0.2-3.5 %, or L/H = 4-40 from a free fac
 
 
 def empirical(section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray) -> Iterator[Estimate]:
-    """Return the estimates of all relations that the input has data for; the displacement is None outside the range of
+    """Return the estimates of all relations for which the input has data. The displacement is None outside the range of
     a relation. ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty. ``section``: the section
     of the ground; ``settings``: settings of all tables; ``kc``: critical Kh, None without one.
     """
@@ -103,7 +104,7 @@ def empirical(section: Section, settings: Tables, kc: float | None, slip_surface
 
 
 def _blocks(kc: float, resisting: str, motion: PeakMotion, magnitude: float) -> Iterator[Estimate]:
-    """Yield the Bray & Travasarou (2007) and Bray & Macedo (2019), for a rigid mass (fundamental period 0).
+    """Yield the estimates by Bray & Travasarou (2007) and Bray & Macedo (2019) for a rigid mass (fundamental period 0).
 
     ``resisting`` names the flow rule of ``kc``.
     """
@@ -125,7 +126,8 @@ def _blocks(kc: float, resisting: str, motion: PeakMotion, magnitude: float) -> 
 
 
 def _block_under_average(section: Section, settings: Tables, kc: float, slip_surface: np.ndarray) -> Iterator[Estimate]:
-    """Yield the block under the average acceleration of the mass above the slip surface (Makdisi & Seed 1978)."""
+    """Yield the slide of the block under the average acceleration of the mass above the slip surface (Makdisi & Seed
+    1978)."""
     try:
         column = column_of(section, settings.site_response)
     except InputError:
@@ -198,7 +200,7 @@ def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> I
 
 
 def _slope(section: Section, settings: Tables) -> float:
-    """Return W = 100 H/L (%) where there is a free face, else the mean slope of the ground (%)."""
+    """Return W = 100 H/L (%) if there is a free face, else the mean slope of the ground (%)."""
     if settings.free_face:
         distance, height = settings.free_face.distance_and_height(section.ground)
         return 100.0 * height / distance
@@ -230,7 +232,7 @@ def _zhang(section: Section, settings: Tables, tests: Sequence[Judged]) -> Estim
 
 
 def _mean_of_borings(tests: Sequence[Judged], of_one: Callable[[Sequence[Judged]], float]) -> float:
-    """Return the mean over the borings, weighted by the length of the section that is nearest to each boring."""
+    """Return a mean over the borings, weighted by the length of the section that is nearest to each boring."""
     borings: dict[str, list[Judged]] = {}
     for test in tests:
         borings.setdefault(test.boring, []).append(test)

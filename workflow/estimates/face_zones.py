@@ -1,4 +1,5 @@
-"""Strong zones with which finite elements compute the failure of one face, and not an earlier failure elsewhere."""
+"""Chooses strong zones in which nothing fails, so that finite elements compute the failure of one face, and not an
+earlier failure elsewhere."""
 
 from collections.abc import Sequence
 
@@ -15,14 +16,14 @@ SKIN = 0.1  # of the height from the exit of a failure to the crest: thickness o
 
 
 def is_of_face(structure: Standing, towards: int, surface: Surface) -> bool:
-    """Return whether a part of the crest slides with a failure towards this side; ``surface``: points (m), left to
-    right."""
+    """Return whether a part of the crest slides with a failure towards a side; ``surface``: points (m) of the slip
+    surface, left to right."""
     points = [(float(x), float(z)) for x, z in surface]
     return bool(points) and structure.slides_with(points) and _slides(points) == towards
 
 
 def _slides(surface: Surface) -> int:
-    """Return the side to which a failure slides: that of its lower end, LEFT (-1) or RIGHT (1)."""
+    """Return the side to which a failure slides, which is the side of its lower end: LEFT (-1) or RIGHT (1)."""
     return LEFT if surface[0][1] < surface[-1][1] else -LEFT
 
 
@@ -37,11 +38,11 @@ def zones_against(
 ) -> tuple[StrongZone, ...] | None:
     """Return the strong zones that exclude an earlier failure which does not belong to the face.
 
-    A failure towards the other side, or behind the crest, is excluded by a strong zone behind the crest. A failure
-    in front of the crest is excluded in one of two ways. Where the critical circle of the face leaves the ground
-    farther out, the strong zone reaches from that failure's exit to the crest, down to a small depth: it moves as one
-    body, and no part of it without the crest. Elsewhere the zone begins at the top of the slope in which that failure
-    lies.
+    A failure towards the other side, or behind the crest, is excluded by a strong zone behind the crest. A failure in
+    front of the crest is excluded in one of two ways. If the critical circle of the face leaves the ground farther out,
+    the strong zone reaches from the exit of the failure to the crest, down to a small depth: the zone moves as one
+    body, and no part of it moves without the crest. Otherwise the zone begins at the top of the slope in which the
+    failure lies.
 
     Parameters
     ----------
@@ -50,11 +51,11 @@ def zones_against(
     structure : Standing
         The structure, with its crest.
     towards : int
-        LEFT or RIGHT, where the face slides to.
+        LEFT or RIGHT, the side to which the face slides.
     surface : sequence of points
         The failure to exclude, from left to right (m).
     circle : sequence of points
-        The critical circle of the face; empty if there is none.
+        Critical circle of the face, from left to right (m); empty if there is none.
     zones : sequence of StrongZone
         The zones so far.
     least_depth : float
@@ -88,7 +89,7 @@ def zones_against(
 
 
 def _snapped(section: Section, x: float, near: float) -> float:
-    """Return a point of the ground (m) close to x, or x."""
+    """Return x, or the x of a point of the ground (m) if one is close."""
     points = section.ground[:, 0]
     closest = float(points[np.argmin(np.abs(points - x))])
     return closest if abs(closest - x) <= near else float(x)

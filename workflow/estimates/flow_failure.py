@@ -1,4 +1,4 @@
-"""What relations for lateral spreads say of ground that flows after liquefaction."""
+"""States what relations for lateral spreads say of ground that flows after liquefaction."""
 
 from collections.abc import Iterable, Sequence
 
@@ -8,12 +8,13 @@ SPREADS: tuple[EstimateKind, ...] = ("spread", "regression", "regression as prin
 
 
 def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -> list[Estimate]:
-    """Return the estimates, with a sentence at lateral spreads if the liquefied ground does not stand without shaking.
+    """Return the estimates, with an additional sentence in those of lateral spreads if the liquefied ground does not
+    stand without shaking.
 
-    Data of lateral spreads are of ground that stands once shaking ends: it moves in each half cycle of the shaking, up
-    to its strain potential. Ground with a factor of safety below 1 moves by its weight until it is as flat as its
-    residual strength allows. No relation for lateral spreads has such ground in its data (Youd, Hansen & Bartlett 2002,
-    which excludes flow failures; Idriss & Boulanger 2008, section 4.4).
+    The data of lateral spreads are of ground that stands once shaking ends: it moves in each half cycle of the shaking,
+    up to its strain potential. Ground with a factor of safety below 1 moves by its weight until it is as flat as its
+    residual strength allows. No relation for lateral spreads has such ground in its data (Youd, Hansen & Bartlett 2002
+    exclude flow failures; Idriss & Boulanger 2008, section 4.4).
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ CURVES = (
 
 @dataclass(frozen=True)
 class Spreading:
-    """Holds the input of the relation of Youd et al.
+    """Holds the input of the relation of Youd et al. (2002).
 
     Attributes
     ----------

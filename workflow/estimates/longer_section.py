@@ -1,4 +1,4 @@
-"""The critical slip circle once the section is longer, for circles that end at a side of it."""
+"""Finds the critical slip circle of a longer section, for circles that end at a side of the given section."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -49,7 +49,7 @@ def circle_of_longer_section(
     section : Section
         The section as given; its ground, layers and water continue level past both sides.
     ends : (left, right)
-        x (m) of the ends of its critical circle.
+        x (m) of the ends of the critical circle of the section.
     critical : float
         The critical Kh of that circle.
     towards, least_depth, vertical, crack

@@ -13,8 +13,8 @@ def hamada(thickness: float, gradient: float) -> float:
 
     M. Hamada, S. Yasuda, R. Isoyama, K. Emoto, Study on liquefaction induced permanent ground displacement, Association
     for the Development of Earthquake Prediction in Japan (1986): regression over 60 sections in Niigata and Noshiro.
-    ``thickness`` H (m) of the liquefied layer, ``gradient`` θ (%), the larger of the ground surface's and of the lower
-    boundary of the liquefied layer.
+    ``thickness`` H (m) is that of the liquefied layer; ``gradient`` θ (%) is the larger of the gradients of the ground
+    surface and of the lower boundary of the liquefied layer.
     """
     return 0.75 * float(np.sqrt(thickness)) * float(np.cbrt(gradient))
 
@@ -27,7 +27,7 @@ def hamada_as_printed(thickness: float, gradient: float) -> float:
 
 @dataclass(frozen=True)
 class LiquefiedLayers:
-    """Holds the input of the regression of Hamada et al.
+    """Holds the input of the regression of Hamada et al. (1986).
 
     Attributes
     ----------
@@ -44,8 +44,9 @@ class LiquefiedLayers:
 def liquefied(section: Section, case: int, columns: int = 400) -> LiquefiedLayers | None:
     """Return the liquefied layers of a case taken together; None if none liquefies.
 
-    The thickness is the mean of their total thickness over the part of the section that has any. The gradient is that
-    of a straight line fitted there to the ground or to their lowest boundary, whichever is steeper.
+    The thickness is the mean of the total thickness of these layers over the part of the section where it is not zero.
+    The gradient is that of a straight line fitted there to the ground or to the lowest boundary of the layers,
+    whichever is steeper.
     """
     which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
     left, right = section.extent

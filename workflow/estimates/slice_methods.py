@@ -73,8 +73,8 @@ def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.
 
 
 def _moments(slices: Slices, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Return moments (surfaces, 2) about the centres, counter-clockwise: of the known forces, and of the forces by Kh =
-    1."""
+    """Return moments (surfaces, 2) about the centres, counter-clockwise: the moments of the known forces, and the
+    moments of the forces by Kh = 1."""
     right, up = slices.x - x[:, None], slices.z - z[:, None]
     still = slices.moment + right * slices.vertical - up * slices.horizontal
     added = slices.inertia_moment + right * slices.inertia_vertical - up * slices.inertia
@@ -163,11 +163,11 @@ def spencer_critical_kh(slices: Slices) -> Balance | None:
 
 
 def _residuals(slices: Slices, factor: np.ndarray, kh: float, theta: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return sums over the slices of one surface of the side forces Q and of their moments, (factors,); NaN if the
-    normal force of a slice has no meaning.
+    """Return, for one surface, the sums over the slices of the side forces Q and of their moments, (factors,); NaN if
+    the normal force of a slice has no meaning.
 
-    Q is the resultant of both side forces of a slice, at the angle θ; its distance from the middle of the base follows
-    from the moments of the known forces.
+    Q is the resultant of both side forces of a slice, at the angle θ. The distance of Q from the middle of the base
+    follows from the moments of the known forces.
     """
     up = (slices.vertical + kh * slices.inertia_vertical)[0]
     right = (slices.horizontal + kh * slices.inertia)[0]

@@ -1,8 +1,8 @@
 """The mass above trial slip surfaces, divided into vertical slices: weights, loads, strength and water at their bases.
 
 Many trial surfaces are divided together: arrays are (surfaces, slices). Lengths are in m, forces in N per m of width,
-stresses in Pa; x to the right, elevation upwards. A mass that would slide to the right is mirrored first, so that every
-mass here slides to the left and the base of a driving slice rises to the right (angle α > 0).
+stresses in Pa; x to the right, elevation upwards. A mass that would slide to the right is mirrored first. So every mass
+here slides to the left, and the base of a driving slice rises to the right (angle α > 0).
 """
 
 from dataclasses import dataclass, replace
@@ -116,8 +116,9 @@ def loaded_by_crack(
 ) -> Slices:
     """Return the slices with the thrust of the water in tension cracks at their heads.
 
-    Water of depth h has a thrust of γ_w h² / 2 at h / 3 above the bottom. Under free water with a pressure p on the
-    ground the crack is full, and p acts on its whole face in addition. The thrust does not change with Kh.
+    Water of depth h has a thrust of γ_w h² / 2 at h / 3 above the bottom of the crack. Under free water with a pressure
+    p on the ground the crack is full, and p acts on the whole face of the crack in addition. The thrust does not change
+    with Kh.
 
     Parameters
     ----------
@@ -125,7 +126,7 @@ def loaded_by_crack(
     section : Section
     crack : TensionCrack
     head : two (surfaces,) ndarray
-        x and elevation (m) of the upper ends of the slip surfaces, the bottoms of the cracks.
+        x and elevation (m) of the upper ends of the slip surfaces, which are the bottoms of the cracks.
     towards : int
         LEFT or RIGHT, the side to which the mass slides.
 

@@ -1,6 +1,7 @@
 """Error of the predictions of known slides, for the report.
 
-The table beside this file is written by `python -m docs.known_slides` from the answers of the collection.
+The table beside this file is written by `python -m docs.known_slides` from the results of the collection of known
+slides.
 """
 
 import csv
@@ -28,11 +29,11 @@ class SlideError:
     kind : str
         Kind of the slides that were compared, in words.
     factor : float
-        Factor between prediction and measurement in most cases.
+        Factor between prediction and measurement that most cases do not exceed.
     within, cases : int
         Number of cases within the factor, and number of all cases.
     middle : float
-        Factor that half of the predictions did not exceed.
+        Factor between prediction and measurement that half of the predictions did not exceed.
     method : str
         Method of the predictions: "discs" or "mpm".
     """
@@ -58,13 +59,13 @@ class SlideError:
         return self.factor <= MOST_ERROR
 
     def interval(self, low: float, high: float) -> tuple[float, float]:
-        """Return the interval of slides (m) by predictions and their error."""
+        """Return the interval of slides (m) that follows from predictions and the error of the method."""
         return low / self.factor, high * self.factor
 
 
 def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> SlideError | None:
-    """Return the error in predicting known field slides; only of flow failures, or only of spreads, if there are enough
-    of them.
+    """Return the error in predicting known field slides. Only flow failures, or only spreads, are compared if there are
+    enough of them.
 
     Parameters
     ----------

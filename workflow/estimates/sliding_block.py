@@ -33,10 +33,11 @@ def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> RigidSlide
 
     N. M. Newmark, Effects of earthquakes on dams and embankments, Géotechnique 15 (1965) 139-160: from the moment when
     the ground acceleration exceeds kc g, the relative acceleration of the block is the excess over kc g, until both
-    have the same velocity again; the block does not slide back. ``time`` (n,) in s, not falling, with two equal times
-    for a step; ``acceleration`` (n,) in m/s², linear in between, positive where it drives the block; kc > 0. The motion
-    is integrated in closed form from corner to corner, so that there is no time step. Where the record ends while the
-    block slides it slides on, with no acceleration, until it stops. Raises ValueError if kc is not above 0.
+    have the same velocity again; the block does not slide back. ``time`` (n,) in s must not fall, and has two equal
+    times for a step; ``acceleration`` (n,) in m/s² is linear in between, and positive where it drives the block; kc >
+    0. The motion is integrated in closed form from corner to corner of the record, so that there is no time step. If
+    the record ends while the block slides, the block slides on, with no acceleration, until it stops. Raises ValueError
+    if kc is not above 0.
     """
     if not kc > 0.0:
         raise ValueError(f"kc = {kc:g}: expected a critical seismic coefficient above 0; such a block does not stop")
@@ -78,7 +79,7 @@ def _slide_on(t: list[float], v: list[float], u: list[float], a: float, slope: f
 
 
 def _first_stop(speed: float, a: float, slope: float, span: float) -> float | None:
-    """When within a span the speed + a s + slope s²/2 first falls to 0; None if it does not."""
+    """Return the time within a span at which the speed + a s + slope s²/2 first falls to 0; None if it does not."""
     if speed == 0.0:
         return None  # it sets out: the excess is positive
     if slope == 0.0:
@@ -107,7 +108,7 @@ def rectangular_pulse(kc: float, k: float, duration: float) -> float:
 
 @dataclass(frozen=True)
 class SmoothPlane:
-    """Holds a block without friction on a plane, as in Sec. 5 of the paper: ``slope`` (rad), seismic coefficient
+    """Describes a block without friction on a plane, as in Sec. 5 of the paper: ``slope`` (rad), seismic coefficient
     ``kh``."""
 
     slope: float

@@ -1,7 +1,7 @@
 """The critical slip circle of a section by Bishop's simplified method, and the result of Spencer's method on the same
 circle.
 
-All circles through two points of the ground are tried on a grid, then on ever finer grids around the best circle; the
+All circles through two points of the ground are tried on a grid, then on ever finer grids around the best circle. The
 search is for the least factor of safety, or for the least Kh at which the factor is 1, in both directions.
 """
 
@@ -61,7 +61,7 @@ def critical_circle(
     crest: tuple[float, float] | None = None,
     crack: TensionCrack = NO_CRACK,
 ) -> SlipCircle | None:
-    """Return the find, towards one side, the slip circle with the least factor of safety or with the least critical Kh.
+    """Find, towards one side, the slip circle with the least factor of safety or with the least critical Kh.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def critical_circle(
     vertical : float
         Vertical seismic coefficient, positive upwards.
     crest : (left, right) or None
-        Positions x (m) of the ends of a crest of which at least a part has to slide; None for any circle.
+        Positions x (m) of the ends of a crest, of which at least a part has to slide; None for any circle.
     crack : TensionCrack
         Depth of the crack at which circles end, and the water in it.
 

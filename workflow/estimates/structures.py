@@ -1,4 +1,4 @@
-"""The structures of a section with their crests, and the slip circles of each of their faces."""
+"""Finds the structures of a section with their crests, and the slip circles of each of their faces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class Standing:
 
 
 def structures_of(section: Section) -> tuple[Standing, ...]:
-    """Return the structures of a section: those of its file, or else its embankments."""
+    """Return the structures of a section: those of the section file, or else the embankments of the ground surface."""
     ground = section.ground
     if section.structures:
         return tuple(
@@ -47,7 +47,8 @@ def face_circle(
     vertical: float,
     crack: TensionCrack = NO_CRACK,
 ) -> SlipCircle | None:
-    """Find the critical slip circle of one face of a structure: a part of the crest slides with it ``towards`` a side.
+    """Find the critical slip circle of one face of a structure, which is a circle ``towards`` a side with which a part
+    of the crest slides.
 
     ``critical`` is the critical circle of the ``section`` towards this side; it is also the circle of the face if a
     part of the crest slides with it. The other arguments, ``kh``, ``least_depth``, ``vertical`` and ``crack``, are

@@ -1,5 +1,5 @@
-"""Thin layers that are weaker than the layers above and below: a slip circle cuts across them and cannot follow
-them.
+"""Finds thin layers that are weaker than the layers above and below. A slip circle cuts across such layers and cannot
+follow them.
 """
 
 import numpy as np
@@ -17,8 +17,8 @@ COLUMNS = 200  # vertical lines on which layers are looked at
 def thin_weak_layers(section: Section) -> tuple[str, ...]:
     """Return the soils of a section that slip circles cannot follow, from the top down.
 
-    Strengths are c + σ'v tan φ in the middle of a layer, its own and that of the soils above and below it. The base
-    counts as firm ground.
+    Strengths are c + σ'v tan φ in the middle of a layer: with the soil of the layer, and with the soils above and below
+    it. The base counts as firm ground.
 
     Parameters
     ----------

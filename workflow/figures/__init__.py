@@ -1,1 +1,1 @@
-"""Pictures of the results."""
+"""Draws the pictures of the results."""

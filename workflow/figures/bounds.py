@@ -1,4 +1,5 @@
-"""Pictures of the strict bounds: the mechanism of the upper one, the stress of the lower one, the triangles."""
+"""Draws pictures of the strict bounds: the mechanism of the upper bound, the stress of the lower bound, and the
+triangles."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -32,7 +33,7 @@ MOVES, NARROW, AROUND = 0.02, 0.3, 0.5
 
 
 def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
-    """Draw bounds_mechanism.png and bounds_stress.png, if there is such a bound, and bounds_mesh.png."""
+    """Draw bounds_mechanism.png and bounds_stress.png, as far as these bounds exist, and bounds_mesh.png."""
     window = Window.around(config.section.outline())
     if bounds.mechanism:
         with store.writing("figures/bounds_mechanism.png") as path:

@@ -94,7 +94,7 @@ class Window:
         return cls(left - gap, right + gap, bottom - above, top + above)
 
     def with_room_for(self, points: np.ndarray) -> "Window":
-        """Return the window, larger where points (n, 2) lie outside it."""
+        """Return the window, enlarged if points (n, 2) lie outside it."""
         if not len(points):
             return self
         (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
@@ -149,10 +149,11 @@ def render(
 
 
 class Sheet:
-    """A picture: rows of views of the same width, with a title, and notes at the foot."""
+    """Holds a picture: rows of views of the same width, with a title, and notes at the foot."""
 
     def __init__(self, title: str, heights: list[float], foot: str = "", legend_rows: int = 0) -> None:
-        """``heights`` are the heights of the views over their width; ``legend_rows`` leaves room below them."""
+        """Make a sheet; ``heights`` are the heights of the views over their width; ``legend_rows`` leaves room for so
+        many rows of the legend below them."""
         left, right, head, below, between = LEFT, RIGHT, 0.58, 0.45, 0.72
         inches = WIDTH / DPI
         title = textwrap.fill(UNIT.sub("\u00a0", title), TITLE_CHARACTERS)
@@ -212,7 +213,7 @@ class Sheet:
         return axes
 
     def legend(self, handles: Sequence[Artist], columns: int, below: float = 0.0) -> None:
-        """Draw a legend under the views, ``below`` so many rows of it."""
+        """Draw a legend under the views; ``below`` is the number of rows of the legend below the first row."""
         left, top = self.legend_at
         legend = self.figure.legend(
             handles=handles, loc="upper left", ncols=columns, fontsize=7.5,
@@ -223,7 +224,8 @@ class Sheet:
             text.set_parse_math(False)
 
     def colour_bar(self, scale: ScalarMappable, label: str, limits: Sequence[float] | None = None) -> None:
-        """Draw a colour bar under the views, on the left; ``limits`` of its classes, if it has classes."""
+        """Draw a colour bar under the views, on the left; ``limits`` are the limits of its classes, if it has
+        classes."""
         left, top = self.legend_at
         height = self.figure.get_figheight()
         box = self.figure.add_axes((left, top - 0.2 / height, 0.42, 0.12 / height))
@@ -264,7 +266,7 @@ class Sheet:
 
 
 def save(figure: Figure, path: Path | str) -> None:
-    """Write a figure as a PNG, with symbols, and with names in any script for which there is a font."""
+    """Write a figure as a PNG, with symbols, and with names in every script for which there is a font."""
     for text in figure.findobj(Text):
         words = text.get_text()
         if not words.isascii():

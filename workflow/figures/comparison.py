@@ -1,4 +1,5 @@
-"""Pictures that need the results of several stages: both curves, both slip surfaces, calibration, the sliding block."""
+"""Draws pictures that need the results of several stages: both load curves, both slip surfaces, calibration, the
+sliding block."""
 
 from typing import Any
 
@@ -28,7 +29,7 @@ SEEN = 0.005  # of Kh: less is no interval
 
 
 def draw_all(results: Results) -> list[str]:
-    """Draw the pictures that the results allow, and remove outdated ones; returns the names of the pictures."""
+    """Draw the pictures that the results allow, remove outdated ones, and return the names of the pictures."""
     drawn = []
     for name, draw in (
         (FRONT, front), (CURVES, _curves), (SURFACES, _surfaces), (CALIBRATION, _calibration), (BLOCK, _block),
@@ -46,7 +47,7 @@ def _title(results: Results) -> str:
 
 
 def _curves(results: Results, name: str) -> bool:
-    """Return Kh over displacement, of the continuum and of the discs, on one sheet."""
+    """Draw Kh over displacement, of the continuum and of the discs, on one sheet."""
     answer, discs = results.fem, results.dem
     if answer is None:
         return False
@@ -102,7 +103,7 @@ def _curves(results: Results, name: str) -> bool:
 
 def _discs(axes: Any, search: DiscSearch, look: dict[str, Any], soil: bool) -> float:
     """Draw all points of the displacement-controlled test of soil discs, or the stable states of discs with the law
-    "paper"; returns the largest displacement (m).
+    "paper". Return the largest displacement (m).
     """
     points = [(trial.kh, trial.displacement_m) for trial in search.trials] if soil else search.curve
     curve = np.array(sorted(points, key=lambda point: point[1])).reshape(-1, 2)
@@ -130,7 +131,7 @@ def _handle(colour: str, marker: str, label: str) -> Line2D:
 
 
 def _surfaces(results: Results, name: str) -> bool:
-    """Return the slip surfaces of the continuum and of the discs on the section."""
+    """Draw the slip surfaces of the continuum and of the discs on the section; return False if there are none."""
     lines = []
     both = results.dem.slip_surface if results.dem is not None else None
     if both is not None and both.fem:
@@ -159,7 +160,8 @@ def _surfaces(results: Results, name: str) -> bool:
 
 
 def _one_at_a_time(sheet: Sheet, answer: CalibrationAnswer, parameters: list[str]) -> list[Line2D]:
-    """Return the critical Kh over the factor on each parameter, in the first view."""
+    """Draw the critical Kh over the factor on each parameter in the first view, and return the entries of the
+    legend."""
     axes = sheet.plot(0, "factor on the parameter (-)", "critical Kh (-)", "one parameter at a time")
     shades = (DISCS, CONTINUUM, "#2c7a3f", "#c77d11", INK, PALE)
     handles = []
@@ -208,7 +210,7 @@ def _calibration(results: Results, name: str) -> bool:
 
 
 def _factors(axes: Axes) -> None:
-    """A logarithmic axis of factors."""
+    """Give an axis of factors a logarithmic scale."""
     axes.set_xscale("log")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 8.0, 9.0)))
     axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))

@@ -1,4 +1,4 @@
-"""Results over ever smaller discs and time steps, with their intervals and limits."""
+"""Draws results over ever smaller discs and time steps, with their intervals and limits."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,7 +15,7 @@ ACROSS = 4
 
 
 def draw(series: Sequence[Series], title: str, path: Path) -> None:
-    """Draw a frame for each series, with the limit on the axis, in red if the series has not converged."""
+    """Draw a frame for each series, with the limit on the axis; the limit is red if the series has not converged."""
     rows = -(-len(series) // ACROSS)
     figure = Figure(figsize=(WIDTH / DPI, HEIGHT * rows + 0.4), dpi=DPI, facecolor="white", layout="constrained")
     FigureCanvasAgg(figure)

@@ -34,7 +34,7 @@ NO_LINE = np.zeros((0, 2))
 
 
 class Circles(Protocol):
-    """Discs to be drawn: centres and radii (m)."""
+    """Holds the discs to be drawn: centres and radii (m)."""
 
     @property
     def x(self) -> np.ndarray: ...
@@ -45,7 +45,7 @@ class Circles(Protocol):
 
 
 def window_of(model: Circles, line: np.ndarray = NO_LINE) -> Window:
-    """Return a window of all discs with their rims, the points (n, 2) of a line, and a margin."""
+    """Return a window of all discs with their radii, the points (n, 2) of a line, and a margin."""
     x, z, r = model.x, model.z, model.radius
     rims = [[(x - r).min(), (z - r).min()], [(x + r).max(), (z + r).max()]]
     return Window.around(np.concatenate([rims, line]), 0.015)
@@ -88,7 +88,7 @@ def bars(model: DiscModel, which: np.ndarray, width: np.ndarray, height: float =
 
 
 def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") -> None:
-    """Draw every disc in the colour of its layer; boundary discs dark. A spoke shows the rotation of a disc."""
+    """Draw every disc in the colour of its layer, and boundary discs dark. A spoke shows the rotation of a disc."""
     window = window_of(model)
     colours = soil_colours([layer.name for layer in model.springs.layers])
 
@@ -137,8 +137,8 @@ def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
 
 
 def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> None:
-    """Draw the displacement of every disc since `before` and, for discs with pore springs, these springs: as Figs 12
-    and 13.
+    """Draw the displacement of every disc since `before` and, for discs with pore springs, these springs, as in Figs 12
+    and 13 of the paper.
 
     model: model of the discs; path: file of the picture; title: title above the picture.
     """

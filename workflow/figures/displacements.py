@@ -68,7 +68,7 @@ def displacements(results: Results, name: str) -> bool:
 
 
 def _draw(axes: Axes, row: MethodRow, at: int) -> None:
-    """Draw a point with its number, an arrow if it lies off the axis, or the reason why there is none."""
+    """Draw a point with its number, an arrow if the point lies off the axis, or the reason why there is no point."""
     if row.value is None:
         axes.annotate(
             row.why_not, (SMALLEST, at), (-2, -2), textcoords="offset points", fontsize=6.5, color=GREY, bbox=BLANK

@@ -54,7 +54,8 @@ def without(text: str, characters: str) -> str:
 
 
 def notice(texts: Iterable[str]) -> str:
-    """Say which characters no font can show, and which font would; empty if all can be shown."""
+    """Return a sentence on the characters that no font can show, and on the font that could; empty if all can be
+    shown."""
     missing_characters = missing("".join(texts))
     if not missing_characters:
         return ""

@@ -1,4 +1,4 @@
-"""The picture of the first page of the report: the section, its slip surface, and the surface after the largest
+"""Draws the picture of the first page of the report: the section, its slip surface, and the surface after the largest
 slide.
 """
 
@@ -52,7 +52,8 @@ def front(results: Results, name: str) -> bool:
 
 
 def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
-    """Yield the slip surface of the face that slides first with a crest, unless it is that of the section at ``kh``."""
+    """Yield the slip surface of the face that slides first with a crest, unless it is also the slip surface of the
+    section at ``kh``."""
     faces = results.faces.faces if results.faces is not None else ()
     values = [
         (face.critical.value, face) for face in faces if face.critical is not None and face.critical.reaches_crest

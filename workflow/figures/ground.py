@@ -50,7 +50,8 @@ ARROW = 0.03  # of the width: the largest surcharge
 
 
 def foot(section: Section) -> str:
-    """Return the note at the foot of every picture of a section: that it is a reconstruction, if it is one."""
+    """Return the note at the foot of every picture of a section, which states that the section is a reconstruction, if
+    it is one."""
     text = f"Reconstruction. {section.reconstruction_note}" if section.reconstruction else ""
     return textwrap.fill(text, FOOT_CHARACTERS)
 
@@ -177,7 +178,7 @@ def _colours(section: Section) -> list[str]:
 
 
 def borders(section: Section) -> list[np.ndarray]:
-    """Return the edges (2, 2) of the strata (m) but for the vertical ones between two parts of one soil."""
+    """Return the edges (2, 2) of the strata (m), without the vertical edges between two parts of one soil."""
     layers = section.layering
     numbers = np.array([*soil_numbers([stratum.name for stratum in section.strata]), -1])
     outlines = [polygon for k in range(layers.strata) for polygon in layers.polygons(k)]
@@ -204,7 +205,7 @@ def pressure_of(load: Surcharge) -> str:
 
 
 def draw_loads(axes: Axes, section: Section) -> None:
-    """Draw surcharges as arrows on the ground, their length in proportion to the pressure."""
+    """Draw surcharges as arrows on the ground; the length of an arrow is proportional to the pressure."""
     largest = max((max(load.pressure) for load in section.surcharges), default=0.0)
     for load in section.surcharges:
         x = np.linspace(load.start, load.end, 8)
@@ -217,10 +218,10 @@ def draw_loads(axes: Axes, section: Section) -> None:
 
 
 def _number_strata(axes: Axes, section: Section) -> None:
-    """The number of every stratum where it is thickest, so that layers are told apart without colours, too.
+    """Write the number of every stratum where it is thickest, so that layers can be distinguished without colours, too.
 
-    A number that is higher than its stratum would cover the lines of the stratum: then it is above the ground, at the
-    end of a line from the stratum.
+    A number that is higher than its stratum would cover the lines of the stratum. It is written above the ground
+    instead, at the end of a line from the stratum.
     """
     layers = section.layering
     at_left, at_right = layers.thickness()
@@ -267,7 +268,8 @@ def _heights(much: int) -> str:
 
 
 def _line_width(section: Section) -> float:
-    """Return the width (points) of the lines between strata, less where many lines would hide the colours."""
+    """Return the width (points) of the lines between strata, which is smaller where many lines would hide the
+    colours."""
     return float(np.clip(30.0 / len(section.strata), 0.05, 0.6))
 
 

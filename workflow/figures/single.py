@@ -59,7 +59,7 @@ FIELDS: Mapping[str, Field] = {
 
 
 def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
-    """Draw one field, by default the usual picture, of the states at one Kh, by default of all states.
+    """Draw one field of the states at one Kh. By default the field is the usual picture, and the states are all states.
 
     Returns the files. Raises InputError if there is no such field or no state at that Kh.
     """
@@ -105,7 +105,7 @@ def _draw_discs(job: Job, field: str, at: float | None) -> list[Path]:
 
 
 def window(job: Job, field: str, at: float | None) -> None:
-    """Open a window with a field on the mesh; raises InputError if there is no screen."""
+    """Open a window with a field on the mesh. Raises InputError if there is no screen."""
     results, chosen = _results(job), _field(field)
     states = _states(results, at)
     missing = no_screen()
@@ -131,7 +131,8 @@ def window(job: Job, field: str, at: float | None) -> None:
 
 
 def no_screen() -> str:
-    """Return why no window can be opened; empty if one can. VTK needs an X server, and only warns if there is none."""
+    """Return the reason why no window can be opened; empty if one can. VTK needs an X server, and only warns if there
+    is none."""
     if sys.platform != "linux":
         return ""
     display = os.environ.get("DISPLAY")

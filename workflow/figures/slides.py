@@ -77,8 +77,8 @@ class Frame:
 
 
 def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LINE) -> Window:
-    """Return the window of a slide. For discs it holds the first state with the box; for material points the ground of
-    all states, since the base of their grid continues beyond the section.
+    """Return the window of a slide. For discs the window contains the first state with the box; for material points it
+    contains the ground of all states, since the base of their grid continues beyond the section.
     """
     if springs != "mpm":
         return window_of(states[0], line)
@@ -107,8 +107,8 @@ def left_by(case: Case) -> str:
 
 
 def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, number: int, out: Path) -> None:
-    """Draw two views of the final state, as in Figs 14 to 16: displacement with the surface before and after, and
-    layers.
+    """Draw two views of the final state, as in Figs 14 to 16 of the paper: displacement with the surface before and
+    after, and layers.
 
     config: config of the run; path: file of the last state; case: its answer; springs: set of the discs; number: number
     of the case; out: the picture.

@@ -13,8 +13,8 @@ WHOLE, DASHED = (0, ()), (0, (5, 2))
 
 
 def draw(section: Section, answer: SlicesAnswer, path: Path) -> None:
-    """Draw the circle with the least factor of safety at each Kh, and the one with the least critical Kh, towards
-    each side.
+    """Draw, towards each side, the circle with the least factor of safety at each Kh, and the circle with the least
+    critical Kh.
     """
     lines = [
         _line(circle, CONTINUUM, f"F_s = {_value(circle, 2)} at Kh = {factors.kh:g}")

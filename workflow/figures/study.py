@@ -65,7 +65,7 @@ def effects(results: Sequence[Result], title: str, path: Path) -> None:
 
 
 def fragility(curves: Sequence[ProbabilityCurve], title: str, path: Path) -> None:
-    """Draw families of curves in adjacent frames; a family has names with the same beginning."""
+    """Draw families of curves in adjacent frames. The names of the curves of a family have the same beginning."""
     families: dict[str, list[ProbabilityCurve]] = {}
     for curve in curves:
         families.setdefault(curve.name.split(": ")[0], []).append(curve)

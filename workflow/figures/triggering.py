@@ -50,7 +50,7 @@ def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
 def _boring(
     section: Section, tests: list[TestPart], answer: TriggeringAnswer, pair: tuple[Axes, Axes], deepest: float
 ) -> None:
-    """Draw one boring; all are drawn to the same depth (m), for comparison."""
+    """Draw one boring. All borings are drawn to the same depth (m), for comparison."""
     x = tests[0].x_m
     levels = section.layering.interfaces(np.array([x]))[0]
     depths = levels[0] - levels

@@ -46,7 +46,7 @@ def draw_weights(section: Section, path: Path) -> None:
 
 
 def _window(section: Section) -> Window:
-    """Return the room for water and loads above the ground."""
+    """Return the window of the picture, which has room for water and loads above the ground."""
     water, outline = section.water_points(), section.outline()
     points = outline if water is None else np.vstack([outline, water])
     return Window.around(np.vstack([points, room_for_loads(section)]), 0.03)
@@ -90,7 +90,8 @@ def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.Po
 
 
 def _ticks(weights: np.ndarray, apart: float) -> list[float]:
-    """Return the unit weights of the layers (kN/m³) to one digit, the heaviest first, at least ``apart``."""
+    """Return the unit weights of the layers (kN/m³) to one digit, the heaviest first, which differ by at least
+    ``apart``."""
     ticks: list[float] = []
     for weight in sorted({round(float(weight), 1) for weight in weights}, reverse=True):
         if not ticks or ticks[-1] - weight >= apart:

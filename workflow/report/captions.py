@@ -21,7 +21,7 @@ QUALITY = 60  # of WebP, where shades are many: no difference can be seen at arm
 class Caption(NamedTuple):
     """Holds a pattern of file names, the section of the report for these pictures, and their caption.
 
-    Pictures that are not ``main`` are at the end of the page, and are not printed.
+    Pictures that are not ``main`` stand at the end of the page, and are not printed.
     """
 
     pattern: str

@@ -1,5 +1,5 @@
-"""Slip circles that strict bounds contradict or that lie far from elements, and those that a side of the section cuts
-off, each with what to do.
+"""Warns of slip circles that strict bounds contradict, that lie far from finite elements, or that a side of the section
+cuts off, each with advice.
 """
 
 import math
@@ -101,8 +101,8 @@ def _contradicted(value: float, lower: float | None, upper: float | None) -> boo
 
 
 def _why_far(results: Results, circle: CirclePart, elements: float, line: np.ndarray, kh: float | None) -> str:
-    """Return why a circle is far from the number of the ``elements``, which slip along a ``line`` (m), and what
-    to do."""
+    """Return the reason why a circle is far from the result of the ``elements``, which slip along a ``line`` (m), and
+    advice on what to do."""
     section, fem = results.config.section, results.fem
     where = ""
     if len(line):
@@ -150,7 +150,7 @@ def _value(circle: CirclePart) -> float:
 
 
 def _slides_out(bounds: BoundsAnswer) -> str:
-    """Return what to do where the mechanism of the bounds leaves the section at a side; empty if it does not."""
+    """Return advice for a mechanism of the bounds that leaves the section at a side; empty if it does not."""
     sides = bounds.directions[0].leaves if bounds.directions else ()
     if not sides or bounds.sides != "free-field":
         return ""
@@ -161,7 +161,8 @@ def _slides_out(bounds: BoundsAnswer) -> str:
 
 
 def _assumed(section: Section, circle: CirclePart) -> str:
-    """Return why a circle may fail at a smaller Kh than the ground resists in equilibrium, and what to do."""
+    """Return the reason why a circle may fail at a smaller Kh than the ground resists in equilibrium, and advice on
+    what to do."""
     strata = [shown_name(name) for name in _cut_steeply(section, circle)]
     if not strata:
         return (

@@ -157,13 +157,14 @@ def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
 
 
 def _out_at(sides: tuple[str, ...]) -> str:
-    """Return a clause on the sides of the section through which the failing ground slides out; empty without any."""
+    """Return a clause on the sides of the section through which the failing ground slides out; empty if there are
+    none."""
     return f", where the ground slides out at the {' and the '.join(sides)} side" if sides else ""
 
 
 def proven(faces: bool, load_ends: bool) -> str:
-    """Return the name of bounds of the ground as it is, or with cohesionless ``faces``, or bare ground at
-    ``load_ends``, strengthened."""
+    """Return the name of bounds: of the ground as it is, or of ground with strengthened cohesionless ``faces`` or
+    strengthened bare ground at ``load_ends``."""
     strengthened = [what for what, is_so in (("the faces", faces), ("the ends of loads", load_ends)) if is_so]
     failures = "Bounds of failures below such faces" if faces else "Bounds"
     return f"{failures}, {' and '.join(strengthened)} given a cohesion," if strengthened else "Strict bounds"
@@ -232,8 +233,8 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
 
 
 def _tried(answer: CalibrationAnswer, target: float) -> str:
-    """Return the target of the calibration in words: a range if the critical Kh of the continuum is one and the discs
-    are within it.
+    """Return the target of the calibration in words. It is a range if the critical Kh of the continuum is a range and
+    the critical Kh of the discs lies within it.
     """
     low, high = answer.continuum_kc or (target, target)
     return f"a target of {between([low, high] if low < target < high else [target])}"
@@ -310,7 +311,7 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
 
 
 def _slides(config: Config, store: Store) -> Iterator[str]:
-    """Yield the slides of the discs, compared with those of material points of the same section."""
+    """Yield the slides of the discs, compared with the slides of material points of the same section."""
     answer, label = CasesAnswer.read(store), SectionLabel.of(config.section)
     yield from slide_sentences(config, answer)
     if "mpm" in config.slide.methods and (store.folder / PointSlidesAnswer.FILE).is_file():
@@ -330,7 +331,7 @@ def _slices(config: Config, answer: SlicesAnswer) -> Iterator[str]:
 def sentences(
     name: str, config: Config, store: Store, every: bool = True, results: Results | None = None
 ) -> Iterator[str]:
-    """Yield the result of one stage in sentences; with ``every`` also details of the finite elements. The result is
+    """Yield the result of one stage in sentences, with ``every`` also details of the finite elements. The result is
     compared with the ``results`` of the other stages.
     """
     of_stage: dict[str, Callable[[], Iterator[str]]] = {

@@ -1,4 +1,4 @@
-"""Contradictions within the results, each with a remedy."""
+"""Finds contradictions within the results, each with a remedy."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
@@ -55,7 +55,7 @@ def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
 
 
 def of_curve(discs: DiscsAnswer) -> Iterator[str]:
-    """Warn where the load-displacement curve of the discs falls far below the critical Kh before reaching the critical
+    """Warn if the load-displacement curve of the discs falls far below the critical Kh before it reaches the critical
     Kh.
     """
     fall = deepest_fall(discs.after, soil=discs.model.discs == "soil")
@@ -75,8 +75,8 @@ def deepest_fall(search: DiscSearch, soil: bool) -> tuple[float, float] | None:
     Parameters
     ----------
     search : DiscSearch
-        The search; its curve has all trials of ``soil`` discs, which are points of one test, and only the stable states
-        of other discs.
+        The search. Its curve contains all trials of ``soil`` discs, which are points of one test, and only the stable
+        states of other discs.
     soil : bool
         Whether the discs are soil discs.
 
@@ -110,7 +110,8 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
 def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
     """Warn of slides by material points that reach a side or leave through it, or that move the uphill end.
 
-    Ground that slides as a whole, such as an infinite slope, is excluded: it moves at its ends as everywhere else.
+    Ground that slides as a whole, such as an infinite slope, is excluded, since it moves at its ends as everywhere
+    else.
     """
     points = answer.cases if answer is not None else {}
     stopped = {number: case for number, case in points.items() if case.stopped_by is not None}
@@ -132,7 +133,7 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
 
 
 def _uphill_end(case: PointCase) -> int:
-    """Return the place of the uphill end in the lists of a surface."""
+    """Return the index of the uphill end in the lists of a surface."""
     return 0 if case.surface_before[0][1] >= case.surface_before[-1][1] else -1
 
 
@@ -220,7 +221,7 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
 
 
 def _side(surface: MovedSurface, x: float) -> str:
-    """Return the side of the model that a place (m) on a surface is close to; empty if it is close to none."""
+    """Return the side of the model to which a place (m) on a surface is close; empty if it is close to neither."""
     along = [point[0] for point in surface.surface_before]
     near = NEAR_SIDE * (max(along) - min(along))
     return "left" if x < min(along) + near else "right" if x > max(along) - near else ""

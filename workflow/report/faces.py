@@ -34,7 +34,7 @@ class MethodValues:
     davis_circles: float | None = None
 
     def pair(self, by: Literal["elements", "circles"], digits: int) -> tuple[str, str]:
-        """Return the value with ψ = φ and the one with Davis's strength as texts; empty if there is none."""
+        """Return the value with ψ = φ and the value with Davis's strength as texts; empty if there is none."""
         values = (self.elements, self.davis) if by == "elements" else (self.circles, self.davis_circles)
         full, low = ("" if value is None else f"{value:.{digits}f}" for value in values)
         return full, low
@@ -57,7 +57,7 @@ class FaceLine:
     side : the side to which it slides: "riverward" or "landward" with free water on one side, else "left" or "right".
     critical, safety : critical Kh, and factor of safety without shaking.
     block : slide of a rigid block (m) by the critical Kh of the slip circle with ψ = φ, and in parentheses with Davis's
-        strength; empty without any.
+        Slide of a rigid block with the strength of both circles of the face; empty without any.
     slides, settles : of the face after liquefaction, and of its half of the crest, by every method.
     counts : whether its critical Kh is the smallest of all faces.
     of_structure : whether it is a face of a structure; a failure elsewhere is none.
@@ -75,8 +75,8 @@ class FaceLine:
 
 
 def side_words(config: Config, start: float, end: float, towards: Side) -> str:
-    """Return the side of a face of a structure between two feet, which is riverward or landward if water stands on
-    one side."""
+    """Return the side of a face of a structure between two feet. The side is called riverward or landward if water
+    stands on one side."""
     points, ground = config.section.water_points(), config.section.ground
     if points is None:
         return towards
@@ -88,7 +88,7 @@ def side_words(config: Config, start: float, end: float, towards: Side) -> str:
 
 
 def face_lines(results: Results) -> list[FaceLine]:
-    """Return the lines of all faces, and of a failure elsewhere that comes first; none without slip circles."""
+    """Return the lines of all faces, and of a failure elsewhere that comes first; nothing without slip circles."""
     config = results.config
     lines = [_line(results, row) for row in face_rows(config, results.slices)]
     return lines + list(_elsewhere(results)) if lines else []
@@ -207,7 +207,7 @@ def _spread(values: list[float]) -> str:
 
 
 def _elsewhere(results: Results) -> Iterator[FaceLine]:
-    """Yield the failure of the section by finite elements where no crest is part of this failure."""
+    """Yield the failure of the section by finite elements, if no crest is part of this failure."""
     fem, slices, config = results.fem, results.slices, results.config
     surface = [(float(x), float(z)) for x, z in results.slip_surface]
     if fem is None or slices is None or results.kc is None or not surface:
@@ -239,8 +239,8 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
 def _by_both_rules(
     flow: str, value: float | None, davis: float | None, associated: float | None
 ) -> tuple[float | None, float | None]:
-    """Return an answer with ψ = φ and with Davis's strength; ``value`` is the one by the flow rule of the finite
-    elements."""
+    """Return an answer with ψ = φ and an answer with Davis's strength; ``value`` is the answer by the flow rule of the
+    finite elements."""
     if flow == "associated":
         return value, davis
     return value if associated is None else associated, value

@@ -35,8 +35,8 @@ SIDES: Mapping[str, str] = {
 
 
 def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
-    """Return the three numbers: critical Kh, factor of safety without shaking, and slide after liquefaction; or the
-    displacement of a rigid block in the earthquake, if nothing liquefies.
+    """Return the three numbers: critical Kh, factor of safety without shaking, and slide after liquefaction. If nothing
+    liquefies, the third number is the displacement of a rigid block in the earthquake.
 
     Parameters
     ----------
@@ -101,8 +101,8 @@ def _with_crests(
     quantity: Literal["critical", "safety"],
     _: Texts,
 ) -> HeadlinePart:
-    """Return a headline of ground with which no crest slides, and the smallest value of the faces of structures beside
-    it."""
+    """Return a headline for ground whose mechanism carries no crest with it, together with the smallest value of the
+    faces of structures."""
     names = spared(results, surface)
     if not names or headline.value == "–":
         return headline
@@ -127,7 +127,7 @@ def _with_crests(
 
 
 def _first_face(results: Results, _: Texts) -> str:
-    """Return the face of a structure that fails first by finite elements, as a sentence after a blank; empty without
+    """Return a sentence, after a blank, on the face of a structure that fails first by finite elements; empty without
     any."""
     lines = [(line.critical.elements, line) for line in face_lines(results) if line.of_structure]
     known = [(kc, line) for kc, line in lines if kc is not None]
@@ -155,8 +155,9 @@ def _way(results: Results, fem: FemAnswer, _: Texts) -> str:
 
 
 def _contradicted(results: Results, fem: FemAnswer, kh: GoverningKh, conditions: str, _: Texts) -> HeadlinePart:
-    """Return the sentence on the critical Kh if strict bounds are below the finite elements: the upper end of the
-    interval counts, as the critical Kh if the bounds are close, else as a limit; the elements are a second opinion.
+    """Return the sentence on the critical Kh if strict bounds are below the finite elements. The upper end of the
+    interval then counts: as the critical Kh if the bounds are close, else as a limit. The finite elements are a second
+    opinion.
     """
     word = (
         "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give {excess} % more; no mechanism "
@@ -184,7 +185,7 @@ def _interval(error: Accuracy | None, _: Texts) -> str:
 
 
 def _from_to(low: str, high: str, method: str, _: Texts) -> str:
-    """Return an interval and its method; one number where both ends are the same."""
+    """Return an interval and its method; one number if both ends are the same."""
     both = _("{low} to {high}", low=low, high=high) if low != high else low
     return _("{interval} {method}", interval=both, method=_(method))
 
@@ -219,9 +220,9 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> str:
-    """Return the interval of a factor of safety: strict bounds of the same conditions, else the error of its mesh, else
-    the distance of the critical Kh of the same mesh from its strict bounds. The interval is empty if none of these is
-    known.
+    """Return the interval of a factor of safety. It is given by strict bounds of the same conditions, else by the error
+    of its mesh, else by the distance of the critical Kh of the same mesh from its strict bounds. The interval is empty
+    if none of these is known.
     """
     bounds = results.bounds
     if bounds is not None and bounds.sides == fem.settings.sides and fem.flow == "associated":
@@ -243,7 +244,8 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
 
 
 def conclusions(results: Results, _: Texts) -> Iterator[str]:
-    """Yield the sentences of the first page after the numbers: choice of Kh, governing slide, and the paper."""
+    """Yield the sentences of the first page after the numbers, on the choice of Kh, the governing slide, and the
+    paper."""
     yield from _without_shaking(results, _)
     yield from crests_in_short(tuple(crest_parts(results.config, results.cases, results.mpm)), _)
     if results.residual is not None:

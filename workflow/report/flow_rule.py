@@ -1,4 +1,4 @@
-"""A critical Kh, or a factor of safety, with its flow rule: ψ = φ, and Davis's estimate in the same line."""
+"""States a critical Kh, or a factor of safety, with its flow rule: ψ = φ, and Davis's estimate in the same line."""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import assert_never
@@ -63,7 +63,7 @@ def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, s
 
 
 def _low(value: float, shown: Callable[[float], str]) -> str:
-    """Return Davis's estimate in words; if the ground with this strength fails under its weight, no Kh is given."""
+    """Return Davis's estimate in words. If the ground with this strength fails under its weight, no Kh is given."""
     return shown(value) if value > 0.0 else "0, it fails under its own weight"
 
 

@@ -1,4 +1,4 @@
-"""The interval of a predicted slide, by the error of the model on known slides."""
+"""States the interval of a predicted slide, by the error of the model on known slides."""
 
 from collections.abc import Iterator, Sequence
 
@@ -11,7 +11,7 @@ NAMES: dict[SlideMethod, str] = {"discs": "these discs", "mpm": "material points
 
 
 def model_error(results: Results) -> Iterator[str]:
-    """Yield the sentence on the slides of a run: over the cases, the packings, and the error of the model."""
+    """Yield the sentence on the slides of a run: their range over cases and packings, and the error of the model."""
     _, cases = results.case_set()
     slides = [case.slide_max_m for case in cases.values()]
     random = results.cases.random if results.cases is not None else None
@@ -28,10 +28,11 @@ def model_error(results: Results) -> Iterator[str]:
 
 
 def error_sentence(slides: Sequence[float], flows: bool | None, method: SlideMethod = "discs") -> str:
-    """Return the error of discs or material points on known slides, and the interval of these slides (m) with it.
+    """Return the error of discs or material points on known slides, and the interval of the given slides (m) with this
+    error.
 
-    Empty if the collection has no comparable slides, or nothing slides. flows: whether they flow by their weight alone;
-    None if this is not known.
+    The sentence is empty if the collection has no comparable slides, or nothing slides. flows: whether the slides flow
+    by their weight alone; None if this is not known.
     """
     error = slide_error(flows, method)
     moved = [max(slide, 0.0) for slide in slides]

@@ -1,4 +1,4 @@
-"""Wide tables of a page for narrow screens: every cell carries the heading of its column."""
+"""Adapts wide tables of a page to narrow screens: every cell carries the heading of its column."""
 
 import re
 from html import escape, unescape
@@ -12,7 +12,7 @@ MOST_COLUMNS = 4  # of a table that fits on a narrow screen
 
 
 def labelled(html: str) -> str:
-    """Mark tables of more than `MOST_COLUMNS` columns as wide, and write the headings beside their cells.
+    """Mark tables of more than `MOST_COLUMNS` columns as wide, and write the headings into their cells.
 
     Style sheets show the headings where the screen is too narrow for the columns.
     """

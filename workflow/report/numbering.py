@@ -8,8 +8,8 @@ from workflow.report.texts import Texts
 
 @dataclass
 class Labels:
-    """Holds numbers sections, tables and figures in their order on a page. A page is rendered twice: ``known`` contains
-    the numbers of the first time.
+    """Numbers sections, tables and figures in their order on a page. A page is rendered twice: ``known`` contains the
+    numbers of the first rendering.
 
     Attributes
     ----------
@@ -33,15 +33,15 @@ class Labels:
         return self.counts[kind]
 
     def table(self, name: str) -> str:
-        """Return the number the table at this place."""
+        """Number the table at this place, and return the number."""
         return self._named(name, self.texts("Table {number}", number=self._next("table")))
 
     def figure(self, name: str) -> str:
-        """Return the number the figure at this place."""
+        """Number the figure at this place, and return the number."""
         return self._named(name, self.texts("Figure {number}", number=self._next("figure")))
 
     def section(self, name: str, title: str) -> str:
-        """Return the number the section that begins at this place, and return its heading."""
+        """Number the section that begins at this place, and return its heading."""
         self.sections[name] = f"{self._next('section')} {title}"
         return self.sections[name]
 
@@ -59,7 +59,7 @@ class Labels:
 
 
 class Notes:
-    """Notes below a table, without repetitions, to which rows refer by letters."""
+    """Collects the notes below a table, without repetitions; rows refer to the notes by letters."""
 
     def __init__(self) -> None:
         self.letters: dict[str, str] = {}

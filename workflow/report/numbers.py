@@ -40,7 +40,8 @@ def about(lengths: Sequence[float]) -> str:
 
 
 def rough(value: float) -> float:
-    """Round to one digit, or to two if the first is 1: the accuracy of an interval by a factor of error."""
+    """Return a number rounded to one digit, or to two if the first digit is 1, which is the accuracy of an interval by
+    a factor of error."""
     if value == 0.0:
         return 0.0
     power = math.floor(math.log10(abs(value)))

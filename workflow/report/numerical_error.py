@@ -16,7 +16,7 @@ def rounded_up(value: float) -> float:
 
 
 def numerical_error(estimate: Accuracy | None, kc: float) -> str:
-    """Return the numerical error of ``kc``, in a sentence."""
+    """Return the numerical error of ``kc`` in a sentence."""
     if estimate is None:
         return (
             "The numerical error of the critical Kh is not known, since there is one mesh and no strict bound of the "

@@ -146,12 +146,12 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
 
 
 def _is_checked(warning: WarningPart, checks: Sequence[tuple[str, str]]) -> bool:
-    """Return whether one of the checks tells a warning already."""
+    """Return whether one of the checks already gives a warning."""
     return any(warning.what in words for _, words in checks)
 
 
 def _thirds(section: Section, texts: Texts) -> tuple[str, str, str]:
-    """Return the names of the thirds of the surface, from the higher end: by side where an embankment has two
+    """Return the names of the thirds of the surface, from the higher end, or by side if an embankment has two
     slopes."""
     if not structures_of(section):
         return texts("upslope third"), texts("middle third"), texts("downslope third")

@@ -129,7 +129,7 @@ def _disc_sets(results: Results) -> tuple[SetOfSprings, ...]:
 
 
 def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
-    """Yield states at the paper's two Kh: of its own discs, "before" calibration or "after" it."""
+    """Yield the states of the discs at the two Kh of the paper, "before" or "after" calibration."""
     springs, result = CALLED[which], _absent(results, "calibrate")
     stands = PaperRow(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", result)
     broken = PaperRow(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13", result)
@@ -145,7 +145,8 @@ def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
 
 
 def _broken(row: PaperRow, cracked: dict[str, float]) -> PaperRow:
-    """Return whether pore springs crack in the Asd layers, and in no other layer more."""
+    """Return whether pore springs, the breakable springs between discs that stand for pore water, crack in the Asd
+    layers, and in no other layer more."""
     shares = {name: cracked.get(name, 0.0) for name in ASD}
     most = max(shares.values())
     others = {name: share for name, share in cracked.items() if name not in ASD and share > most}
@@ -188,7 +189,7 @@ def _near(length: str, paper: float, case: CaseAnswer) -> tuple[str, bool]:
 
 
 def near(ours: float, paper: float) -> tuple[str, bool]:
-    """Return a length (m) in words, and whether it is within 30 % of the paper's."""
+    """Return a length (m) in words, and whether it is within 30 % of the length in the paper."""
     return f"{ours:.2f} m", abs(ours - paper) <= WITHIN * paper
 
 
@@ -217,7 +218,7 @@ def _measured(results: Results) -> PaperRow:
 
 
 def _other_loading(results: Results) -> str:
-    """Return a clause that the paper holds its Kh constant if the slides have another loading; else return nothing."""
+    """Return a clause that the paper holds its Kh constant, if the slides have another loading; else return nothing."""
     slide = results.config.slide
     same = all(getattr(slide, key) == value for key, value in PAPER_LOADING.items())
     return (

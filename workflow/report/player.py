@@ -1,7 +1,7 @@
 """Animations of the report: every slide as its discs in time, and the path of Kh with the stored fields.
 
-A film is a small table and an array of integers: positions in units of ``quantum`` metres, of which only the changes
-from frame to frame are stored. `player.js` draws it; without scripts the page has still pictures.
+A film is a small table and an array of integers. Positions are in units of ``quantum`` metres, and only their changes
+from frame to frame are stored. `player.js` draws the film; without scripts the page has still pictures.
 """
 
 import base64
@@ -33,7 +33,7 @@ SHADES = 9
 
 @dataclass(frozen=True)
 class Film:
-    """Holds an animation of the page: ``kind`` is "slides" or "path", ``text`` is JSON that may stand in a script."""
+    """Holds an animation of the page. ``kind`` is "slides" or "path"; ``text`` is JSON that may stand in a script."""
 
     kind: str
     title: str
@@ -41,7 +41,7 @@ class Film:
 
     @classmethod
     def of(cls, kind: str, title: str, table: dict[str, Any], numbers: Sequence[np.ndarray]) -> "Film":
-        """Return a film of a table and of whole numbers, one array after the other."""
+        """Return a film made of a table and of arrays of whole numbers, one after the other."""
         flat = np.concatenate([np.asarray(array, np.int64).ravel() for array in numbers]).astype("<i4")
         packed = base64.b64encode(zlib.compress(flat.tobytes(), 9)).decode()
         text = json.dumps({"title": title, **table, "packed": packed}, ensure_ascii=False, allow_nan=False)
@@ -147,7 +147,8 @@ def _path(results: Results) -> Iterator[Film]:
 
 
 def _step(path: Sequence[Any], kh: float, label: str) -> int:
-    """Return the step of the path of a stored state: the one that reached its Kh, or the last one."""
+    """Return the step of the path at which a state was stored: the step that reached the Kh of the state, or the last
+    step."""
     if not label.startswith("Kh = "):
         return len(path) - 1
     return next((place for place, step in enumerate(path) if step.factor >= kh - 1e-4), len(path) - 1)

@@ -1,4 +1,4 @@
-"""Whether the ground still stands after liquefaction, in sentences."""
+"""States in sentences whether the ground still stands after liquefaction."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ FLOWS = 0.1  # of the height of the ground, below which a displacement was no fl
 
 def in_short(results: Results) -> Iterator[str]:
     """Yield sentences on each residual strength, on the strength for a factor of safety of 1, and on measured
-    displacements; empty without this analysis.
+    displacements; nothing without this analysis.
     """
     answer = results.liquefied
     if answer is None:
@@ -99,11 +99,11 @@ class Enough:
 def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
     """Return the residual strength with which the ground just stands without shaking; None without a factor of safety.
 
-    Between a case that flows and a case that stands, it follows from linear interpolation of their factors F. If all
-    strengths are divided by F the ground just stands. So the residual strength alone has to be larger than its value
-    divided by F if the ground flows (F below 1), and may be smaller if it stands: a bound on one side if all cases are
-    on one side. F is concave in the strength, as the minimum over mechanisms of linear functions, so that a line
-    through two cases that flow gives a better lower bound.
+    Between a case that flows and a case that stands, the strength follows from linear interpolation of their factors of
+    safety F. If all strengths are divided by F the ground just stands. So the residual strength alone has to be larger
+    than its value divided by F if the ground flows (F below 1), and may be smaller than this if the ground stands. If
+    all cases are on one side, the result is a bound on this side. F is concave in the strength, as the minimum over
+    mechanisms of linear functions, so that a line through two cases that flow gives a better lower bound.
     """
     known = [(0.5 * (case.factor_lower + case.factor_upper), case) for case in cases
              if case.factor_lower is not None and case.factor_upper is not None
@@ -132,7 +132,7 @@ def _alike(weaker: LiquefiedCase, stronger: LiquefiedCase) -> bool:
 
 
 def _on_the_line(weaker: tuple[float, LiquefiedCase], stronger: tuple[float, LiquefiedCase]) -> Strata:
-    """Return the strata with the strength for a factor of safety of 1, linear between two cases."""
+    """Return the strata with the strength for a factor of safety of 1, by a line through two cases."""
     part = (1.0 - weaker[0]) / (stronger[0] - weaker[0])
     pairs = zip(weaker[1].strata, stronger[1].strata, strict=True)
     return tuple(_scaled(a, 1.0 + part * (b.cohesion_kPa / a.cohesion_kPa - 1.0)) for a, b in pairs)
@@ -148,8 +148,8 @@ def _scaled(stratum: LiquefiedStratum, by: float) -> LiquefiedStratum:
 
 
 def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
-    """Yield whether a measured displacement contradicts a case: a flow failure does not stop after a small
-    displacement."""
+    """Yield a contradiction if a measured displacement is too small for a case: a flow failure does not stop after a
+    small displacement."""
     measured = [float(case.displacement) for case in results.config.report.observed]
     relief = _relief(results)
     if not measured or max(measured) >= FLOWS * relief:
@@ -194,7 +194,8 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
 
 
 def factors(case: Bearing) -> str:
-    """Return the factor of safety with its bounds; sides are held in both, as in strength reduction without shaking."""
+    """Return the factor of safety with its bounds. The sides are held in both, as in strength reduction without
+    shaking."""
     phrases = []
     if case.factor_lower is not None or case.factor_upper is not None:
         phrases.append(f"{bracket(case.factor_lower, case.factor_upper, 2)} by strict bounds with ψ = φ")

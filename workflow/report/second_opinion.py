@@ -1,4 +1,4 @@
-"""Whether DEM and MPM agree on the slide of a case, and which of them predicts known slides better."""
+"""States whether DEM and MPM agree on the slide of a case, and which of them predicts known slides better."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,17 +21,17 @@ ALIKE, CLOSE = 0.05, 1.5  # m, and times: slides that are no further apart agree
 
 @dataclass(frozen=True)
 class SecondOpinion:
-    """Compares a case by discs and by material points; lengths in m.
+    """Compares the slides of a case by discs and by material points; lengths are in m.
 
     Attributes
     ----------
     discs, points : float
         Largest slides by discs and by material points.
     discs_span, points_span : (float, float)
-        Intervals of both slides, over packings or transfers, with the error on known slides if there are comparable
-        ones.
+        Intervals of both slides, over packings (discs) or damping of transfers (material points), with the error on
+        known slides if there are comparable ones.
     agreed : bool
-        Whether the two differ by less than the larger interval, or are nearly equal, or neither comes to rest.
+        Whether the two slides differ by less than the larger interval, or are nearly equal, or neither comes to rest.
     flows : bool or None
         Whether the ground flows by its weight alone.
     resting : (bool, bool)
@@ -57,7 +57,7 @@ class SecondOpinion:
         return f"{both}, further apart than their intervals of {intervals}{self._nearer()}"
 
     def _nearer(self) -> str:
-        """Return a clause on which method predicted known slides of this kind better."""
+        """Return a clause that states which method predicted known slides of this kind better."""
         discs, points = slide_error(self.flows), slide_error(self.flows, "mpm")
         if discs is None or points is None:
             return ""
@@ -95,14 +95,14 @@ def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinio
 
 
 def _with_error(low: float, high: float, flows: bool | None, method: SlideMethod) -> Span:
-    """Return an interval with the error on known slides, unless this error is so large that any two slides would
+    """Return an interval widened by the error on known slides, unless this error is so large that any two slides would
     agree."""
     error = slide_error(flows, method)
     return (low, high) if error is None or not error.bounds_slides else error.interval(max(low, 0.0), high)
 
 
 def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:
-    """Warn of every case on which the models do not agree; equal warnings are merged."""
+    """Warn of every case on which the two models do not agree. Equal warnings are merged."""
     for warning in joined({number: [opinion.sentence()] for number, opinion in opinions.items() if not opinion.agreed}):
         what, remedy = split(warning)
         yield WarningPart(weight=1, what=what, remedy=remedy)

@@ -73,7 +73,8 @@ def run_names(runs: Sequence[ComparedRun]) -> list[str]:
 
 
 def rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
-    """Yield the results: the name of a quantity, and its value in each run; without quantities that no run has."""
+    """Yield the results as rows: the name of a quantity, and its value in each run. Quantities that no run has are left
+    out."""
     for name, values in _all_rows(runs):
         if set(values) != {"–"}:
             yield name, values

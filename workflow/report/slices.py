@@ -1,5 +1,5 @@
-"""Limit equilibrium of slices in sentences: circles by Bishop and Spencer, and Spencer's method on the slip surface
-of the elements.
+"""States limit equilibrium of slices in sentences: circles by Bishop and Spencer, and Spencer's method on the slip
+surface of the finite elements.
 """
 
 from collections.abc import Iterator, Sequence
@@ -49,5 +49,6 @@ def _words(circle: CirclePart, digits: int) -> str:
 
 
 def factor_on_surface(config: Config, factor: FactorOfSafety) -> float | None:
-    """Return Spencer's factor of safety on the slip surface of the elements, towards the side to which it slides."""
+    """Return Spencer's factor of safety on the slip surface of the finite elements, towards the side to which it
+    slides."""
     return least_balance(config.section, np.array(factor.slip_surface), factor.kh, config.fem.vertical)

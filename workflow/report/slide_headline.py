@@ -1,4 +1,4 @@
-"""The third number of the first page: the slide after liquefaction, or the displacement of a rigid block."""
+"""Writes the third number of the first page: the slide after liquefaction, or the displacement of a rigid block."""
 
 from collections.abc import Mapping, Sequence
 
@@ -54,7 +54,7 @@ def slide_headline(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _second_opinion(first: MethodSlides, other: MethodSlides, _: Texts) -> str:
-    """Return why the first method counts, and the slide with its interval by the other one."""
+    """Return the reason why the first method counts, and the slide by the other method with its interval."""
     values = {
         "first": _(NAMES[first.method]),
         "other": _(NAMES[other.method]),
@@ -139,7 +139,7 @@ def _of_slides(slides: MethodSlides, _: Texts) -> str:
 
 
 def _uncertain(error: SlideError, method: str, _: Texts) -> str:
-    """Return the error of a method that is too large for an interval."""
+    """Return the error of a method whose error is too large for an interval."""
     return _(
         "uncertain by a factor of {factor}: {within} of {cases} known slides were predicted within it by {method}, "
         "half of them within a factor of {middle}",

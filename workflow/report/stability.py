@@ -77,7 +77,8 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
 
 
 def _shallow_by_davis(results: Results, fem: FemAnswer, name: str, _: Texts) -> Iterator[StabilityRow]:
-    """Yield the shallow failures of cohesionless faces with Davis reduced strength, in closed form, that come first."""
+    """Yield the shallow failures of cohesionless faces with Davis's reduced strength, in closed form, if they come
+    before the failure of the slope."""
     section, settings = results.config.section, fem.settings.changed(direction=fem.direction)
     if fem.davis is None:
         return

@@ -12,7 +12,7 @@ from workflow.results.slices import FacePart, SlicesAnswer
 
 @dataclass(frozen=True)
 class FaceRow:
-    """Holds one face: by slices its factors of safety at each Kh and its critical Kh, and the slide of a rigid
+    """Holds one face: its factors of safety at each Kh and its critical Kh by slices, and the slide of a rigid
     block."""
 
     face: FacePart

@@ -33,7 +33,7 @@ STAYS = 0.1  # m: a slide of less is told as none
 
 
 def springs_of(results: Results) -> dict[str, str]:
-    """Return the springs of every set of slides in words, by its name."""
+    """Return the springs of every set of slides in words, by the name of the set."""
     calibration = results.calibration
     if calibration is not None and calibration.verdict == "out of reach":
         words = "whose calibration failed, with the critical Kh nearest to that of the finite elements"
@@ -104,8 +104,8 @@ def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterat
 
 
 def _most(results: Results, fem: FemAnswer) -> float:
-    """Return the largest possible critical Kh for any flow rule: by strict bounds with the same sides, or with ψ = φ. A
-    path of smaller ψ with a larger critical Kh had too coarse a mesh, and is disregarded.
+    """Return the largest possible critical Kh for any flow rule: the upper bound with the same sides, or the critical
+    Kh with ψ = φ. A path of smaller ψ with a larger critical Kh had too coarse a mesh, and is disregarded.
     """
     bounds, full = results.bounds, fem.kc if fem.flow == "associated" else math.inf
     if fem.associated is not None:
@@ -148,7 +148,8 @@ def _slides(results: Results) -> Iterator[str]:
 
 
 def _prediction(results: Results) -> Iterator[str]:
-    """Yield a sentence on the critical Kh of the uncalibrated discs over the critical Kh of their FEM model."""
+    """Yield a sentence on the ratio of the critical Kh of the uncalibrated discs to the critical Kh of their FEM
+    model."""
     calibration = results.calibration
     if calibration is not None and calibration.predicted_kc is not None and calibration.predicted_ratio is not None:
         yield (
@@ -158,8 +159,8 @@ def _prediction(results: Results) -> Iterator[str]:
 
 
 def _alike(results: Results) -> str:
-    """Return the boundary conditions and flow rule of the FEM model that the discs are compared with, and its critical
-    Kh."""
+    """Return in words the boundary conditions and flow rule of the FEM model that the discs are compared with, and its
+    critical Kh."""
     like = results.dem_counterpart
     if like is None:
         return ""
@@ -256,7 +257,7 @@ def _cases_are(config: Config) -> Iterator[str]:
 
 
 def _shown(name: str, values: Sequence[Any]) -> str:
-    """Return the remaining share of one property in each case; by stratum if these differ."""
+    """Return the remaining share of one property in each case, by stratum if the shares differ."""
     strata = list(dict.fromkeys(stratum for value in values if isinstance(value, dict) for stratum in value))
     each = []
     for stratum in strata or [""]:
@@ -288,7 +289,8 @@ def _interval(results: Results) -> str:
 
 
 def _spread(mean: float, values: Sequence[float], interval: Sequence[float] | None) -> str:
-    """Return a slide on several packings: its mean, and the range of packings if it is larger than the digits shown."""
+    """Return a slide on several packings: the mean, and the range over packings if the range is larger than the digits
+    shown."""
     phrases = [span(values)] if span(values) != about([mean]) else []
     if interval is not None and span(interval) != about([mean]):
         phrases.append(f"mean of all packings {span(interval)} with 95 %")
@@ -324,8 +326,8 @@ def _disagreement(results: Results) -> Iterator[str]:
 
 
 def _measured(results: Results) -> Iterator[str]:
-    """Yield a comparison of measured displacements with the discs: at the same place if it is given, else with their
-    largest slide.
+    """Yield a comparison of measured displacements with the discs: at the same place if the place is given, else with
+    the largest slide.
     """
     _, cases = results.case_set()
     for observation in results.config.report.observed if cases else ():

@@ -39,7 +39,7 @@ WRITTEN_OF_SOME = (
 
 
 def _dilation(stratum: Stratum) -> str:
-    """Return the dilation angle in degrees; a dash where the section gives none, and the flow rule decides."""
+    """Return the dilation angle in degrees, or a dash if the section gives none, so that the flow rule decides."""
     return "–" if stratum.dilation_angle is None else f"{math.degrees(stratum.dilation_angle):.3g}"
 
 
@@ -67,7 +67,7 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
 
 
 def _cohesion(stratum: Stratum) -> str:
-    """Return the cohesion (kPa) of a stratum as a formula: z the depth (m) below its line, σ'v in kPa."""
+    """Return the cohesion (kPa) of a stratum as a formula; z is the depth (m) below its line, σ'v is in kPa."""
     terms = [f"{stratum.cohesion / 1e3:.4g}"] if stratum.cohesion or not stratum.cohesion_varies else []
     terms += [f"{stratum.cohesion_increase / 1e3:.3g} z"] if stratum.cohesion_increase else []
     if stratum.strength_ratio:
@@ -85,7 +85,7 @@ def source_of(section: Section, stratum: Stratum) -> str:
 
 
 def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
-    """Yield the water, earthquake, shaking and the cases of liquefaction: name, value and source of each."""
+    """Yield name, value and source of the water, the earthquake, the shaking and the cases of liquefaction."""
     water = config.section.water_points()
     if water is not None:
         low, high = water[:, 1].min(), water[:, 1].max()
@@ -155,7 +155,8 @@ def _of_one(value: Any, names: list[str]) -> Any:
 
 
 def factor(value: Any, name: str = "") -> str:
-    """Return a factor of a case in three digits, a strength in kPa, a strain in %, by stratum where they differ."""
+    """Return a factor of a case in three digits, a strength in kPa, or a strain in %, by stratum if the strata
+    differ."""
     if isinstance(value, dict):
         return "; ".join(
             f"{stratum} {factor(factors_of_stratum, name)}" for stratum, factors_of_stratum in value.items()

@@ -52,7 +52,7 @@ def _patterns(language: Language) -> tuple[tuple[re.Pattern[str], str], ...]:
 
 
 class Texts:
-    """The texts of one language."""
+    """Holds the texts of one language."""
 
     def __init__(self, language: Language = "en") -> None:
         self.language = language

@@ -19,7 +19,7 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
 
 
 def _left_sentence(stratum: LeftPart) -> str:
-    """Return the residual strength and strains of a stratum where F_L is below 1."""
+    """Return a sentence on the residual strength and strains of a stratum where F_L is below 1."""
     phrases = [f"{pascals / 1e3:.1f} kPa or {stratum.residual[title]:.2f} σ'v ({title})"
             for title, pascals in stratum.strength_Pa.items()]  # fmt: skip
     drains = f"{100.0 * stratum.volumetric_strain:.1f} % volumetric strain by drainage"

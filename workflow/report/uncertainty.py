@@ -1,4 +1,4 @@
-"""Sensitivity of the results to mesh, step, dilation, sides, bounds and packing."""
+"""States the sensitivity of the results to mesh, step, dilation, sides, bounds and packing."""
 
 from collections.abc import Iterator
 
@@ -93,7 +93,7 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
 
 
 def _dilation(fem: FemAnswer) -> str:
-    """Return the assumed flow rule, and the critical Kh by the other one."""
+    """Return the assumed flow rule, and the critical Kh by the other flow rule."""
     how = FLOWS[fem.flow]
     if fem.associated is None and fem.davis is None:
         return how

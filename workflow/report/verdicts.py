@@ -94,7 +94,7 @@ def spared(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) ->
 
 
 def _sliding(results: Results) -> list[tuple[str, FacePart | SlicesAnswer]]:
-    """Return the faces that have slip circles, by name, or the section without structures; empty without slices."""
+    """Return by name the faces that have slip circles, or the section if it has no structures; empty without slices."""
     if results.slices is None:
         return []
     faces: list[tuple[str, FacePart | SlicesAnswer]] = [
@@ -104,7 +104,7 @@ def _sliding(results: Results) -> list[tuple[str, FacePart | SlicesAnswer]]:
 
 
 def _by_slices(of: str, circles: Sequence[CirclePart]) -> Iterator[Interval]:
-    """Yield the interval of Bishop's and Spencer's results on the circle with the smallest one."""
+    """Yield the interval between Bishop's and Spencer's results on the circle with the smallest result."""
     if not circles:
         yield f"{of}, by slices", None, None, "no circle slides"
         return
@@ -144,7 +144,8 @@ def _displacements(results: Results) -> Iterator[Interval]:
 
 
 def _share(results: Results, case: int) -> tuple[float, float]:
-    """Return the ratios of the 5 and 95 % quantiles of the largest slide over packings to the slide of this packing."""
+    """Return the ratios of the 5 and 95 % quantiles of the largest slide over packings to the slide of the packing of
+    this run."""
     random = results.cases.random.cases.get(case) if results.cases is not None and results.cases.random else None
     largest = results.case_set()[1][case].slide_max_m
     if random is None or random.slide_max_m.low is None or random.slide_max_m.high is None or largest < TINY:

@@ -25,7 +25,7 @@ NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?(?: to \d+(?:\.\d+)?)?)(
 
 
 def warnings(results: Results) -> list[WarningPart]:
-    """Find every warning, the weightiest first: contradictions, then what changes an answer, then notes."""
+    """Find every warning, the most important first: contradictions, then what changes an answer, then notes."""
     merged: dict[tuple[str, str], WarningPart] = {}
     for weight, text in _warnings(results):
         what, remedy = split(text)
@@ -72,7 +72,7 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
 
 
 def _assumed_input(results: Results) -> Iterator[str]:
-    """Yield the warnings of the input on the slides, such as a residual strength that was assumed."""
+    """Yield the warnings about assumed input of the slides, such as an assumed residual strength."""
     for line in notice_lines(results.config.notices_of_slides):
         if line.startswith("Warning: "):
             text = line.removeprefix("Warning: ").rstrip(".")
@@ -124,7 +124,7 @@ def _residual_strength(results: Results) -> Iterator[str]:
 
 
 def _at_the_limit(results: Results) -> Iterator[str]:
-    """Yield a warning that the constant Kh is close to the limit load of liquefied ground, so that the slide is
+    """Yield a warning if the constant Kh is close to the limit load of liquefied ground, so that the slide is
     undetermined.
     """
     slide = results.config.slide
@@ -141,7 +141,7 @@ def _at_the_limit(results: Results) -> Iterator[str]:
 
 
 def _target_range(results: Results) -> Iterator[str]:
-    """Yield a warning that the critical Kh of the calibration is only known as a range."""
+    """Yield a warning if the critical Kh of the calibration is only known as a range."""
     like = results.dem_counterpart
     if like is not None and results.dem is not None and like.kc_upper > OPEN * like.kc:
         yield (
@@ -152,8 +152,8 @@ def _target_range(results: Results) -> Iterator[str]:
 
 
 def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] = ()) -> Iterator[tuple[Weight, str]]:
-    """Return a warning that the critical Kh depends on the condition at the sides, or may depend on it if no other was
-    computed.
+    """Return a warning if the critical Kh depends on the condition at the sides, or may depend on it because no other
+    condition was computed.
     """
     longer = "a larger value of beyond" if section.beyond else 'beyond = "50 m"'
     remedy, at = f"move the sides away by {longer}", listed(fem.at_sides)
@@ -180,7 +180,7 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
 
 
 def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
-    """Yield a warning that the slip surfaces of discs and continuum differ, in a section of this ``height`` (m)."""
+    """Yield a warning if the slip surfaces of discs and continuum differ, in a section of this ``height`` (m)."""
     apart, lines = surfaces.mean_distance_m, (surfaces.dem, surfaces.fem)
     if apart is not None and apart > SURFACES_APART * height:
         yield (
@@ -196,8 +196,7 @@ def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
 
 
 def _fails_between_fixed_sides(results: Results) -> Iterator[str]:
-    """Yield a warning that discs fail under a constant Kh below the critical Kh of their displacement-controlled
-    test."""
+    """Yield a warning if discs fail under a constant Kh below the critical Kh of their displacement-controlled test."""
     discs = results.dem
     if discs is None or discs.after.kc is None:
         return
@@ -210,7 +209,7 @@ def _fails_between_fixed_sides(results: Results) -> Iterator[str]:
 
 
 def joined(notes: Mapping[int, Sequence[str]]) -> Iterator[str]:
-    """Merge equal notes of several cases; numbers that differ become a range. The order by weight is unchanged."""
+    """Merge equal notes of several cases. Numbers that differ become a range. The order by importance is unchanged."""
     groups: dict[str, dict[int, list[str]]] = {}
     places: dict[str, int] = {}
     remedies: dict[str, str] = {}

@@ -60,8 +60,8 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
 
 
 def proven_by(strengthened: bool) -> str:
-    """Return the name of the bounds of an interval: of the ground of the section file, or with its bare faces
-    ``strengthened``."""
+    """Return the name of the bounds that limit an interval: bounds of the ground of the section file, or of ground with
+    its bare faces ``strengthened``."""
     return "by bounds of deeper failures" if strengthened else "by strict bounds"
 
 
@@ -87,7 +87,8 @@ def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
 
 
 def _converges(values: Sequence[float]) -> bool:
-    """Return whether answers on ever finer meshes fall by ever smaller amounts; two answers must be close."""
+    """Return whether answers on ever finer meshes fall by ever smaller amounts. If there are two answers, they must be
+    close."""
     last = values[-2] - values[-1]
     if last < 0.0:
         return False

@@ -39,10 +39,10 @@ Known = Annotated[float | None, BeforeValidator(_finite)]
 
 
 class Part(BaseModel):
-    """Holds a part of an answer. A part is immutable, refuses unknown keys, and can be made from any object with
-    attributes of the same names (``model_validate``).
+    """Is the base class of the parts of an answer. A part is immutable, refuses unknown keys, and can be made from any
+    object with attributes of the same names (``model_validate``).
 
-    A field without a default is always in the file, as null if there is no value. A field with the default None is only
+    A field without a default is always in the file, as null if it has no value. A field with the default None is only
     in the file if it has a value.
     """
 
@@ -71,7 +71,7 @@ class Part(BaseModel):
 
 
 class Answer(Part):
-    """Holds the content of the JSON file of a stage.
+    """Is the base class of an answer, the content of the JSON file of a stage.
 
     ``FILE`` is the name of the file within the folder of a run. ``VERSION`` has to be increased when the meaning of a
     key changes but not its name. A new key without a default needs no new version, since a file without this key is
@@ -107,7 +107,7 @@ class Answer(Part):
 
 
 class SectionLabel(Part):
-    """Holds which section an answer belongs to."""
+    """Names the section to which an answer belongs."""
 
     name: str
     sha256: str = Field(description="fingerprint of the section without its title and the settings")

@@ -30,14 +30,14 @@ class VelocityResiduals(Part):
 
 
 class Residuals(Part):
-    """Holds the residuals of both bounds; None for a missing bound."""
+    """Holds the residuals of both bounds, None if a bound is missing."""
 
     lower: StressResiduals | None
     upper: VelocityResiduals | None
 
 
 class BoundsRound(Part):
-    """Holds the bounds on one of the meshes, each finer than the one before."""
+    """Holds the bounds on one mesh of a sequence, in which each mesh is finer than the one before."""
 
     cells: int
     lower: float | None
@@ -63,7 +63,7 @@ class DirectionPart(Part):
 
     @property
     def words(self) -> str:
-        """Return the bounds in words; if the other direction fails first, the bounds of this direction need not be
+        """Return the bounds in words. If the other direction fails first, the bounds of this direction need not be
         close."""
         to, out = f"{FORCE[self.direction]} (to the {self.towards})", self.way_out
         match self.lower, self.upper:
@@ -78,7 +78,7 @@ class DirectionPart(Part):
 
     @property
     def way_out(self) -> str:
-        """Return the sides at which the ground slides out, as a clause; empty without any."""
+        """Return a clause on the sides at which the ground slides out; empty if there are none."""
         return f", where the ground slides out at the {' and the '.join(self.leaves)} side" if self.leaves else ""
 
 
@@ -149,8 +149,8 @@ class SafetyPart(Part):
 
 
 class BoundsAnswer(BracketPart, Answer):
-    """Holds the bounds of Kh with ψ = φ, whose upper one also holds for every smaller ψ, and the bounds of factors of
-    safety.
+    """Holds the bounds of Kh with ψ = φ and the bounds of factors of safety. The upper bound of Kh also holds for every
+    smaller ψ.
     """
 
     FILE: ClassVar[str] = "fem/bounds.json"
@@ -181,6 +181,5 @@ class BoundsAnswer(BracketPart, Answer):
 
     @property
     def strengthened(self) -> bool:
-        """Return whether the bounds are of ground whose bare faces, or the ends of loads on it, were given a
-        cohesion."""
+        """Return whether the bounds are of ground in which bare faces, or the ends of loads, were given a cohesion."""
         return self.strengthened_faces or bool(self.load_ends)

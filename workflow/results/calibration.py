@@ -33,7 +33,7 @@ class FactorTrial(SearchBracket):
 
 
 class Sensitivity(FactorTrial):
-    """The critical Kh with a factor on one parameter and all others unchanged."""
+    """Holds the critical Kh with a factor on one parameter and all other parameters unchanged."""
 
     parameter: str
 
@@ -48,7 +48,7 @@ class SoilProperties(Part):
 
 
 class AssemblyProperties(Part):
-    """Holds the results of element tests on a patch of discs; None for missing results."""
+    """Holds the results of element tests on a patch of discs, None if a result is missing."""
 
     E_Pa: Known
     nu: Known
@@ -91,7 +91,7 @@ class PressureAnswer(Part):
 
 
 class ElementTestQuality(Part):
-    """Holds how quasi-static the tests were up to their peaks."""
+    """Holds numbers that show how quasi-static the tests were up to their peaks."""
 
     unbalanced_largest: Known
     unbalanced_median: Known
@@ -101,7 +101,8 @@ class ElementTestQuality(Part):
 
 
 class LayerTest(Part):
-    """Holds the discs of one stratum in one packing, compared with the soil; without numbers if the test failed."""
+    """Holds the comparison of the discs of one stratum in one packing with the soil, without numbers if the test
+    failed."""
 
     stratum: str
     packing: str
@@ -114,7 +115,7 @@ class LayerTest(Part):
 
 
 class CalibrationAnswer(Answer):
-    """Holds the factor with which the discs have the critical Kh of the continuum, or the closest one."""
+    """Holds the factor with which the discs have the critical Kh of the continuum, or the factor that comes closest."""
 
     FILE: ClassVar[str] = "dem/calibration.json"
 
@@ -148,8 +149,8 @@ class CalibrationAnswer(Answer):
 
     @classmethod
     def of(cls, base: "Search", calibration: "Calibration | None", tolerance: float, **more: Any) -> Self:
-        """Return the answer of a calibration, with sensitivities sorted by parameter and factor; without a calibration
-        that of uncalibrated discs, with the critical Kh of the search ``base``. ``more`` are further fields.
+        """Return the answer of a calibration, with sensitivities sorted by parameter and factor. Without a calibration,
+        return that of uncalibrated discs, with the critical Kh of the search ``base``. ``more`` are further fields.
         """
         if calibration is None:
             return cls.taken(

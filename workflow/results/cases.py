@@ -26,7 +26,7 @@ def _student(freedoms: int) -> float:
 
 
 class CaseNumbers(Part):
-    """Holds one case of liquefaction in numbers. Lengths in m, downhill and down positive."""
+    """Holds one case of liquefaction in numbers. Lengths are in m, positive downhill and down."""
 
     stiffness: float = Field(description="factor on the stiffness of the layers that liquefied")
     settlement_uphill_m: float = Field(description="mean over the uphill third of the surface")
@@ -62,8 +62,7 @@ class CaseNumbers(Part):
 
 
 class CaseSummary(CaseNumbers):
-    """Holds the numbers of a case, and the interval of its largest slide over random packings if several were
-    computed."""
+    """Holds the numbers of a case and, if several random packings were computed, the interval of its largest slide."""
 
     seeds: int = Field(default=1, description="packings that were computed")
     slide_max_m_mean: float | None = None
@@ -78,8 +77,8 @@ class MovedSurface(Part):
     slide_along: Line = Field(default=(), description="points [x, slide] of the surface as it was before (m)")
 
     def slide_at(self, x: float) -> float | None:
-        """Return the slide (m) of the surface that was at x (m) before; None beyond its ends, or if it is not
-        stored."""
+        """Return the slide (m) of the surface that was at x (m) before the slide; None beyond the ends of the surface,
+        or if it is not stored."""
         if not self.slide_along or not self.slide_along[0][0] <= x <= self.slide_along[-1][0]:
             return None
         return float(np.interp(x, *np.array(self.slide_along).T))
@@ -115,7 +114,7 @@ class CaseAnswer(MovedSurface, CaseNumbers):
         """Return the answer on a slide.
 
         ``alone`` is the same ground under Kh without liquefaction: a disc counts as sliding if it moves twice as far as
-        in that run.
+        there.
         """
         return cls(stiffness=stiffness, **slide.as_json(alone))
 
@@ -131,8 +130,8 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
 
 class Spread(Part):
-    """Holds a number on several random packings: mean, standard deviation and confidence interval; None if there are
-    too few; the confidence interval takes at least three values.
+    """Holds a number on several random packings: mean, standard deviation and confidence interval. They are None if
+    there are too few packings; the confidence interval needs at least three.
     """
 
     mean: float | None
@@ -167,13 +166,14 @@ class Spread(Part):
 
     @property
     def from_zero(self) -> Self:
-        """Return the spread of a quantity that cannot be negative: its confidence interval begins at 0 or above."""
+        """Return the spread of a quantity that cannot be negative, so that its confidence interval begins at 0 or
+        above."""
         interval = None if self.mean_ci95 is None else (max(self.mean_ci95[0], 0.0), self.mean_ci95[1])
         return self.model_copy(update={"mean_ci95": interval})
 
 
 class Profile(Part):
-    """Holds the surface over all packings, before and after; x from left to right and elevations (m)."""
+    """Holds the surface over all packings, before and after the slide; x from left to right and elevations (m)."""
 
     x: tuple[float, ...]
     before: tuple[float, ...] = Field(description="median of all packings, as all that follow")
@@ -193,7 +193,8 @@ class Profile(Part):
 
 
 class RandomCase(Part):
-    """Holds one case on random packings that fail at the same Kh; slides and settlements by thirds of the surface."""
+    """Holds one case on random packings that fail at the same Kh, with slides and settlements by thirds of the
+    surface."""
 
     slide_max_m: Spread
     settlement_uphill_m: Spread
@@ -207,7 +208,8 @@ class RandomCase(Part):
 
     @property
     def spreads(self) -> dict[str, Spread]:
-        """Return every quantity by its name in words; intervals of lengths that cannot be negative begin at 0."""
+        """Return the spread of every quantity by its name in words. Intervals of lengths that cannot be negative begin
+        at 0."""
         spreads = {name: getattr(self, name) for name in QUANTITIES if getattr(self, name) is not None}
         return {QUANTITIES[name]: spread.from_zero if name in LENGTHS else spread for name, spread in spreads.items()}
 
@@ -226,7 +228,7 @@ LENGTHS = ("slide_max_m", "crack_opening_m")
 
 
 class Seed(Part):
-    """Holds the calibration of one random packing."""
+    """Holds the calibration of one random packing, which is identified by its seed."""
 
     seed: int
     kc_before: float | None
@@ -238,15 +240,15 @@ class Seed(Part):
 
 
 class RandomPackings(Part):
-    """Holds the cases on random packings; a seed that could not be calibrated is named, and not counted."""
+    """Holds the cases on random packings. A seed that could not be calibrated is named, and not counted."""
 
     seeds: tuple[Seed, ...]
     cases: dict[int, RandomCase]
 
     @property
     def rising(self) -> int | None:
-        """Return the number of packings on which every case slides further than the one before; None without two cases
-        or packings.
+        """Return the number of packings on which every case slides further than the case before; None without two cases
+        or two packings.
         """
         slides = [self.cases[number].slide_max_m.values for number in sorted(self.cases)]
         if len(slides) < 2 or min(len(values) for values in slides) < 2:
@@ -276,7 +278,7 @@ def alike(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dic
 
 
 class CasesAnswer(Answer):
-    """Holds all cases by number, for each set of springs; "calibrated" governs if it exists."""
+    """Holds all cases by number, for each set of springs. The set "calibrated" governs if it exists."""
 
     FILE: ClassVar[str] = "dem/cases.json"
 

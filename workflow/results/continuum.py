@@ -31,14 +31,14 @@ class MeshCount(Part):
 
 
 class Gravity(Part):
-    """Holds the path under gravity, before Kh."""
+    """Holds numbers of the equilibrium under gravity, before the seismic force acts."""
 
     iterations: int = Field(description="Newton iterations")
     plastic_share: float = Field(description="share of the points that yield under the weight alone, 0 to 1")
 
 
 class StoredState(Part):
-    """Holds the continuum at one Kh whose fields are stored."""
+    """Holds one state of the continuum, at a Kh at which fields are stored."""
 
     label: str
     kh: float
@@ -80,7 +80,8 @@ class OtherWay(Part):
 
 
 class OwnDilationPart(Part):
-    """About the critical Kh of ground that flows with the ψ of the strata; element and mesh decide 5 to 15 % of it."""
+    """Holds an approximate critical Kh of ground that flows with the ψ of the strata. It depends on element and mesh by
+    5 to 15 %."""
 
     kc: float | None = Field(description="on the last of three meshes; null where the iteration has no answer")
     low: float | None = Field(description="smallest of the three meshes")
@@ -186,8 +187,8 @@ class FemAnswer(Answer):
 
     @property
     def ended(self) -> str:
-        """Return the verdict in words: a plateau only if the path itself reached one. If the limit load is from limit
-        analysis, the path may still rise at its end.
+        """Return the verdict in words. It is a plateau only if the path itself reached one: if the limit load is from
+        limit analysis, the path may still rise at its end.
         """
         known_before = self.verdict == "plateau" and self.kc_lower < YIELDED * self.kc
         return "limit load" if known_before else self.verdict
@@ -207,7 +208,7 @@ class FemAnswer(Answer):
 
 
 class Variant(Part):
-    """Holds one change of the assumptions, and the critical Kh with it (None without an answer)."""
+    """Holds one change of the assumptions, and the critical Kh with this change (None without an answer)."""
 
     name: str
     change: str = Field(description="what is changed, in words")

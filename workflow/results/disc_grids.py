@@ -1,4 +1,5 @@
-"""Discs and their pore springs as VTK files, in the section's frame."""
+"""Writes discs and their pore springs (the breakable springs between discs that stand for pore water) as VTK files, in
+the section's frame."""
 
 import shutil
 from pathlib import PurePath
@@ -12,8 +13,8 @@ from workflow.run.store import Store
 
 
 def grid_of(model: DiscModel, before: DiscModel, ground: Ground) -> pv.PolyData:
-    """Return discs as points with radius_m, stratum (-1: boundary), displacement_m and velocity_m_s since `before`;
-    pore springs as lines, with cracked = 1 for cracked ones; the cells of points have cracked = -1.
+    """Return discs as points with radius_m, stratum (-1: boundary), and displacement_m and velocity_m_s since `before`.
+    Pore springs are lines, with cracked = 1 for cracked ones; the cells of points have cracked = -1.
     """
     x, z = ground.to_section(model.x, model.z)
     n = len(model)
@@ -58,7 +59,7 @@ def write_collection(store: Store, name: str, folder: str = "dem") -> None:
 
 
 def case_name(springs: str, number: int) -> str:
-    """Return the name of the files of a case: without a suffix for calibrated discs."""
+    """Return the name of the files of a case, which has no suffix for calibrated discs."""
     return f"case{number}" if springs == "calibrated" else f"case{number}_{springs}"
 
 

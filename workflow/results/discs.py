@@ -49,7 +49,8 @@ class Parameters(Part):
 
 
 class KhTrial(Part):
-    """Holds whether the discs stand at one Kh, and the numbers behind the verdict; None for unknown numbers."""
+    """Holds whether the discs stand at one Kh, and the numbers on which the verdict is based; None for unknown
+    numbers."""
 
     kh: float
     verdict: TrialVerdict
@@ -76,7 +77,7 @@ class DiscSearch(Part):
 
 
 class RecordedDiscs(KhTrial):
-    """The stored state of the discs at one Kh, before or after calibration."""
+    """Names the stored state of the discs at one Kh, before or after calibration."""
 
     set: SetOfSprings
     file: str = Field(description="the discs, within the folder of the run")
@@ -102,7 +103,7 @@ class SlipSurfaces(Part):
 
 
 class PaperDiscs(Part):
-    """Holds the paper's own discs, computed in addition to soil discs: their packing and critical Kh."""
+    """Holds the packing and the critical Kh of the discs with the law "paper", computed in addition to soil discs."""
 
     model: DiscModelAnswer
     search: DiscSearch
@@ -123,7 +124,7 @@ class DiscsAnswer(Answer):
 
     @property
     def kc_table2(self) -> float | None:
-        """Return the critical Kh with the springs of the paper's Table 2 as printed, if it was computed."""
+        """Return the critical Kh with the springs of Table 2 of the paper as printed, if it was computed."""
         search = self.paper.search if self.paper is not None else self.before
         is_printed = search.parameters is not None and search.parameters.springs == "table2"
         return search.kc if is_printed else None

@@ -1,4 +1,4 @@
-"""Which answer counts where several methods give one: decided here for report, console and pictures."""
+"""Decides for report, console and pictures which answer counts if several methods give one."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class GoverningKh:
         Whether the critical Kh is that of the finite elements; otherwise it is the upper end of its interval, which the
         finite elements exceed.
     is_limit : bool
-        Whether it is only an upper limit, because the ends of its interval are far apart.
+        Whether the critical Kh is only an upper limit, because the ends of its interval are far apart.
     interval : Accuracy or None
         Interval of the critical Kh by meshes and strict bounds; None if it is not known.
     """
@@ -43,8 +43,8 @@ class GoverningKh:
 
 
 def governing_kh(results: Results) -> GoverningKh | None:
-    """Return the critical Kh that counts: that of the finite elements, or the upper bound that they exceed; None
-    without any.
+    """Return the critical Kh that counts: that of the finite elements, or the upper bound if the finite elements exceed
+    it; None without any.
     """
     kc, fem = results.kc, results.fem
     if kc is None or fem is None:
@@ -66,7 +66,7 @@ class MethodSlides:
     cases : mapping of int to CaseAnswer or PointCase
         The cases by number.
     ends : (float, float)
-        Smallest and largest of the largest slides (m): over the cases, and all packings of discs, or the numerical
+        Smallest and largest of the largest slides (m), over the cases and over all packings of discs or the numerical
         interval of material points.
     error : SlideError or None
         Error of the method on known slides of this kind; None without any known slide.
@@ -84,7 +84,8 @@ class MethodSlides:
 
     @property
     def interval(self) -> tuple[float, float] | None:
-        """Return the largest slide (m) with the error on known slides; None if it is not known, or nothing slides."""
+        """Return the largest slide (m) with the error on known slides; None if the error is not known, or nothing
+        slides."""
         return None if self.error is None or self.ends[1] <= 0.0 else self.error.interval(*self.ends)
 
     @property
@@ -95,7 +96,7 @@ class MethodSlides:
 
 
 def slides_by_weight(results: Results) -> tuple[MethodSlides, ...]:
-    """Return the slides by every method that has any, first those of the method that was nearer to known slides."""
+    """Return the slides by every method that has any; the first method is the one that was nearer to known slides."""
     discs = results.case_set()[1]
     points = dict(results.mpm.cases) if results.mpm is not None else {}
     flowing = {case.flows for case in discs.values()}

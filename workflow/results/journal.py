@@ -1,4 +1,5 @@
-"""The journal of searches for a critical Kh: a line of JSON for each, from which a stopped run continues."""
+"""Stores finished searches for a critical Kh in a journal, one line of JSON for each, from which a stopped run
+continues."""
 
 import math
 from dataclasses import fields
@@ -36,7 +37,7 @@ def _trial(stored: KhTrial) -> Trial:
 
 
 class Journal:
-    """Finished searches, by parameter and factor, in a file of the folder."""
+    """Stores finished searches, by parameter and factor, in a file of the folder."""
 
     def __init__(self, store: Store, name: str) -> None:
         self.path = store.folder / name
@@ -55,7 +56,7 @@ class Journal:
         return searches
 
     def add(self, parameter: str, factor: float, search: Search) -> None:
-        """Add a search."""
+        """Add a search to the file."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         line = JournalEntry(
             parameter=parameter, factor=factor, search=DiscSearch.model_validate(search)

@@ -12,7 +12,7 @@ WARNING = "Warning: "  # how a note begins that warns
 
 
 class PointCase(MovedSurface):
-    """One case by material points. Lengths in m, downslope and down positive."""
+    """Holds one case by material points. Lengths are in m, positive downslope and down."""
 
     slide_max_m: float = Field(description="largest slide of the surface, with velocities given up at 10 1/s")
     slide_max_low_m: float = Field(description="smallest of it, and of what finer cells and a decay of 1 1/s come to")

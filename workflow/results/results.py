@@ -33,10 +33,11 @@ Judged = tuple[str, float, float | None, float | None, bool]
 
 @dataclass(frozen=True)
 class Results:
-    """Holds the results of an input. ``ends``: outcomes of the stages; ``missing``: why other stages have no result;
-    ``older``: stages computed by another version of the program; ``stages``: stages of the report.
+    """Holds the results of an input. ``ends`` are the outcomes of the stages, ``missing`` the reasons why other stages
+    have no result, ``older`` the stages computed by another version of the program, and ``stages`` the stages of the
+    report.
 
-    The answers are those of the files, None if a stage has none; ``bounds`` always has both bounds.
+    The answers are those of the files, None if a stage has none. ``bounds`` always has both bounds.
     """
 
     config: Config

@@ -8,7 +8,7 @@ from workflow.results.answer import Answer, Part, SectionLabel
 
 
 class ResponseLayer(Part):
-    """Holds a layer, and the peak values in it."""
+    """Holds a layer of the site response, and the peak values in it."""
 
     stratum: str
     top_m: float
@@ -23,7 +23,7 @@ class ResponseLayer(Part):
 
 
 class SiteResponseAnswer(Answer):
-    """Holds the one-dimensional site response, equivalent linear."""
+    """Holds the results of the one-dimensional, equivalent linear site response."""
 
     FILE: ClassVar[str] = "site_response.json"
 

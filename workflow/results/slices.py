@@ -42,7 +42,7 @@ class FactorCircles(Part):
 
 
 class FacePart(Part):
-    """Holds one face of a structure, and the circles with which a part of its crest slides."""
+    """Holds one face of a structure, and the slip circles with which a part of its crest slides."""
 
     structure: str = Field(description="its name")
     kind: Kind
@@ -67,7 +67,7 @@ class FacePart(Part):
 
 
 class SlicesAnswer(Answer):
-    """Holds the limit equilibrium of slices on slip circles."""
+    """Holds the results of limit equilibrium of slices on slip circles."""
 
     FILE: ClassVar[str] = "fem/slices.json"
 

@@ -14,7 +14,7 @@ Stands = Literal["stands", "flows"]
 
 
 class Bearing(Part):
-    """Holds whether ground stands, its factor of safety and its critical Kh."""
+    """Holds whether the ground stands, its factor of safety and its critical Kh."""
 
     stands: Stands = Field(description="without shaking: by strict bounds where they decide, else by the elements")
     reason: str
@@ -50,7 +50,7 @@ class AlongSurface(Part):
 
 
 class TwoSteps(Part):
-    """Holds the verdict of two steps: peak strength first, then residual strength."""
+    """Holds the verdict of two steps: first with peak strength, then with residual strength."""
 
     strata: tuple[SoftenedStratum, ...]
     verdict: ResidualVerdict = Field(
@@ -64,7 +64,7 @@ class TwoSteps(Part):
 
 
 class ResidualAnswer(Answer):
-    """Holds the stability with residual strength."""
+    """Holds the results on stability with residual strength."""
 
     FILE: ClassVar[str] = "fem/residual.json"
 
@@ -91,7 +91,7 @@ class LiquefiedCase(Bearing):
 
 
 class LiquefiedAnswer(Answer):
-    """Holds the stability after liquefaction, before any slide."""
+    """Holds the results on stability after liquefaction, before any slide."""
 
     FILE: ClassVar[str] = "fem/liquefied.json"
 

@@ -57,7 +57,7 @@ class Group(Part):
 
 
 class Result(Part):
-    """Holds one column of results over all samples with a value."""
+    """Holds one result over all samples that have a value of it."""
 
     name: str
     samples: int = Field(description="that have it")
@@ -80,8 +80,8 @@ class Result(Part):
 
     @property
     def by_chance(self) -> float:
-        """Return the 95 % limit of the largest rank correlation of independent numbers for this number of samples n:
-        normal distribution with variance 1 / (n - 1) for each, Bonferroni's inequality for all together.
+        """Return the 95 % limit of the largest rank correlation of independent numbers for the number n of samples.
+        Each correlation is normal with variance 1 / (n - 1); Bonferroni's inequality covers all together.
         """
         if self.samples < 2:
             return 1.0
@@ -90,7 +90,8 @@ class Result(Part):
 
 
 class Failure(Part):
-    """Holds a reason why samples have no answer, in the words of the first of them, and their number."""
+    """Holds a reason why samples have no answer, in the words of the first such sample, and the number of these
+    samples."""
 
     reason: str
     samples: int
@@ -118,7 +119,7 @@ class StudyAnswer(Answer):
 
 
 class Series(Part):
-    """Holds one number over ever smaller discs or steps."""
+    """Holds one number over ever smaller discs or time steps."""
 
     name: str
     over: Literal["radius", "step"]

@@ -30,7 +30,8 @@ class SafetySummary(Part):
 
 
 class FemSummary(Part):
-    """Holds the continuum. Without a critical Kh there is only ``kc_lower``, the largest Kh in equilibrium."""
+    """Holds the results of the continuum. Without a critical Kh there is only ``kc_lower``, the largest Kh in
+    equilibrium."""
 
     kc: float | None
     kc_lower: float
@@ -68,7 +69,7 @@ class BoundsSummary(Part):
 
 
 class CircleSummary(Part):
-    """Holds the limit equilibrium of slices on a critical slip circle: a factor of safety at ``kh``, or a
+    """Holds the result of limit equilibrium of slices on a critical slip circle: a factor of safety at ``kh``, or a
     critical Kh."""
 
     kh: float | None = Field(description="of a factor of safety; null where both numbers are critical Kh")
@@ -84,8 +85,8 @@ class CircleSummary(Part):
 
 
 class FaceSummary(Part):
-    """Holds one face of a structure by limit equilibrium of slices, and the slide of a rigid block that resists
-    its kc."""
+    """Holds one face of a structure by limit equilibrium of slices, and the slide of a rigid block with the critical Kh
+    of the face."""
 
     structure: str
     kind: Kind
@@ -104,7 +105,7 @@ class Factor(Part):
 
 
 class DemSummary(Part):
-    """Holds the discs."""
+    """Holds the results of the discs."""
 
     model: str = Field(description='"soil" or "paper"')
     elements: int
@@ -126,8 +127,7 @@ class DemSummary(Part):
 
 
 class EstimateSummary(Part):
-    """Holds an estimate holds the displacement (m) by a simple method, which is compared with the slide of the
-    discs."""
+    """Holds an estimate of the displacement (m) by a simple method, which is compared with the slide of the discs."""
 
     method: str
     displacement_m: float | None
@@ -138,8 +138,8 @@ class EstimateSummary(Part):
 
 @dataclass(frozen=True)
 class PaperRow:
-    """Holds one quantity of the paper compared with ours: ``agrees`` is None if there is nothing to compare; ``why`` is
-    the reason of a difference.
+    """Holds one quantity of the paper and the computed value: ``agrees`` is None if there is nothing to compare;
+    ``why`` is the reason of a difference.
     """
 
     quantity: str
@@ -151,14 +151,14 @@ class PaperRow:
 
 
 class NoAnswer(Part):
-    """Holds why a stage ended without an answer, and what the user can change."""
+    """Holds the reason why a stage ended without an answer, and advice on what the user can change."""
 
     reason: str
     remedy: str
 
 
 class MadeWith(Part):
-    """Holds the machine, and versions of the program and its libraries."""
+    """Holds the machine, and the versions of the program and its libraries."""
 
     versions: dict[str, str]
     host: str
@@ -167,14 +167,14 @@ class MadeWith(Part):
 
 
 class PaperModel(Part):
-    """Holds the paper's own discs, unchanged."""
+    """Holds the results of the unchanged discs of the paper."""
 
     kc: float | None
     cases: dict[int, CaseNumbers]
 
 
 class Summary(Answer):
-    """Holds the results of all stages; a stage without an answer is listed in ``no_answer``."""
+    """Holds the results of all stages. A stage without an answer is listed in ``no_answer``."""
 
     FILE: ClassVar[str] = "summary.json"
 

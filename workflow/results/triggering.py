@@ -21,7 +21,7 @@ from workflow.results.answer import Answer, Known, Part, SectionLabel
 
 
 class MotionPart(Part):
-    """Holds the peak acceleration of the factors: median, and one standard deviation above and below."""
+    """Holds the peak acceleration from which F_L follows: median, and one standard deviation above and below."""
 
     median_gal: float
     low_gal: float
@@ -33,7 +33,7 @@ class MotionPart(Part):
 
 
 class TestPart(Part):
-    """Holds one test: place, stresses, and F_L; None, with the reason, if it was not assessed."""
+    """Holds one test with its place, stresses, and F_L. F_L is None, with the reason, if the test was not assessed."""
 
     __test__ = False  # no test of pytest's
 
@@ -78,7 +78,7 @@ class TestPart(Part):
 
 
 class StratumPart(Part):
-    """Holds the share of a stratum that liquefies; None if no boring has a blow count in it."""
+    """Holds the share of a stratum that liquefies, None if no boring has a blow count in the stratum."""
 
     name: str
     tests: int
@@ -125,7 +125,7 @@ class RelationPart(Part):
 
 
 class TriggeringAnswer(Answer):
-    """Holds the liquefaction triggering at the borings."""
+    """Holds the results of the triggering analysis at the borings."""
 
     FILE: ClassVar[str] = "triggering.json"
 

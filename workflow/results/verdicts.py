@@ -20,7 +20,7 @@ class WarningPart(Part):
 
 
 class HeadlinePart(Part):
-    """Holds one of the numbers of the first page, as text."""
+    """Holds one of the numbers of the first page as text."""
 
     name: str
     value: str
@@ -29,10 +29,10 @@ class HeadlinePart(Part):
 
 
 class CrestPart(Part):
-    """Holds the crest of a structure after a slide, or after reconsolidation alone. Lengths in m, settlements down
-    positive.
+    """Holds the state of the crest of a structure after a slide, or after reconsolidation alone. Lengths are in m,
+    settlements positive downwards.
 
-    The settlement of slides with drainage includes reconsolidation; to others it is added.
+    The settlement of slides with drainage includes reconsolidation; in other slides reconsolidation is added.
     """
 
     structure: str

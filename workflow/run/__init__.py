@@ -1,3 +1,3 @@
-"""The engine of a run: plan, lock, record, log, files and progress; it is independent of the stages, which are its
+"""Runs stages: plan, lock, record, log, files and progress. This package is independent of the stages, which are its
 arguments.
 """

@@ -30,7 +30,7 @@ STYLES: Mapping[State, str] = {
 
 
 class StageLine:
-    """One stage on the screen: mark of its state, name, activity or result, progress, and time."""
+    """Shows one stage on the screen: mark of its state, name, activity or result, progress, and time."""
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
@@ -62,11 +62,11 @@ class StageLine:
 
 
 class Display:
-    """A listener that displays a run; to be used as a context.
+    """Displays a run to which it listens; used as a context manager.
 
-    On a terminal ``err`` shows a list of all stages that is updated in place. Otherwise lines are written to ``err``:
-    one when a stage ends, before that one every `EVERY` seconds, and in verbose mode one when it begins and one for
-    every step.
+    On a terminal, ``err`` shows a list of all stages that is updated in place. Otherwise lines are written to ``err``:
+    one when a stage ends, and before that one every `EVERY` seconds. In verbose mode there is also one line when a
+    stage begins, and one for every step.
     """
 
     def __init__(self, err: Console, stages: Sequence[Stage], verbosity: Verbosity) -> None:

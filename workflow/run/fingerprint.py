@@ -21,7 +21,7 @@ SOURCES = (".py", ".csv", ".jinja", ".js")  # the files that results are made by
 def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dict[str, str]:
     """Return the fingerprints of all inputs of a stage, by names for messages.
 
-    ``ignored`` are settings without effect on the results of the stage that needs it.
+    ``ignored`` are settings without effect on the results of the stage.
     """
     ignored = ignored.union(stage.ignores(job.config))
     prints = {"section": fingerprint_of(section_data(job.config.section)), PROGRAM: program()}

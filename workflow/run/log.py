@@ -32,7 +32,7 @@ PACKAGES = (
 
 
 class RunLog:
-    """Lines with their time, added to the end of log.txt as they come."""
+    """Adds lines with their time to the end of log.txt as they come."""
 
     def __init__(self, store: Store) -> None:
         self.store = store

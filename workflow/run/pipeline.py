@@ -25,10 +25,10 @@ from workflow.run.store import Store
 
 
 class Listener(Protocol):
-    """Follows the progress of a run (interface)."""
+    """Follows the progress of a run; this is the interface of listeners."""
 
     def begin(self, decision: Decision) -> Progress:
-        """Return the note that a stage begins; return the callback for its progress."""
+        """Note that a stage begins; return the callback for its progress."""
 
     def end(self, decision: Decision, entry: Entry) -> None:
         """Note that a stage has ended, with or without an answer, or is reused."""
@@ -38,12 +38,12 @@ class Listener(Protocol):
 
 
 def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
-    """Run the stages of a choice, with the folder locked; ``what`` is the command, for the log. The executor is closed
-    at the end.
+    """Run the stages of a choice while the folder is locked; ``what`` is the command, for the log. The executor is
+    closed at the end.
 
-    ``job``: stages, config and folder; ``listener``: notified of stages and progress.
-    Raises InputError if something cannot be used or written. Stages that need one without an answer do not run; all
-    others run, and then its error is raised.
+    ``job``: stages, config and folder; ``listener``: notified of stages and progress. Raises InputError if something
+    cannot be used or written. If a stage has no answer, the stages that need it do not run; all other stages run, and
+    then the error of this stage is raised.
     """
     with locked(job.store.folder):
         job.store.sweep()
@@ -181,7 +181,7 @@ class Run:
             self.record.put(stage.name, replace(entry, pictures=pictures, title=title(self.job.config.section)))
 
     def work_in_other_process(self, decision: Decision) -> None:
-        """Run the work of a stage in another process; its outcome is recorded as soon as it ends."""
+        """Run the work of a stage in another process. Its outcome is recorded as soon as it ends."""
         started = self._begin(decision)
 
         def end(worked: "Future[None]") -> None:
@@ -248,7 +248,7 @@ class Run:
         self.listener.end(decision, self.record.entries[stage.name])
 
     def _drawn(self, stage: Stage, before: Mapping[str, object]) -> list[str]:
-        """Return the pictures that a stage has drawn; pictures of other inputs are removed."""
+        """Return the pictures that a stage has drawn. Pictures of other inputs are removed."""
         pictures = self.job.store.written(stage.pictures, before)
         self.job.store.remove(sorted(set(self.job.store.matching(stage.pictures)) - set(pictures)))
         return pictures
@@ -269,7 +269,7 @@ class Run:
 
 
 def _worked(work: Callable[[Job], None], job: Job, tell: Tell) -> None:
-    """The work of a stage, in its process."""
+    """Do the work of a stage in the process of the stage."""
     work(replace(job, progress=lambda line, share: tell((line, share))))
 
 

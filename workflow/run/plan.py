@@ -80,7 +80,7 @@ class Decision:
 
 
 def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
-    """Decide which stages run. Raises InputError if the choice leaves out a stage that another one needs."""
+    """Decide which stages run. Raises InputError if the choice leaves out a stage that another stage needs."""
     decisions: list[Decision] = []
     for stage in job.stages:
         news = any(decision.action in ("run", "redraw") for decision in decisions)
@@ -97,7 +97,7 @@ def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
 
 
 def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
-    """Return the fingerprints of all inputs of a stage; for the report these include the outcomes of the other
+    """Return the fingerprints of all inputs of a stage. For the report they include the outcomes of the other
     stages."""
     prints = inputs(stage, job)
     if stage.of_all:
@@ -126,7 +126,7 @@ def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
 
 
 def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool) -> Decision:
-    """Decide about a stage; ``news``: whether a stage before it will change."""
+    """Decide about a stage; ``news``: whether results of a stage before it will change."""
     why = changes(stage, made_from(stage, job, record), record)
     if stage.name not in choice.chosen:
         return Decision(stage, "off" if why else "reuse", why)

@@ -13,7 +13,7 @@ def silent(_line: str, _share: float | None) -> None:
 
 
 class Verbosity(Enum):
-    """How much a command prints: only errors, sentences, every step, or the answers as JSON."""
+    """Names how much a command prints: only errors, sentences, every step, or the answers as JSON."""
 
     QUIET, NORMAL, VERBOSE, JSON = range(4)
 
@@ -68,12 +68,14 @@ class TimeLeft:
 
 
 class SearchShare:
-    """Finished share of some searches with trials: finished searches, and trials of the present one."""
+    """Computes the finished share of some searches with trials, from finished searches and trials of the present
+    search."""
 
     ALMOST = 0.9  # of a search that takes longer than the others did
 
     def __init__(self, searches: int, usual: int = 8) -> None:
-        """searches: expected number of searches; usual: expected trials of a search, before one has ended."""
+        """Set up the share; searches: expected number of searches; usual: expected trials of a search, before one has
+        ended."""
         self.searches, self.usual = searches, usual
         self.trials, self.done, self.before = 0, 0, 0
 

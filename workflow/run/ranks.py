@@ -1,4 +1,5 @@
-"""Several MPI ranks of one finite element analysis: the first rank runs the command, the others only compute."""
+"""Runs one finite element analysis on several MPI ranks: the first rank runs the command, the other ranks only
+compute."""
 
 import time
 from collections.abc import Iterator
@@ -11,7 +12,7 @@ PAUSE = 0.01  # s between two looks for a message: MPI itself waits without one,
 
 
 class Ranks:
-    """The MPI ranks of this program: one, unless mpirun started several.
+    """Represents the MPI ranks of this program: one rank, unless mpirun started several.
 
     Attributes
     ----------
@@ -21,7 +22,7 @@ class Ranks:
     """
 
     def __init__(self) -> None:
-        """Raises InputError if there is no dolfinx."""
+        """Find the ranks. Raises InputError if there is no dolfinx."""
         dolfinx_api.require()
         from mpi4py import MPI
 
@@ -35,14 +36,14 @@ class Ranks:
         self._tell_others(True)
 
     def called(self) -> bool:
-        """On the other ranks, wait for the first rank; return whether it called them (False: released them)."""
+        """On the other ranks, wait for the first rank. Return True if it called them, False if it released them."""
         while not self.comm.iprobe(source=0):
             time.sleep(PAUSE)
         return bool(self.comm.recv(source=0))
 
     @contextmanager
     def leading(self) -> Iterator[None]:
-        """Release the other ranks at the end of the block if they were not called in it; on the first rank."""
+        """On the first rank, release the other ranks at the end of the block if they were not called in it."""
         try:
             yield
         finally:
@@ -50,6 +51,6 @@ class Ranks:
                 self._tell_others(False)
 
     def _tell_others(self, compute: bool) -> None:
-        """Tell the others whether there is something to compute."""
+        """Send the other ranks the message whether there is something to compute."""
         for other in range(1, self.comm.size):
             self.comm.send(compute, dest=other)

@@ -42,7 +42,7 @@ class Entry:
 
 
 class Record:
-    """The entries of all stages, kept in one small file that is replaced as a whole."""
+    """Holds the entries of all stages, which are kept in one small file that is replaced as a whole."""
 
     def __init__(self, store: Store) -> None:
         self.store = store
@@ -68,7 +68,7 @@ class Record:
         self.store.write_json(NAME, {"version": VERSION, "stages": stages})
 
     def left(self, name: str) -> bool:
-        """Return whether all files of the results of a stage exist at their full size."""
+        """Return whether all files with the results of a stage exist at their full size."""
         entry = self.entries[name]
         return all(_size(self.store, file) == size for file, size in entry.files.items())
 

@@ -1,4 +1,4 @@
-"""Stages and jobs, as the engine of a run knows them."""
+"""Defines stages and jobs, as the engine of a run uses them."""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def unless_it_liquefies(config: Config) -> str:
-    """Return why stages of liquefied ground do not run, if no layer of the section liquefies; else empty."""
+    """Return the reason why stages of liquefied ground do not run, if no layer of the section liquefies; else empty."""
     return "" if config.section.liquefies else "no layer liquefies"
 
 
@@ -59,26 +59,31 @@ class Stage:
     name: the word by which the command line knows it.
     what: its result, in a few words.
     work: computes, writes results and draws pictures, unless these are drawn after it. Raises NoAnswerError, after it
-        wrote what it found, where there is no answer.
+        Function that computes, writes results and draws pictures, unless pictures are drawn after it. If there is no
+        answer, it writes what it found and raises NoAnswerError.
     draw: draws the pictures again from stored results; None where they can only be drawn while it computes.
     drawn_after: whether its work leaves the pictures to ``draw``, which then runs concurrently with the work of the
-        next stage.
+        Whether the work leaves the pictures to ``draw``, which then runs concurrently with the work of the next stage.
     needs: stages whose results it reads.
     reads: settings that its work reads, a whole "table" or one "table.key" of it.
     ignores: settings that are read, by it or by a stage that it needs, but do not change its results.
     takes: inputs that follow from settings it does not read itself, by names for messages, such as cases from blow
-        counts.
+        Inputs that follow from settings which the stage does not read itself, such as cases from blow counts, by names
+        for messages.
     files: files of the user that it reads, by names for messages.
     results: patterns of the files of its results.
     read: reads its answers; raises OtherVersionError where another version of the program wrote one.
     pictures: patterns of its pictures.
     leftovers: patterns of the files from which it continues after a stop; they are removed when the input has changed.
     unwanted: why the settings do not require it; empty where they do. Where they do not, it runs only if it is
-        requested by name, and its earlier results are reused while they are valid.
+        Function that returns the reason why the settings do not require the stage, empty if they do. A stage that is
+        not required runs only if it is requested by name, and its earlier results are reused while they are valid.
     partial: whether the job requests only a part of it.
     concurrent_after: the stages that must have ended before it may run beside others, in another process; None where it
-        runs in this process. Only a stage ``of_all`` may need it.
+        Stages that must have ended before this stage may run concurrently with others, in another process; None if it
+        runs in this process. Only a stage ``of_all`` may need such a stage.
     of_all: whether it reports the results of all other stages. It then runs after any change of them, even if stages
+        Whether the stage reports the results of all other stages. It then runs after any change of them, even if stages
         that it needs have no answer.
     """
 

@@ -33,11 +33,11 @@ def _by_numbers(name: str) -> list[str | int]:
 
 
 class OtherVersionError(InputError):
-    """A file of another version of the program: a key is missing, unknown, or of another type."""
+    """The file was written by another version of the program: a key is missing, unknown, or of another type."""
 
 
 class Store:
-    """The folder of one run; docs/reference/files.md names its files."""
+    """Reads and writes the files in the folder of one run; docs/reference/files.md names the files."""
 
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
@@ -63,8 +63,8 @@ class Store:
     def write_grid(self, name: str, grid: "pv.DataSet") -> Path:
         """Write a VTK file; returns its path.
 
-        VTK writes it to the temporary folder of the system, since with a full disk VTK only prints a message, or ends
-        the program.
+        VTK writes the file to the temporary folder of the system first, since with a full disk VTK only prints a
+        message, or ends the program.
         """
         with self.writing(name) as path, TemporaryDirectory() as elsewhere:
             written = Path(elsewhere) / path.name
@@ -118,7 +118,8 @@ class Store:
         return sorted(names, key=_by_numbers)
 
     def marks(self, patterns: Sequence[str]) -> dict[str, tuple[int, int]]:
-        """Return the inode and time of writing (ns) of every matching file: they change when it is written again."""
+        """Return the inode and time of writing (ns) of every matching file, which change when the file is written
+        again."""
         stats = {name: (self.folder / name).stat() for name in self.matching(patterns)}
         return {name: (stat.st_ino, stat.st_mtime_ns) for name, stat in stats.items()}
 
@@ -135,7 +136,7 @@ class Store:
                 raise InputError(str(self.folder / name), [f"cannot be removed: {error.strerror}"]) from error
 
     def sweep(self) -> None:
-        """Remove files that killed processes left half-written; to be called while the folder is locked."""
+        """Remove files that killed processes left half-written. Call this function while the folder is locked."""
         for path in self.folder.rglob(".*"):
             if TEMPORARY.fullmatch(path.name) and path.is_file():
                 with suppress(OSError):

@@ -1,1 +1,1 @@
-"""Sections made from borings and drawings."""
+"""Makes sections from borings and drawings."""

@@ -158,7 +158,7 @@ GUESSED = "The section is complete; stiffness and strength are estimated from N:
 
 
 def to_be_given(path: Path, sound: str = GUESSED) -> list[str]:
-    """Return missing input of the new section, one sentence each; or that the section is ``sound``."""
+    """Return missing input of the new section, one sentence each; or a sentence that the section is ``sound``."""
     try:
         load_config(path)
     except InputError as error:
@@ -170,7 +170,8 @@ def to_be_given(path: Path, sound: str = GUESSED) -> list[str]:
 
 
 def _by_stratum(problems: Sequence[str]) -> list[str]:
-    """Return the problems, of missing keys one line for each stratum, and one for each key with what is expected."""
+    """Return the problems in short: one line on missing keys for each stratum, and one line for each other key with the
+    expected value."""
     missing: dict[int, tuple[str, list[str]]] = {}
     expected, others = dict[str, str](), list[str]()
     for text in problems:

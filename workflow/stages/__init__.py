@@ -1,6 +1,6 @@
-"""The stages of a run, one file each, which ends with its STAGE; heavy packages are only imported inside functions.
+"""The stages of a run, one file for each, which ends with its STAGE. Heavy packages are only imported inside functions.
 
-So the program starts quickly, and each command needs only the packages that it uses; the files are imported when STAGES
+So the program starts quickly, and each command needs only the packages that it uses. The files are imported when STAGES
 is first used. Work that is too long for one file, or common to two stages, is in other files: bearing,
 calibrated_discs, liquefied_slides, random_packings, sliding.
 """

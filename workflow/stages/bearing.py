@@ -1,5 +1,5 @@
-"""Stability of ground with another strength: whether it stands without shaking, its factor of safety and its critical
-Kh.
+"""Computes the stability of ground with another strength: whether it stands without shaking, its factor of safety and
+its critical Kh.
 """
 
 import math
@@ -132,9 +132,9 @@ def _critical(
 
 
 def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float:
-    """Return the multiple of its weight that the ground resists by finite elements. The multiple is infinite if it is
-    not found, or where the flow is not associated: a path would search for an equilibrium for minutes, and ground that
-    flows has none.
+    """Return the multiple of its weight that the ground resists by finite elements. The multiple is infinite if the
+    flow is not associated, or if there is no result: a path would search for an equilibrium for minutes, and ground
+    that flows has none.
 
     ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``: settings.
     """
@@ -152,8 +152,9 @@ def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float
 def _factors(
     section: Section, mesh: "QuadMesh", fem: FemSettings, bounds_settings: BoundsSettings, notes: list[str]
 ) -> "tuple[float | None, SafetyBounds | None]":
-    """Return the factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds; closer bounds
-    if the first ones do not decide whether the ground stands. None, with a note, without an answer.
+    """Return the factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds. If the first
+    bounds do not decide whether the ground stands, closer bounds are computed. Without an answer, return None and add a
+    note.
 
     ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``, ``bounds_settings``: settings
     of both methods; ``notes``: list to which notes are added.
@@ -181,8 +182,8 @@ def _factors(
 def _between_own_sides(
     section: Section, fem: FemSettings, bounds_settings: BoundsSettings, notes: list[str]
 ) -> "tuple[SmallerKhBounds | None, str]":
-    """Return the strict bounds of the critical Kh with the sides of the section, or the reason why the ground fails
-    under its weight with them.
+    """Return the strict bounds of the critical Kh with the sides of the section. If the ground with these sides fails
+    under its weight, return the reason.
 
     ``section``: section with changed strength; ``fem``, ``bounds_settings``: settings; ``notes``: list to which a note
     is added if there is no answer.
@@ -199,7 +200,7 @@ def _between_own_sides(
 
 
 def tried(what: str, notes: list[str], find: Callable[[], Result]) -> Result | None:
-    """Return the answer of an analysis; None, with a note of the reason, if it has none."""
+    """Return the answer of an analysis. If it has none, return None and add a note with the reason."""
     try:
         return find()
     except (NoAnswerError, InputError) as error:

@@ -69,7 +69,7 @@ def _draw(config: Config, bounds: "KhBounds", store: Store) -> None:
 
 
 def _factors(job: Job, config: Config, settings: BoundsSettings) -> Iterator[SafetyPart]:
-    """Yield the factors of safety at every Kh of the settings; without shaking, sides that are not fixed are held
+    """Yield the factors of safety at every Kh of the settings. Without shaking, sides that are not fixed are held
     horizontally, as in the finite elements.
     """
     from fem.limit.safety_bounds import safety_bounds
@@ -184,7 +184,8 @@ def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[BoundsVerdic
 
 
 def _bracketed_directions(bracket: "Bracket") -> Iterator[str]:
-    """Yield the directions that have both bounds where the smaller Kh of all has not, a sentence each after a blank."""
+    """Yield a sentence, after a blank, on each direction that has both bounds, if the smaller Kh of all directions has
+    not."""
     for direction in getattr(bracket, "directions", ()):
         if direction.stress is not None and direction.mechanism is not None:
             yield (
@@ -194,7 +195,7 @@ def _bracketed_directions(bracket: "Bracket") -> Iterator[str]:
 
 
 def _gap(bracket: "Bracket") -> str:
-    """Return the gap of the bounds as a share of their mean; as a difference of Kh if the mean is small or zero is
+    """Return the gap of the bounds as a share of their mean, or as a difference of Kh if the mean is small or zero lies
     between them.
     """
     difference = f"{bracket.upper - bracket.lower:.4f} in Kh"
@@ -205,13 +206,13 @@ def _gap(bracket: "Bracket") -> str:
 
 
 def _wanted(bracket: "Bracket", settings: BoundsSettings) -> str:
-    """Return the required gap: a share of Kh, or for small Kh a difference of Kh."""
+    """Return the required gap as a share of Kh, or for small Kh as a difference of Kh."""
     small = 0.5 * (abs(bracket.upper) + abs(bracket.lower)) < LEAST_KH
     return f"{settings.gap * LEAST_KH:.4f} in Kh" if small else f"{100 * settings.gap:g} %"
 
 
 def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
-    """Return why there is no finer mesh although the gap is larger than required."""
+    """Return the reason why there is no finer mesh although the gap is larger than required."""
     from fem.limit.bracket import FAILED_MESHES
 
     match ended:
@@ -229,7 +230,7 @@ def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
 
 
 def _remedy(ended: "EndReason | None") -> str:
-    """Return what may help where a bound is missing."""
+    """Return advice on what may help if a bound is missing."""
     match ended:
         case "time":
             return "allow more: seconds in the table [bounds]"

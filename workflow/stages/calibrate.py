@@ -11,7 +11,7 @@ from workflow.run.stage import Job, Stage, unless_it_liquefies
 
 
 def work(job: Job) -> None:
-    """Calibrate the discs, if there is a critical Kh to calibrate them to; raises NoAnswerError if there is none."""
+    """Calibrate the discs. Raises NoAnswerError if there is no critical Kh to calibrate them to."""
     from workflow.stages.calibrated_discs import calibrate_stage
 
     fem = FemAnswer.read(job.store)

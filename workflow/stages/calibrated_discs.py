@@ -115,29 +115,29 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
 
 @dataclass(frozen=True)
 class Searched:
-    """Searches of one set of discs: uncalibrated, and calibrated (None if not computed)."""
+    """Holds the searches of one set of discs: uncalibrated, and calibrated (None if not computed)."""
 
     base: Search
     calibration: Calibration | None = None
 
     @property
     def after(self) -> Search:
-        """Return the search with the calibration factor, or the uncalibrated one where there is no factor."""
+        """Return the search with the calibration factor, or the uncalibrated search if there is no factor."""
         return self.calibration.search if self.calibration else self.base
 
     @property
     def factor(self) -> dict[str, float]:
-        """Return the parameter and the factor on it."""
+        """Return the parameter of the calibration and the factor on it."""
         return {self.calibration.parameter: self.calibration.value} if self.calibration else {}
 
 
 def _searched(
     config: Config, store: Store, progress: Progress, executor: Executor
 ) -> tuple[Searched, Search | None, tuple[LayerCheck, ...]]:
-    """Return the searches of the discs, and concurrently that of the paper's own discs if the settings request them,
-    and element tests of the discs of every layer. The FEM counterpart is computed first, while the discs settle.
-    Threads of one search wait for each other at every step, and so a search has several only while nothing else is
-    computed.
+    """Return the searches of the discs. Concurrently, the search of the paper's own discs, if the settings request
+    them, and element tests of the discs of every layer are computed. The FEM counterpart is computed first, while the
+    discs settle. Threads of one search wait for each other at every step, and so a search has several threads only
+    while nothing else is computed.
     """
     if config.dem.model != "soil":
         alone = _calibrated(config, store, config.dem.workers, lambda message: progress(*message), executor)
@@ -191,7 +191,7 @@ def _at_rest(config: Config, store: Store, tell: Tell) -> None:
 
 def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor: Executor = SERIAL) -> Searched:
     """Return the discs of the section at rest, their critical Kh, and the factor with which it is equal to that of the
-    continuum; a search has so many ``threads``.
+    continuum; ``threads`` is the number of threads of a search.
     """
     discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
     continuum = continuum_for(config, store)
@@ -220,8 +220,8 @@ def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor
 def calibration_answer(
     config: Config, searched: Searched, continuum: Continuum | None, **more: Any
 ) -> CalibrationAnswer:
-    """Return the calibration as an answer; of soil discs also their uncalibrated critical Kh compared with that of the
-    ``continuum``. ``more`` are tests of the layers.
+    """Return the calibration as an answer. For soil discs the answer includes their uncalibrated critical Kh compared
+    with that of the ``continuum``. ``more`` are tests of the layers.
     """
     kc = searched.base.kc
     if continuum is not None and kc is not None and searched.calibration is not None:
@@ -231,7 +231,8 @@ def calibration_answer(
 
 
 def _paper(config: Config, store: Store, threads: int, tell: Tell) -> Search:
-    """Return the paper's own discs, as the paper used them, and the Kh at which they fail; with so many ``threads``."""
+    """Search the Kh at which the paper's own discs fail, which are used as in the paper; ``threads`` is the number of
+    threads."""
     dem = config.dem.as_paper()
     discs = discs_at_rest(config, store, dem, PAPER, lambda what: tell((f"the paper's discs: {what}", None)))
 
@@ -318,7 +319,8 @@ def _model_answer(config: Config, dem: DemSettings, discs: Discs, sliding: DiscM
 
 
 def _off(config: Config, ground: Ground, model: DiscModel) -> dict[str, float]:
-    """Return the distances of the surface of discs at rest from that of the section (m), as fields of the answer."""
+    """Return the distances of the surface of discs at rest from the surface of the section (m), as fields of the
+    answer."""
     placed = copy(model)
     placed.x, placed.z = ground.to_section(model.x, model.z)
     off = np.abs(misfit(config.section, placed, ground.radius))

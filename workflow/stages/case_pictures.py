@@ -18,7 +18,7 @@ POINTS = "mpm"  # the set of springs of material points, and the folder of their
 
 @dataclass(frozen=True)
 class CasePictures:
-    """Holds cases with equal slides to be drawn: the frames of their animation are drawn once.
+    """Holds cases with equal slides to be drawn. The frames of their animation are drawn once.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class CasePictures:
 def case_pictures(
     config: Config, store: Store, springs: str, cases: Mapping[int, CaseAnswer | PointCase]
 ) -> list[CasePictures]:
-    """Return the pictures of all cases of a set of springs; cases with equal answers share their states."""
+    """Return the pictures of all cases of a set of springs. Cases with equal answers share their states."""
     first = first_equal({n: cases[n].model_dump_json(exclude={"stiffness"}) for n in sorted(cases)})
     groups: dict[int, dict[int, CaseAnswer | PointCase]] = {}
     for number, same in first.items():

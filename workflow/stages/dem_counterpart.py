@@ -1,4 +1,4 @@
-"""FEM model that the DEM is calibrated to: sides of the discs, non-associated flow with the given ψ."""
+"""Computes the FEM model that the DEM is calibrated to: sides of the discs, non-associated flow with the given ψ."""
 
 from typing import TYPE_CHECKING
 
@@ -42,9 +42,10 @@ def dem_counterpart_piece(config: Config, store: Store, tell: Tell) -> None:
 def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounterpart:
     """Return the path with the given ψ, on the initial mesh, since discs have the strength of the soil and hardly
     dilate. If the path still rises at its end, the critical Kh lies between its last equilibrium and the limit load
-    with ψ = φ. Davis's estimate, which is low, replaces a path that takes too long or gives less; the critical Kh then
-    lies between the estimate and the same limit load. The given ψ is also used if the critical Kh of the section is
-    with ψ = φ, since the dilation of discs does not depend on the flow rule of the continuum.
+    with ψ = φ. If the path takes too long, or gives less than Davis's estimate, this estimate, which is low, replaces
+    the path; the critical Kh then lies between the estimate and the same limit load. The given ψ is also used if the
+    critical Kh of the section is with ψ = φ, since the dilation of discs does not depend on the flow rule of the
+    continuum.
     """
     from mpi4py import MPI
 
@@ -82,7 +83,8 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
 
 def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> DemCounterpart | None:
     """Return the answer with the sides of the discs, for failures below cohesionless faces that are deep enough for
-    discs to resolve. None if this answer is not requested, is equal to that of the stage `fem`, or does not exist.
+    discs to resolve. Return None if this answer is not requested, is equal to that of the stage `fem`, or does not
+    exist.
     """
     from mpi4py import MPI
 
@@ -142,7 +144,7 @@ def _with_own_psi(
 
 
 def _watch(flow: str, mesh: QuadMesh, tell: Tell) -> "PathListener":
-    """A listener that reports the progress of a path, and ends a path that takes too long."""
+    """Return a listener that reports the progress of a path, and ends a path that takes too long."""
 
     def step(path: "EquilibriumPath") -> None:
         tell((f"the continuum with {flow}: path at Kh = {path.factor:.4f}", None))

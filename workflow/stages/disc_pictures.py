@@ -21,14 +21,14 @@ def draw_discs(config: Config, store: Store, executor: Executor = SERIAL) -> Non
 
 @dataclass(frozen=True)
 class StatePicture:
-    """Holds a state of the discs to be drawn; None for the discs by layer, at rest."""
+    """Describes a picture of the discs in a state; the state is None for the picture of the layers, at rest."""
 
     config: Config
     store: Store
     state: RecordedDiscs | None
 
     def placed(self, which: SetOfSprings, file: str) -> DiscModel:
-        """Return the discs of a file, of one set of springs, where they lie in the section."""
+        """Return the discs of a file, of one set of springs, at their places in the section."""
         from workflow.figures.discs import in_section
 
         config, store = self.config, self.store
@@ -38,7 +38,7 @@ class StatePicture:
 
 
 def _drawn(wanted: StatePicture, _: Tell) -> None:
-    """One picture."""
+    """Draw one picture."""
     from workflow.figures import discs as dem_figures
 
     store, state = wanted.store, wanted.state

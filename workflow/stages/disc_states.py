@@ -63,9 +63,9 @@ class StoredStates:
 
 
 def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) -> StoredStates:
-    """Compute and store the discs at every recorded Kh, each from rest, until they stand or fail; and the slip surface
-    of every set at the upper end of its bracket. ``config``: config of the run; ``store``: store of the folder with the
-    results; ``sets``: discs before and after calibration; ``executor``: computes in parallel.
+    """Compute and store the discs at every recorded Kh, each from rest, until they stand or fail. Also store the slip
+    surface of every set at the upper end of its bracket. ``config``: config of the run; ``store``: store of the folder
+    with the results; ``sets``: discs before and after calibration; ``executor``: computes in parallel.
     """
     recorded = [Goal(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in config.dem.kh]
     ends = [

@@ -58,8 +58,8 @@ def discs_at_rest(config: Config, store: Store, dem: DemSettings, file: str, tel
 
 
 def sides_of_discs(config: Config) -> Literal["periodic", "fixed"]:
-    """Return the sides of the discs of a section: soil discs have periodic sides if the finite elements have, others
-    are in a box.
+    """Return the sides of the discs of a section. Soil discs have periodic sides if the finite elements have them;
+    other discs are in a box.
     """
     repeat = config.fem.sides == "periodic" and config.dem.model == "soil"
     return "periodic" if repeat else "fixed"
@@ -105,7 +105,7 @@ def calibrator_for(
 
 
 def continuum_for(config: Config, store: Store) -> Continuum:
-    """Return the FEM model that discs are calibrated to; for discs with the law "paper" the one with the sides of the
+    """Return the FEM model that discs are calibrated to. For discs with the law "paper" it has the sides of the
     section, as in the paper.
     """
     if config.dem.model == "soil":

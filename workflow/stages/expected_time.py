@@ -1,4 +1,4 @@
-"""Rough duration of a run, which is printed before it begins."""
+"""Estimates the duration of a run roughly, which is printed before the run begins."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +19,7 @@ POWER = 1.5  # by which these rise with the number: smaller ones need shorter st
 
 
 def _cases(config: Config) -> int:
-    """Return the cases of liquefaction that have to be computed: of cases with equal strength only the first one."""
+    """Return the number of cases of liquefaction that have to be computed. Cases with equal strength count once."""
     return len(set(alike_by_strength(config, list(liquefying(config))).values()))
 
 

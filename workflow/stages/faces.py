@@ -112,8 +112,8 @@ def work(job: Job) -> None:
 
 
 def _unchanged(job: Job, fem: FemAnswer, sides: Sequence[int]) -> dict[tuple[Quantity, int], ElementValue | str]:
-    """Return both quantities of the section without strong zones towards ``sides``, each computed once: those of the
-    finite elements where they have them with ψ = φ.
+    """Return both quantities of the section without strong zones towards ``sides``. Each is computed once, or taken
+    from the stage of the finite elements if it has them with ψ = φ.
     """
     values: dict[tuple[Quantity, int], ElementValue | str] = dict(_of_elements(job.config, fem))
     wanted: list[tuple[Quantity, int]] = [("critical Kh", side) for side in dict.fromkeys(sides)]
@@ -146,7 +146,7 @@ def _of_elements(config: Config, fem: FemAnswer) -> Iterator[tuple[tuple[Quantit
 
 
 def unchanged_value(task: UnchangedTask, tell: Tell) -> ElementValue | str:
-    """Return a quantity of the section without strong zones; or why there is none."""
+    """Return a quantity of the section without strong zones, or the reason why there is none."""
     tell("finite elements")
     try:
         return _computed(task.config, task.quantity, task.side, ())
@@ -170,7 +170,7 @@ def _tasks(
 
 
 def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
-    """Return the quantity of a face, with as many strong zones as necessary; or why there is none."""
+    """Return the quantity of a face, with as many strong zones as necessary, or the reason why there is none."""
     zones: tuple[StrongZone, ...] = ()
     if isinstance(task.first, str):
         return task.first
@@ -221,8 +221,8 @@ def _computed(config: Config, quantity: Quantity, side: int, zones: tuple[Strong
 
 
 def _bounded(task: FaceTask, zones: tuple[StrongZone, ...]) -> tuple[float | None, float | None]:
-    """Return the strict bounds with ψ = φ in ground with strong zones; those of the section are of faces that fail
-    first."""
+    """Return strict bounds with ψ = φ in ground with strong zones. Return None without strong zones: faces that fail
+    first have the bounds of the section."""
     from fem.limit.bounds import kh_bounds
     from fem.limit.safety_bounds import safety_bounds
 
@@ -253,7 +253,7 @@ def _ground(config: Config, zones: tuple[StrongZone, ...]) -> "Section":
 
 
 def unwanted(config: Config) -> str:
-    """Return why the faces are not computed; empty if they are."""
+    """Return the reason why the faces are not computed; empty if they are."""
     count = len(structures_of(config.section))
     if not count:
         return "there are no structures"

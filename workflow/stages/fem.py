@@ -37,7 +37,8 @@ if TYPE_CHECKING:
 
 
 def help_compute(job: Job, ranks: Ranks) -> None:
-    """Do the work of every rank but the first: its share of the finite element analysis, if there is one."""
+    """Do the work of every rank but the first: the share of this rank in the finite element analysis, if there is
+    one."""
     if ranks.called():
         work(job)
 

@@ -1,4 +1,4 @@
-"""Strata that liquefy in each case, by settings, blow counts and earthquake."""
+"""Determines the strata that liquefy in each case, by settings, blow counts and earthquake."""
 
 from collections.abc import Collection, Hashable, Mapping
 from typing import Any, TypeVar
@@ -13,7 +13,7 @@ LOST = ("cohesion", "friction", "residual", "residual_strength")  # of a case, w
 
 
 def liquefying(config: Config) -> dict[int, list[int]]:
-    """For every case, return the indices of the strata that liquefy in it; cases without any are left out."""
+    """For every case, return the indices of the strata that liquefy in it. Cases without such strata are left out."""
     numbers = range(1, len(config.cases) + 1)
     numbers_of_strata = {
         n: [k for k, stratum in enumerate(config.section.strata) if n in stratum.liquefies_in] for n in numbers
@@ -30,7 +30,8 @@ def remaining(config: Config) -> dict[int, dict[int, Remains]]:
 
 
 def first_equal(keys: Mapping[Item, Hashable]) -> dict[Item, Item]:
-    """For every item, return the first item with the same key (possibly itself): only the first has to be computed."""
+    """For every item, return the first item with the same key, which may be the item itself. Only the first item has to
+    be computed."""
     first: dict[Hashable, Item] = {}
     return {item: first.setdefault(key, item) for item, key in keys.items()}
 
@@ -52,6 +53,7 @@ def cases_as_data(config: Config, keys: Collection[str] | None = None) -> list[d
 
 
 def taken(config: Config) -> dict[str, Any]:
-    """Return the resolved cases; if a record determines when strata liquefy, also the smallest F_L of each stratum."""
+    """Return the resolved cases. If a record determines when strata liquefy, also return the smallest F_L of each
+    stratum."""
     decides = (config.slide.accelerogram or config.slide.kh_cycles) and config.slide.liquefies_at == "F_L"
     return {"what liquefies": cases_as_data(config)} | ({"its F_L": lowest_factors(config)} if decides else {})

@@ -66,7 +66,7 @@ def slide_stage(job: Job) -> None:
 
 
 def _computed(piece: SlideTask | PackingTask, tell: Tell) -> Any:
-    """Return a slide, or a random packing with all of its slides."""
+    """Compute one slide, or one random packing with all of its slides."""
     return packed(piece, tell) if isinstance(piece, PackingTask) else slid(piece, tell)
 
 
@@ -76,8 +76,8 @@ def _wanted(config: Config, cases: tuple[int, ...] | None) -> list[int]:
 
 
 def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
-    """Return discs at rest to start from: the calibrated ones, and the paper's as printed if the settings request
-    them."""
+    """Return discs at rest from which slides start: the calibrated discs and, if the settings request them, those with
+    the springs printed in the paper."""
     calibrated = DiscModel.load(store.folder / "dem/calibrated.npz")
     starts = {"calibrated": (calibrated, ground_for(config.section, store, config.dem, calibrated))}
     paper = ""
@@ -92,8 +92,8 @@ def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]
 
 
 def _tasks(config: Config, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[PlannedSlide]:
-    """Return the slides of all cases, and of Kh alone, on every set of springs; discs with the law "paper", the
-    slowest, first."""
+    """Return the slides of all cases, and of Kh alone, on every set of springs. Discs with the law "paper", the
+    slowest, come first."""
     numbers = sorted({ALONE, *wanted}, reverse=True) if wanted else []
     return [task(config, springs, number, *starts[springs]) for springs in reversed(starts) for number in numbers]
 
@@ -139,8 +139,8 @@ class Hearer:
 
 
 def _share(of_duration: float) -> float:
-    """Return the finished share of the work of a slide after a share of its longest duration: most slides come to rest
-    long before.
+    """Return the finished share of the work of a slide after a share of its longest duration. Most slides come to rest
+    long before the longest duration.
     """
     late = max(0.0, of_duration - USUAL) / (1.0 - USUAL)
     return min(1.0, ALMOST * min(of_duration / USUAL, 1.0) + (1.0 - ALMOST) * late)

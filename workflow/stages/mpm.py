@@ -34,8 +34,8 @@ AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
 
 @dataclass(frozen=True, eq=False)
 class PointRun:
-    """Holds a slide by material points: one case with one damping rate of unresolved velocities (1/s), from ground at
-    rest, in cells of the settings or in coarse cells."""
+    """Holds the specification of one slide by material points: the case, the damping rate (1/s) of velocities that the
+    grid cannot resolve, and cells of the settings or coarse cells. The slide starts from ground at rest."""
 
     config: Config
     slider: "PointSlider"
@@ -117,7 +117,7 @@ def work(job: Job) -> None:
 
 
 def alike_by_strength(config: Config, wanted: Sequence[int]) -> dict[int, int]:
-    """For every case, return the first case in which the same layers keep the same strength: material points do not
+    """For every case, return the first case in which the same layers keep the same strength. Material points do not
     depend on the other numbers of a case, so that both slides are the same.
     """
     remains = remaining(config)
@@ -235,7 +235,7 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
 
 
 def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
-    """Return the answer of a case from its governing slide, and those in coarse cells with both decays.
+    """Return the answer of a case from its governing slide and from the slides in coarse cells with both damping rates.
 
     Slides converge with the first power of the size of the cells, so that the second slide gives the limit of fine
     cells (Richardson's extrapolation). The third slide shows the influence of the damping rate.

@@ -1,4 +1,4 @@
-"""The cases on random packings of the same critical Kh, which show the influence of the packing."""
+"""Computes the cases on random packings of the same critical Kh, which show the influence of the packing."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -64,7 +64,7 @@ class RandomPackingsWanted:
     def answer(self, job: Job, packings: list["Packed"], own_slides: dict[int, Slide]) -> RandomPackings:
         """Return the mean, standard deviation and every value of slide and settlement over the seeds, for each case.
 
-        ``packings`` are those that began first, ``own_slides`` the slides of the run itself.
+        ``packings`` are the packings that began first, ``own_slides`` the slides of the run itself.
         """
         if self._chooses and packings:
             seed = packings[0][0]

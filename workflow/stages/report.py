@@ -39,7 +39,7 @@ def draw(job: Job) -> None:
 
 
 def named(job: Job) -> Mapping[str, Path]:
-    """Return the files that the input names; their contents count for the fingerprint, their places do not."""
+    """Return the files that the input names. The fingerprint contains their contents, not their places."""
     return job.config.files()
 
 

@@ -62,8 +62,8 @@ def work(job: Job) -> None:
 
 
 def _peak(config: Config, mesh: "QuadMesh", notes: list[str]) -> "AdaptiveResult[SafetyFactor] | None":
-    """Return the factor of safety of the section at Kh = 0 with peak strength, and its mesh; None, with a note of the
-    reason, without an answer.
+    """Return the factor of safety of the section at Kh = 0 with peak strength, and its mesh. Without an answer, return
+    None and add a note with the reason.
     """
     from mpi4py import MPI
 
@@ -89,7 +89,7 @@ def _peak(config: Config, mesh: "QuadMesh", notes: list[str]) -> "AdaptiveResult
 def _along(
     section: "Section", softened: "Section", peak: "AdaptiveResult[SafetyFactor]", vertical: float
 ) -> AlongSurface | None:
-    """Return Spencer's factors of safety along the slip surface that the elements have with peak strength."""
+    """Return Spencer's factors of safety along the slip surface of the finite elements with peak strength."""
     from fem.search.slip_surface import slip_surface
     from workflow.estimates.slip_circles import least_balance
 
@@ -102,7 +102,7 @@ def _along(
 
 
 def _without_residual(config: Config) -> str:
-    """Return why the stage is not needed: no stratum has a residual strength."""
+    """Return the reason why the stage is not needed, which is that no stratum has a residual strength."""
     return "" if any(stratum.softens for stratum in config.section.strata) else "no stratum has a residual strength"
 
 

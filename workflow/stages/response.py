@@ -60,7 +60,7 @@ def answer_of(section: Section, column: ResponseColumn) -> SiteResponseAnswer:
 
 
 def files(job: Job) -> Mapping[str, Path]:
-    """Return the file of the record; its content decides whether the stage is out of date, not its path."""
+    """Return the file of the record. Its content, not its path, decides whether the stage is out of date."""
     record = job.config.site_response.record
     return {"site_response, record": Path(record)} if record else {}
 

@@ -1,4 +1,4 @@
-"""Base motion of the discs, a record or cycles of Kh, and the onset of liquefaction of each stratum."""
+"""Determines the base motion of the discs, a record or cycles of Kh, and the onset of liquefaction of each stratum."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -41,7 +41,8 @@ def _passed(config: Config, strata: Sequence[int]) -> dict[int, float]:
     """Return the share of the cycles after which each stratum has liquefied in full.
 
     Strength falls with the number of cycles as N^-0.34 (Idriss & Boulanger 2008), so that a layer liquefies after a
-    share F_L^(1/0.34) of them: with F_L = 0.5 after an eighth. Layers without blow counts liquefy at the beginning.
+    share F_L^(1/0.34) of the cycles: with F_L = 0.5 after an eighth. Layers without blow counts liquefy at the
+    beginning.
     """
     if config.slide.liquefies_at != "F_L":
         return {}

@@ -92,8 +92,8 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
 
 
 def _with_longer(config: "Config", part: CirclePart) -> CirclePart:
-    """Return a circle with the least critical Kh and, where it ends at a side, the critical circle of a longer
-    section."""
+    """Return the circle with the least critical Kh; if it ends at a side, its answer includes the critical circle of a
+    longer section."""
     from workflow.estimates.longer_section import circle_of_longer_section
     from workflow.estimates.slices import LEFT, RIGHT
 

@@ -26,23 +26,24 @@ def draw(job: Job) -> None:
 
 
 def files(job: Job) -> Mapping[str, Path]:
-    """Return the record of the shaking: that of the base, or that of the rock if slides use the site response."""
+    """Return the file of the record that shakes the slides: the record of the base, or that of the rock if slides use
+    the site response."""
     average = job.config.slide.accelerogram == AVERAGE
     shakes = job.config.files("site_response" if average else "slide")
     return {f"{name}, averaged" if average else name: shakes[name] for name in shakes}
 
 
 def of_the_record(config: Config) -> tuple[str, ...]:
-    """Return the settings of the shaking without effect on slides: paths of files, whose content counts; site response,
-    unless slides use it.
+    """Return the settings of the shaking without effect on slides: paths of files, whose content counts, and the site
+    response, unless slides use it.
     """
     unused = () if config.slide.accelerogram == AVERAGE else ("site_response",)
     return ("slide.accelerogram", "site_response.record", *unused)
 
 
 def ignored(config: Config) -> tuple[str, ...]:
-    """Return settings without effect on slides: those of the shaking; cases, which enter as resolved; and settings of
-    the calibration's output.
+    """Return settings without effect on slides: settings of the shaking; cases, which enter after they are resolved;
+    and settings of the output of the calibration.
     """
     return (
         *of_the_record(config), "slide.cases", "slide.methods", "slide.mpm_cells", "slide.mpm_sides", "dem.kh",

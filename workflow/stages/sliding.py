@@ -48,7 +48,7 @@ class PlannedSlide:
         return f"dem/slide_{self.springs}_{self.number}"
 
     def effect(self, config: Config) -> Hashable:
-        """Return all inputs of this slide that may differ within a run: two slides with equal inputs are the same."""
+        """Return all inputs of this slide that may differ within a run. Two slides with equal inputs are the same."""
         case = None if self.case is None else effect_of(self.case, config.section, self.strata, self.start.law)
         return self.springs, case
 
@@ -59,8 +59,8 @@ def first_alike(config: Config, tasks: Sequence[PlannedSlide]) -> dict[PlannedSl
 
 
 def task(config: Config, springs: str, number: int, start: DiscModel, ground: Ground) -> PlannedSlide:
-    """Return the task of a case of the input by its number, or `ALONE` for Kh without liquefaction, from some discs at
-    rest.
+    """Return the task of a case, from some discs at rest. The case is given by its number in the input, or is `ALONE`
+    for Kh without liquefaction.
 
     ``config``: config of the run; ``springs``: set of the discs; ``start``: discs at rest; ``ground``: the ground in
     which the discs lie.
@@ -83,7 +83,8 @@ def slid(run: SlideTask, tell: Tell) -> Slide:
     """Compute a slide to its end, from its last checkpoint if there is one; ``tell`` is called with time, slide,
     settlement and speed.
 
-    Frames are written at their times; those of a longer slide that was begun again with a smaller step are removed.
+    Frames are written at their times. If a slide was begun again with a smaller step, later frames of the first attempt
+    are removed.
     """
     task, store = run.task, run.store
     papers_own = task.springs == "table2" and run.config.dem.model == "soil"

@@ -98,11 +98,12 @@ def on_a_mesh(
 
 
 def like_with_like(changes: Sequence[Change], config: Config, progress: Progress) -> list[Change]:
-    """Return the changes, each on the first mesh with the path of the unchanged ``config`` there if the answer is a
-    path.
+    """Return the changes. If the answer is a path, each change is computed on the first mesh, together with the path of
+    the unchanged ``config`` on this mesh.
 
-    Critical Kh of a sequence of meshes are limit loads of the reduced element. Another element has another critical Kh
-    on the same mesh, which is no effect of the change. Without a result of this path such changes are left out.
+    The critical Kh of a sequence of meshes are limit loads of the reduced element. Another element has another critical
+    Kh on the same mesh, which is no effect of the change. So changes are left out if the path of the unchanged config
+    has no result.
     """
     from fem.limit_load.limit_load import is_unique
 

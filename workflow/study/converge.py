@@ -36,7 +36,7 @@ class Fit:
         Relative error of the value of the smallest size, including the half width of its 95 % interval if it is a mean
         over packings.
     scatter : float
-        The half width alone, as a share of the limit.
+        Half width of the 95 % interval alone, as a share of the limit.
     """
 
     limit: float
@@ -93,8 +93,8 @@ def run(
     """Compute missing results, and write section.toml and converge.json.
 
     ``config``: config of the run; ``store``: store of the folder with the results; ``within``: largest error of a
-    converged number (%); ``ensemble``: computes the rows; ``on_row``: called with each. Raises InputError if nothing
-    liquefies, NoAnswerError where fewer runs than three of a kind have an answer.
+    converged number (%); ``ensemble``: computes the rows; ``on_row``: called with each row. Raises InputError if
+    nothing liquefies, NoAnswerError if fewer than three runs of a kind have an answer.
     """
     if not config.section.liquefies:
         raise InputError(

@@ -55,7 +55,7 @@ def _numbers(answer: CasesAnswer) -> Numbers:
 
 
 class _Silence:
-    """A listener that ignores the stages of a sample."""
+    """Ignores the stages of a sample, as a listener to its run."""
 
     def begin(self, decision: Decision) -> Progress:
         return silent

@@ -28,7 +28,7 @@ class TaskOutcome(Generic[Result]):
     answer : pydantic model or None
         The answer; None if the task failed.
     reason : str
-        Why the task failed.
+        Reason why the task failed.
     reused : bool
         Whether the answer was already stored.
     """
@@ -43,7 +43,7 @@ OnRow = Callable[[int, int, int], None]
 
 
 class Ensemble:
-    """A folder of answers, and the workers that compute missing ones.
+    """Computes missing answers in a folder of answers by workers.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class Ensemble:
     def rows(self, tasks: Sequence[Task[Input, Result]], on_row: OnRow | None = None) -> list[TaskOutcome[Result]]:
         """Return the outcomes of all tasks, in their order.
 
-        Tasks in work on another machine are waited for, and taken over if that machine fails.
+        Tasks that another machine computes are waited for, and taken over if that machine fails.
         """
         rows: dict[str, TaskOutcome[Result]] = {}
         missing: dict[str, Task[Input, Result]] = {}
@@ -119,7 +119,7 @@ class Ensemble:
         rows: dict[str, TaskOutcome[Result]],
         tell: Callable[[], None],
     ) -> None:
-        """Try every missing task once; those in work on another machine remain missing."""
+        """Try every missing task once. Tasks that another machine computes remain missing."""
         tasks = list(missing.values())
         attempts = [Attempt(str(self.folder), task.fingerprint, partial(_outcome, task), task.name) for task in tasks]
         waiting = {executor.submit(attempt, each): task for each, task in zip(attempts, tasks, strict=True)}
@@ -141,7 +141,7 @@ class Ensemble:
 
 @dataclass(frozen=True)
 class Attempt:
-    """Holds the input of a worker: the folder of the answers, the task's fingerprint, and the function."""
+    """Holds the input of a worker: the folder of the answers, the fingerprint of the task, and the function."""
 
     folder: str
     fingerprint: str
@@ -150,7 +150,8 @@ class Attempt:
 
 
 def attempt(wanted: Attempt) -> Outcome | None:
-    """Compute a task unless it is stored, or in work elsewhere (then None); called in a worker."""
+    """Compute a task unless its answer is stored, or another worker computes it (then return None). Workers call this
+    function."""
     cache = ResultCache(Path(wanted.folder))
     with cache.claimed(wanted.fingerprint) as claimed:
         there = cache.read(wanted.fingerprint)

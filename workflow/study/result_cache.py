@@ -31,7 +31,7 @@ class Outcome(BaseModel):
 
 
 class ResultCache:
-    """Answers of tasks stored in a folder, which several machines may share.
+    """Stores answers of tasks in a folder, which several machines may share.
 
     A task is claimed by a file lock of the operating system. So each task is computed once by all workers of one
     machine or several, and a worker that dies releases its claim. On a file system without locks a task may be computed
@@ -63,8 +63,8 @@ class ResultCache:
 
     @contextmanager
     def claimed(self, fingerprint: str) -> Iterator[bool]:
-        """Return whether this process has claimed the task until the end of the block; otherwise another process
-        has."""
+        """Return whether this process has claimed the task until the end of the block. If not, another process has
+        claimed it."""
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.folder / f".{fingerprint}.claim"
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)

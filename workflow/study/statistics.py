@@ -16,7 +16,7 @@ def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Probability
     """Return a probability curve: the share of true values in ``happens`` (samples, len(over)) at each value of
     ``over``.
 
-    Interval by E. B. Wilson, Probable inference, J. Am. Stat. Assoc. 22 (1927) 209-212. This interval holds for
+    The interval follows E. B. Wilson, Probable inference, J. Am. Stat. Assoc. 22 (1927) 209-212. It holds for
     independent samples; samples of a Sobol' sequence or a Latin hypercube are more accurate.
     """
     n = len(happens)
@@ -59,8 +59,8 @@ def effects(table: SampleTable, name: str, words: Sequence[str], indices: bool) 
 
 
 def _correlation(drawn: Sequence[Any], values: np.ndarray, there: np.ndarray, words: bool) -> float | None:
-    """Return Spearman's rank correlation; for words the correlation ratio, the root of the share of variance between
-    categories.
+    """Return Spearman's rank correlation. For words, return the correlation ratio, the root of the share of variance
+    between categories.
     """
     used = [value for value, use in zip(drawn, there, strict=True) if use]
     if len(set(map(str, used))) < 2:

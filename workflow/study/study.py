@@ -77,7 +77,7 @@ def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, o
 def computed(
     config: Config, store: Store, parts: Sequence[StudyPart], with_block: bool, ensemble: Ensemble, on_row: OnRow | None
 ) -> SampleTable:
-    """Return the table of all samples; those that fail have the reason.
+    """Return the table of all samples. Samples that fail have the reason.
 
     ``config``: config of the study; ``store``: store of the folder with the results; ``parts``: parts to compute;
     ``with_block``: whether the sliding block is among them; ``ensemble``: computes the rows; ``on_row``: called with

@@ -1,4 +1,5 @@
-"""A task: one pure function of a typed input, whose answer is addressed by the fingerprint of both."""
+"""Defines a task: one pure function of a typed input, whose answer is found by the fingerprint of function and
+input."""
 
 import inspect
 import sys
@@ -18,7 +19,7 @@ Result = TypeVar("Result", bound=BaseModel)
 
 @dataclass(frozen=True)
 class Task(Generic[Input, Result]):
-    """Holds one function to be called once.
+    """Holds one function that is to be called once, and its input.
 
     Attributes
     ----------
@@ -39,7 +40,7 @@ class Task(Generic[Input, Result]):
 
     @property
     def answer_type(self) -> type[Result]:
-        """Return the model of its answer."""
+        """Return the model of the answer of the task."""
         answer_type: type[Result] = get_type_hints(self.function)["return"]
         return answer_type
 
@@ -59,8 +60,8 @@ def _text(module: str) -> str:
 class StudySample(BaseModel):
     """Holds the input of a task: the section, and the settings that matter to the task.
 
-    ``files`` are fingerprints of the files that these settings name. ``folder`` holds the files from which a long task
-    continues after a stop; it is no part of the input.
+    ``files`` are fingerprints of the files that these settings name. ``folder`` contains the files from which a long
+    task continues after a stop; it is no part of the input.
     """
 
     model_config = ConfigDict(frozen=True)

@@ -1,4 +1,4 @@
-"""Limits of distributions by the fields of the input (a strength: 0 or more)."""
+"""Truncates distributions to the values that fields of the input accept (a strength: 0 or more)."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -46,8 +46,8 @@ def reach_of(data: Mapping[str, Any], numbers: Mapping[str, Distribution], model
     """Return the range of each distribution, truncated to the values that the fields of ``models`` accept, by its path
     in the input ``data``.
 
-    Tails of normal and lognormal distributions are truncated where the field refuses the number. Refused ends in the
-    input (uniform, triangular, list, between) are a problem.
+    Tails of normal and lognormal distributions are truncated where the field refuses the number. If the field refuses
+    an end that the input states (uniform, triangular, list, between), this is a problem.
     """
     return {
         path: _reach(path, distribution, _check(data, path, distribution, models))

@@ -57,7 +57,7 @@ def places(data: Any, path: str) -> Iterator[Place]:
 
 
 def _entries(data: Any) -> dict[str, Any]:
-    """Return the keys of a table, or the names and numbers of the entries of a list, as in paths."""
+    """Return the keys of a table, or the names and numbers of the entries of a list, as they are written in paths."""
     if isinstance(data, Mapping):
         return {str(key): key for key in data}
     if not isinstance(data, list | tuple):

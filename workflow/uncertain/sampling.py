@@ -16,10 +16,10 @@ SMALLEST = 2.0**-54  # a chance of nothing at all would be infinitely far away
 def chances(dimensions: int, count: int, method: SamplingMethod, seed: int) -> np.ndarray:
     """Return points (n, dimensions) in the unit cube.
 
-    "sobol": the first ``count`` of a scrambled sequence (Owen 1998), which a longer study continues. "latin": a Latin
-    hypercube (McKay, Beckman and Conover 1979). "saltelli": for Sobol' indices, ``count`` points A, as many B, and for
-    each dimension A with that column taken from B (Saltelli et al. 2010). ``method``: one of these methods methods;
-    ``seed``: seed of the random numbers.
+    "sobol": the first ``count`` points of a scrambled sequence (Owen 1998), which a longer study continues. "latin": a
+    Latin hypercube (McKay, Beckman and Conover 1979). "saltelli": for Sobol' indices, ``count`` points A, as many
+    points B, and for each dimension A with that column taken from B (Saltelli et al. 2010). ``method``: one of these
+    methods; ``seed``: seed of the random numbers.
     """
     from scipy.stats import qmc
 

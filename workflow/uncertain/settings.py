@@ -31,7 +31,8 @@ def _nested(path: str, value: Any, known: Set[str]) -> Iterator[str]:
 
 
 class UncertainSettings(Model):
-    """Holds which numbers of the input have a distribution, by their paths, such as "strata.5 Asd.friction_angle"."""
+    """Names the numbers of the input that have a distribution, by their paths, such as "strata.5
+    Asd.friction_angle"."""
 
     model_config = ConfigDict(extra="allow", frozen=True, allow_inf_nan=False)
     __pydantic_extra__: dict[str, Distribution] = Field(init=False)
@@ -111,7 +112,7 @@ Length = Annotated[float, Field(gt=0.0)]
 
 
 class StudySettings(Model):
-    """Holds the number and method of the samples of a study, and the slides whose probability it gives."""
+    """Holds the number and method of the samples of a study, and the slides whose probability is wanted."""
 
     samples: int = Field(default=64, ge=2, le=1_000_000, description="samples; a power of two fills the space best")
     method: SamplingMethod = Field(

@@ -1,4 +1,4 @@
-"""F_L at every blow count of a section, which strata liquefy, and P_L of every boring."""
+"""Computes F_L at every blow count of a section, decides which strata liquefy, and computes P_L of every boring."""
 
 import math
 from collections.abc import Sequence
@@ -92,7 +92,7 @@ class OfStratum:
 
 @dataclass(frozen=True)
 class TriggeringAssessment:
-    """Holds all tests, all strata, and P_L by boring; with the motion and the method of the assessment."""
+    """Holds all tests, all strata, and P_L by boring, with the motion and the method of the assessment."""
 
     motion: PeakMotion
     magnitude: float | None
@@ -259,8 +259,8 @@ def fines_of(test: Judged) -> float:
 
 
 def _pieces(section: Section, boring: Boring, depths: list[float]) -> list[tuple[float, float, Overburden]]:
-    """For every test the range of depth that it represents: half-way to the next tests, not beyond its stratum or
-    the water table.
+    """Return the range of depth that each test represents: half-way to the neighbouring tests, not beyond its stratum
+    or the water table.
     """
     levels = section.layering.interfaces(np.array([boring.x]))[0]
     depth_of = levels[0] - levels
@@ -280,10 +280,10 @@ def _pieces(section: Section, boring: Boring, depths: list[float]) -> list[tuple
 
 
 def judged_in_stratum(names: Sequence[str], number: int, tests: Sequence[Judged]) -> list[Judged]:
-    """Return the tests in a stratum; without any, those in the other parts of its soil on the same side of the water
-    table.
+    """Return the tests in a stratum. If there are none, return the tests in other parts of the same soil on the same
+    side of the water table.
 
-    ``names`` are those of all strata, ``number`` is the index of the stratum.
+    ``names`` are the names of all strata, ``number`` is the index of the stratum.
     """
     here = [test for test in tests if test.where.stratum == number]
     return here or [test for test in tests if soil_of(names[test.where.stratum]) == soil_of(names[number])]
@@ -303,7 +303,7 @@ def _of_stratum(section: Section, number: int, tests: list[Judged], wanted: floa
 
 
 def _stretches(section: Section, x: list[float]) -> dict[float, float]:
-    """For every boring at x the length of the section (m) that is nearest to it."""
+    """Return for every boring, by its x, the length of the section (m) that is nearest to it."""
     left, right = section.given_extent
     limits = [left, *(0.5 * (a + b) for a, b in pairwise(x)), right]
     return {place: max(limits[k + 1] - limits[k], 1e-9) for k, place in enumerate(x)}

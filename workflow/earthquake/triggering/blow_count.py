@@ -18,7 +18,7 @@ class BlowCount:
     depth : below the ground (m)
     N : blows for 30 cm, as measured
     total, effective : vertical stresses before the earthquake (kPa); the total stress is that of the ground alone,
-        without water that stands on it
+        Total and effective vertical stress (kPa), without the water that stands on the ground.
     fines : content of fines (%)
     d50 : mean grain size (mm); None if not known
     plasticity : plasticity index (%); None if not known

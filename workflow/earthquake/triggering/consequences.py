@@ -74,13 +74,14 @@ CHOICE: Mapping[CaseName, Callable[[Sequence[float]], float]] = {
 
 @dataclass(frozen=True)
 class Left:
-    """Holds the residual strength of a stratum that liquefies; means over the depth of its tests with F_L below 1.
+    """Holds the residual strength of a stratum that liquefies, as means over the depth of its tests with F_L below 1.
 
     Attributes
     ----------
     stratum : index of the stratum
     ratios, strengths : residual strength over σ'v, and in Pa, by relation; tests denser than its cases count as the
-        densest of these. A relation that holds for no test is left out if another one holds for some
+        Residual strength of the densest of these tests. A relation that holds for no test is left out if another
+        relation holds for some tests.
     volumetric_strain : volumetric strain by drainage (-)
     strain_potential : shear strain before the stratum regains strength (-)
     """

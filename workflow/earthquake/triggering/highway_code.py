@@ -87,8 +87,8 @@ def resistance_2017(corrected: float) -> float:
 
 
 def motion_factor(resistance: float, motion: MotionType) -> float:
-    """Return the factor of the motion c_W: 1 for motions of type I (at plate boundaries); of type II (inland) 1, 3.3
-    R_L + 0.67, or 2."""
+    """Return the factor of the motion c_W: 1 for motions of type I (at plate boundaries); for type II (inland) 1, 3.3
+    R_L + 0.67, or 2, by R_L."""
     if motion == "I" or resistance <= 0.1:
         return 1.0
     return 3.3 * resistance + 0.67 if resistance <= 0.4 else 2.0

@@ -1,4 +1,4 @@
-"""Implausible numbers of earthquake and borings, mostly wrong units."""
+"""Finds implausible numbers of earthquake and borings, which mostly have a wrong unit."""
 
 from collections.abc import Iterator
 
@@ -19,7 +19,7 @@ VS30 = Range(50.0, 3000.0, "m/s", 1.0, ())
 def implausible_triggering(
     section: Section, earthquake: EarthquakeSettings, triggering: TriggeringSettings
 ) -> list[str]:
-    """Return one sentence on each implausible number; none if unusual numbers are declared.
+    """Return one sentence on each implausible number; none if unusual numbers are declared as such.
 
     Parameters
     ----------

@@ -1,6 +1,7 @@
 """Residual strength of liquefied ground over the vertical effective stress before the earthquake, by three relations.
 
-The relations are fitted to back-analysed failures. Stresses in kPa; `None` outside their range.
+The relations are fitted to back-analysed failures. Stresses are in kPa. Outside the range of a relation the result is
+`None`.
 """
 
 import math
@@ -17,7 +18,7 @@ FINES = ((10.0, 1.0), (25.0, 2.0), (50.0, 4.0), (75.0, 5.0))
 @dataclass(frozen=True)
 class Penetration:
     """Holds (N1)60 of a test, fines (%), the vertical effective stress (kPa), and whether water ``gathers`` below a
-    less permeable layer, which loosens the sand there.
+    less permeable layer and loosens the sand there.
     """
 
     n1: float
@@ -47,7 +48,8 @@ class ResidualRelation:
         return self.curve(count, soil) if count <= self.most else None
 
     def least_ratio(self, soil: Penetration) -> float:
-        """Return Sr/σ'v; for soil denser than the cases the value at the end of their range, a lower bound."""
+        """Return Sr/σ'v. For soil denser than the cases of the relation, return the value at the end of their range, a
+        lower bound."""
         return self.curve(min(self.count(soil), self.most), soil)
 
 

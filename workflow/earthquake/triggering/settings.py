@@ -1,4 +1,5 @@
-"""Method and borings of the triggering analysis, a table [triggering], and the free face of lateral spreads."""
+"""Method and borings of the triggering analysis, the table [triggering] of the input file, and the free face of lateral
+spreads."""
 
 from collections.abc import Mapping
 from typing import Any, Literal, get_args
@@ -22,7 +23,7 @@ Residual = Literal["strength", "ratio"]
 
 
 class TriggeringSettings(Model):
-    """Holds the relation, energy of the hammer, and borings of the triggering analysis."""
+    """Holds the settings of the triggering analysis: the relation, the energy of the hammer, and the borings."""
 
     method: TriggeringMethod = Field(
         default="idriss_boulanger_2008",
@@ -74,8 +75,8 @@ class TriggeringSettings(Model):
 
 
 def left_to_blow_counts(data: Mapping[str, Any]) -> bool:
-    """Return whether blow counts determine all liquefying strata of a section file, and its [triggering] names no
-    cases.
+    """Return whether blow counts determine all liquefying strata of a section file: [triggering] has borings and names
+    no cases.
 
     ``data``: the tables of the file as read, which may contain anything.
     """
@@ -89,7 +90,7 @@ def left_to_blow_counts(data: Mapping[str, Any]) -> bool:
 
 
 class FreeFaceSettings(Model):
-    """Holds the toe and top of a free face, and the place behind it for which the displacement is required."""
+    """Holds toe and top of a free face, and the place behind it for which the displacement is required."""
 
     crest: Coordinate | None = Field(default=None, description="the x of its upper edge")
     toe: Coordinate | None = Field(default=None, description="the x of its foot")
