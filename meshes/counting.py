@@ -6,7 +6,7 @@ def counted(count: int, singular: str, plural: str) -> str:
 
     Parameters
     ----------
-    count : how many there are
-    singular, plural : the words behind 1, and behind every other count
+    count : the count
+    singular, plural : the words that follow 1, and that follow every other count
     """
     return f"{count} {singular if count == 1 else plural}"

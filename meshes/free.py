@@ -34,13 +34,13 @@ class Sizes:
 
     Attributes
     ----------
-    ordinary : size by default
-    strata : size in a stratum, by its name
+    ordinary : default size
+    strata : size in each stratum that has its own, by its name
     towards : size at "surface", "base" or the bottom of a stratum, by name
-    corners, at_corners : (k, 3, 2) triangles (m) that cover the section, and (k, 3) the sizes at their corners, linear
-        in between; none if there is no such field
+    corners, at_corners : triangles (k, 3, 2) in m that cover the section, and sizes (k, 3) at their corners, linear in
+        between; empty without such sizes
     far : factor by which ordinary sizes are larger far beyond the given ends of the section
-    repeats : whether the right side gets the points of the left one, as periodic sides require, if both have the same
+    repeats : whether the right side gets the points of the left side, as periodic sides require, if both have the same
         layers
     """
 

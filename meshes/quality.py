@@ -13,9 +13,9 @@ class Quality:
     ----------
     quadrilaterals : number of cells
     nodes : number of corners
-    smallest_scaled_jacobian : 1 for a rectangle, 0 or less for a flat or folded cell
-    smallest_angle, largest_angle : of all corners (deg)
-    largest_aspect_ratio : longest edge times perimeter over four times the area, 1 for a square
+    smallest_scaled_jacobian : smallest scaled Jacobian: 1 for a rectangle, 0 or less for a flat or folded cell
+    smallest_angle, largest_angle : smallest and largest angle of all corners (deg)
+    largest_aspect_ratio : largest aspect ratio: longest edge times perimeter over four times the area, 1 for a square
     """
 
     quadrilaterals: int

@@ -111,7 +111,7 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
 
     Parameters
     ----------
-    path : of the file
+    path : path of the file
     columns : {"layer": heading of GEOL} that names the layers; by default GEOL_GEOL, or GEOL_LEG where that is empty
 
     Raises

@@ -33,11 +33,11 @@ class Groups:
 
     Attributes
     ----------
-    rows : of each group, by heading
-    units : by heading, only of those that have a kind
-    problems : what is wrong, filled as the file is read
-    notices : what a person has to know, one sentence each
-    unread : blow counts that are not understood, one sentence each
+    rows : rows of each group, by heading
+    units : units by heading, only those of a known kind
+    problems : problems of the file, collected as it is read
+    notices : notices for the user, one sentence each
+    unread : blow counts that cannot be read, one sentence each
     """
 
     rows: Mapping[str, Sequence[Row]]

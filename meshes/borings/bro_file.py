@@ -35,8 +35,8 @@ def read_bro(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
     Parameters
     ----------
-    path : of the file
-    columns : there are none to be named
+    path : path of the file
+    columns : must be empty, since the file has no columns
 
     Raises
     ------

@@ -14,8 +14,8 @@ def unread_counts(unread: Sequence[str], read: int) -> tuple[list[str], list[str
 
     Parameters
     ----------
-    unread : for each blow count that is not understood, a sentence with its place and value
-    read : number of blow counts that are understood
+    unread : a sentence, with place and value, for each blow count that cannot be read
+    read : number of blow counts that could be read
     """
     if len(unread) > MOST_UNREAD * (len(unread) + read):
         return [], folded([f"{text}; {len(unread)} of {len(unread) + read} blow counts are not understood"

@@ -23,8 +23,8 @@ def read_cones(path: Path, columns: Mapping[str, str]) -> BoringFile:
 
     Parameters
     ----------
-    path : of the file
-    columns : the names of its columns by ours, where they differ
+    path : path of the file
+    columns : names of columns in the file by the expected names, where they differ
 
     Raises
     ------

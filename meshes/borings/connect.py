@@ -34,13 +34,13 @@ class Connected:
 
     Attributes
     ----------
-    borings : those with layers, from left to right
-    names : of the strata, from the top down
-    x : of borings and the middles between them (m)
-    ground : elevations there
+    borings : borings with layers, from left to right
+    names : names of the strata, from the top down
+    x : x of the borings and of the middles between them (m)
+    ground : elevations of the ground at ``x`` (m)
     bottoms : (strata, x) elevations of their bottoms; where a stratum is not, that of the one above
-    soundings : those without layers, from left to right
-    notices : what a person has to know of how layers were connected, one sentence each
+    soundings : borings without layers, from left to right
+    notices : notices on how layers were connected, one sentence each
     """
 
     borings: tuple[Placed, ...]

@@ -40,8 +40,9 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
     Parameters
     ----------
-    path : of the file; its cells are parted by commas, or by semicolons or tabs, and numbers then may have commas
-    columns : the names of its columns by ours, where they differ, such as {"layer": "Stratum"}
+    path : path of the file. Its cells are separated by commas, or by semicolons or tabs; in the latter case numbers may
+        have decimal commas
+    columns : names of columns in the file by the expected names, where they differ, such as {"layer": "Stratum"}
 
     Raises
     ------

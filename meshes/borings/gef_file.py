@@ -36,8 +36,8 @@ def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
     Parameters
     ----------
-    path : of the file
-    columns : there are none to be named
+    path : path of the file
+    columns : must be empty, since the columns of the file have numbers
 
     Raises
     ------
@@ -93,8 +93,8 @@ def cones_of(path: Path, readings: Iterable[Mapping[int, float]], area: float) -
 
     Parameters
     ----------
-    path : of the file, for complaints
-    readings : quantities (m, Pa) by their numbers in GEF-CPT-Report, those that were measured
+    path : path of the file, for messages
+    readings : measured quantities (m, Pa) by their numbers in GEF-CPT-Report
     area : net area ratio of the cone
 
     Raises

@@ -34,10 +34,10 @@ class Log:
 
     Attributes
     ----------
-    name : of the boring
+    name : name of the boring
     place : (easting, northing) in m, or (x, nan) where it is given along the section
     ground_level : elevation of the ground (m)
-    layers : from the top down; none of a sounding
+    layers : layers from the top down; empty for a sounding
     samples : blow counts from the top down
     water_level : elevation of the water table (m); None if not known
     cones : cone resistances from the top down

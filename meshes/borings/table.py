@@ -76,9 +76,9 @@ def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns:
 
     Parameters
     ----------
-    path : of the file; commas, semicolons or tabs part its cells
-    needed, known : names of columns that it has to have, and that it may have
-    columns : names of its columns by ours, where they differ; others are then left out
+    path : path of the file, whose cells are separated by commas, semicolons or tabs
+    needed, known : names of columns that the file must have, and of those that it may have
+    columns : names of columns in the file by the expected names, where they differ; other columns are then left out
 
     Raises
     ------

@@ -82,8 +82,8 @@ def read_dxf(path: Path, name: str, unit: float | None = None) -> Drawn:
 
     Parameters
     ----------
-    path : of the drawing
-    name : of the section
+    path : path of the drawing
+    name : name of the section
     unit : length (m) of one unit of the drawing, whatever its $INSUNITS says
 
     Raises

@@ -30,10 +30,10 @@ class Shape:
 
     Attributes
     ----------
-    layer : its layer in the drawing
+    layer : layer of the shape in the drawing
     points : ndarray (n, 2), x and elevation (m); of an outline without the first one again
-    closed : whether it is an outline
-    kind : what it was in the drawing
+    closed : whether the shape is an outline
+    kind : kind of the entity in the drawing
     """
 
     layer: str
@@ -53,9 +53,9 @@ class Shapes:
 
     Attributes
     ----------
-    outlines, lines : closed and open shapes; lines of one layer that meet end to end are one
-    strata : layers that are strata whatever they are called, as this program wrote the drawing
-    notices : what a person has to know, one sentence each: units, what was closed, what is not used
+    outlines, lines : closed and open shapes; lines of one layer that meet end to end are one line
+    strata : drawing layers that are strata whatever their names, because this program wrote the drawing
+    notices : notices for the user, one sentence each: units, shapes that were closed, shapes that are not used
     """
 
     outlines: list[Shape] = field(default_factory=list)
@@ -79,9 +79,9 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
 
     Parameters
     ----------
-    drawing : as ezdxf reads it
-    names : what the layers are called in the section, where it is not their name
-    unit : length (m) of one unit of the drawing; None for what $INSUNITS says
+    drawing : the drawing as ezdxf reads it
+    names : names in the section of drawing layers whose name differs from it
+    unit : length (m) of one unit of the drawing; None for the unit by $INSUNITS
     """
     notices: list[str] = []
     size = _unit(drawing, notices) if unit is None else unit

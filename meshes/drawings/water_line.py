@@ -27,13 +27,13 @@ def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.n
 
     Parameters
     ----------
-    lines : those of water
+    lines : lines of water in the drawing
     left, right : x (m) of the sides of the section
 
     Returns
     -------
     points : ndarray (n, 2) of the table (m); None without one
-    notices : what was changed, and what is not used
+    notices : notices on lines that were changed or are not used
     """
     candidates = sorted(lines, key=lambda line: -float(np.ptp(line.points[:, 0])))
     notices = [

@@ -39,11 +39,11 @@ class ForeignLayer(NamedTuple):
 
     Attributes
     ----------
-    soil : the name of its soil
-    points : its outline (n, 2) in m
-    keys : what it has above and below the water table, as keys of a stratum
-    dry, wet : what it has above it, and what below
-    yield_stress : its preconsolidation stress, which becomes the pre-overburden pressure where it is given
+    soil : name of the soil of the layer
+    points : outline of the layer (n, 2) in m
+    keys : properties that do not depend on the water table, as keys of a stratum
+    dry, wet : properties above and below the water table, as keys of a stratum
+    yield_stress : preconsolidation stress of the layer, which becomes a pre-overburden pressure where it is known
     """
 
     soil: str
@@ -60,10 +60,10 @@ class ForeignModel:
 
     Attributes
     ----------
-    layers : its layers
-    water : the table [water]
-    surcharges : tables [[surcharges]]
-    notices : what was assumed and what is not taken, one sentence each
+    layers : layers of the model
+    water : the table [water] of the section
+    surcharges : the tables [[surcharges]] of the section
+    notices : notices on assumptions, and on parts of the model that are not read, one sentence each
     """
 
     layers: Sequence[ForeignLayer]

@@ -21,8 +21,8 @@ class Continuation(NamedTuple):
     Attributes
     ----------
     left, right : x (m) of the ends of the section as it was given
-    distance : how far it continues at either end (m)
-    left_slope, right_slope : rise of the ground over its run there, towards the right (-)
+    distance : length of the continuation at either end (m)
+    left_slope, right_slope : slope of the ground in the continuation, positive if it rises to the right (-)
     """
 
     left: float

@@ -24,10 +24,10 @@ class Columns:
     Attributes
     ----------
     x : (columns + 1,) the breakpoints (m)
-    pieces : of every column, from the top down
-    stack : the strata that they belong to
-    tally : what lies on what, and where nothing is drawn
-    problems : what keeps the outlines from being a section
+    pieces : pieces of layers in every column, from the top down
+    stack : strata to which the pieces belong
+    tally : overlaps and gaps of the outlines
+    problems : reasons why the outlines do not form a section
     """
 
     x: np.ndarray

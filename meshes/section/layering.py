@@ -30,7 +30,7 @@ class Layering:
     x : (intervals + 1,) the breakpoints (m)
     left, right : (intervals, interfaces) elevation (m) of every interface at the two ends of each interval
     strata : number of strata
-    tolerance : points closer than this (m) are one
+    tolerance : distance (m) below which two points are one
     """
 
     x: np.ndarray

@@ -30,10 +30,10 @@ class Stack:
 
     Attributes
     ----------
-    layers : names of what the strata are of
-    names : of the strata, with numbers where several have one name
-    numbers : for each column the stratum, an index from 0, of every piece
-    notices : a sentence for each name that several have
+    layers : name of the layer of each stratum
+    names : names of the strata, with numbers if several have the same name
+    numbers : for each column, the index (from 0) of the stratum of every piece
+    notices : a sentence for each name that several strata have
     """
 
     layers: tuple[str, ...]
@@ -51,7 +51,7 @@ def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
 
     Parameters
     ----------
-    columns : pieces from the top down, of columns from the left to the right
+    columns : pieces of layers from the top down, for each column from left to right
     """
     strata: list[_Stratum] = []
     members: list[list[_Stratum]] = []

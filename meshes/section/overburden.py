@@ -19,9 +19,11 @@ class Overburden:
     Attributes
     ----------
     stratum : index of the stratum
-    total : vertical stress (Pa) of what shakes above the point, ground and surcharges, without water on the ground
+    total : vertical stress (Pa) of the mass that shakes above the point, ground and surcharges, without water on the
+        ground
     effective : vertical effective stress (Pa)
-    loads : what surcharges add to either (Pa): the share that shakes, and that under which the ground has consolidated
+    loads : increments of total and effective stress by surcharges (Pa): by the share of a surcharge that shakes, and by
+        the share under which the ground has consolidated
     below_water : whether the point lies below the water table, or below the piezometric level of its stratum
     """
 

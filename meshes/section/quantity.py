@@ -54,7 +54,7 @@ def spelled(unit: str) -> str:
 
     Parameters
     ----------
-    unit : as it was written, such as "tonf/m2"
+    unit : unit as written, such as "tonf/m2"
     """
     for power, digit in (("²", "2"), ("³", "3")):
         unit = unit.replace(power, digit)

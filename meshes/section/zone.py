@@ -144,11 +144,11 @@ class Zoned:
 
     Attributes
     ----------
-    surface : the ground, as zones raise it
-    base : as it was, its depths as elevations where zones raise the ground
-    strata : soils that zones part are several strata
-    notices : what a person has to know, one sentence each
-    problems : what is wrong with the zones, one sentence each
+    surface : ground surface, raised by zones
+    base : base of the section; depths are converted to elevations if zones raise the ground
+    strata : strata; a soil that zones divide is several strata
+    notices : notices for the user, one sentence each
+    problems : problems of the zones, one sentence each
     """
 
     surface: Points

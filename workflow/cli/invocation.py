@@ -31,10 +31,10 @@ class Invocation:
     Attributes
     ----------
     config : the section with all settings
-    store : the folder
-    mesh_options : settings of the mesh by the command line, of this command or of an earlier one
-    mesh_options_stored : whether the options of the mesh are of an earlier command
-    section : the file of the section
+    store : the folder of the run
+    mesh_options : settings of the mesh by the command line of this command or of an earlier command
+    mesh_options_stored : whether these options of the mesh are from an earlier command
+    section : path of the section file
     tables : settings and options of the command line
     """
 

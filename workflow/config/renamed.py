@@ -18,9 +18,9 @@ class Renamed:
 
     Attributes
     ----------
-    table, key : the table of settings, and the key as old files have it
-    new_key : the key now; "" if it is the same
-    values : the value now for every old one
+    table, key : the table of settings, and the old key
+    new_key : the new key; "" if the key is the same
+    values : the new value for every old value
     """
 
     table: str
@@ -135,8 +135,8 @@ def rewritten(text: str, source: str) -> tuple[str, list[str]]:
 
     Parameters
     ----------
-    text : the TOML file
-    source : its name, for messages
+    text : text of the TOML file
+    source : name of the file, for messages
 
     Returns
     -------

@@ -28,7 +28,7 @@ class Accelerogram:
 
     Attributes
     ----------
-    name, kind : name of the file, and of its format
+    name, kind : name of the file, and name of its format
     time : (n,) in s, rising or with steps
     acceleration : (n,) in m/s²
     remarks : corrections and warnings, one sentence without its full stop each

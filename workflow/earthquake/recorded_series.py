@@ -19,13 +19,13 @@ class RecordedSeries:
 
     Attributes
     ----------
-    format : of the file, such as "K-NET"
-    component : its name in the file; empty without a name
+    format : format of the file, such as "K-NET"
+    component : name of the component in the file; empty without a name
     time : (n,) in s
     values : (n,) in ``unit``
     unit : unit in the heading; empty without one
-    quantity : the word of the heading, such as "VELOCITY"; empty where it has none
-    peak : the largest value without regard to sign that the heading states; None where it states none
+    quantity : quantity in the heading, such as "VELOCITY"; empty if the heading names none
+    peak : largest value without regard to sign that the heading states; None if it states none
     counts : whether the values are counts of a recorder, whose zero is their mean
     """
 

@@ -60,7 +60,7 @@ class Response:
     average : (n, t) average acceleration of the soil above the bottom of each layer, in time
     layers : the layers with their final stiffness and damping
     rounds : number of iterations
-    change : the largest relative change of a stiffness or a damping by one more iteration
+    change : largest relative change of a stiffness or a damping by one more iteration
     """
 
     depth: np.ndarray

@@ -16,9 +16,9 @@ class Crest:
 
     Attributes
     ----------
-    start, end : the feet of the structure
-    left, right : the ends of the crest; equal where it is a ridge
-    elevation : of its highest point (m)
+    start, end : x of the feet of the structure (m)
+    left, right : x of the ends of the crest (m); equal if it is a ridge
+    elevation : elevation of the highest point of the crest (m)
     """
 
     start: float

@@ -25,12 +25,12 @@ class Spreading:
 
     Attributes
     ----------
-    magnitude, distance : of the earthquake; the distance in km
-    slope : of the ground (%), or W = 100 H/L (%) at a distance L from a free face of height H
-    thickness : of saturated layers with (N1)60 below 15 (m)
-    fines : their mean content of fines (%)
-    d50 : their mean grain size (mm)
-    free_face : whether there is one
+    magnitude, distance : magnitude of the earthquake, and distance (km)
+    slope : slope of the ground (%), or W = 100 H/L (%) at a distance L from a free face of height H
+    thickness : thickness of saturated layers with (N1)60 below 15 (m)
+    fines : mean fines content of these layers (%)
+    d50 : mean grain size of these layers (mm)
+    free_face : whether there is a free face
     """
 
     magnitude: float

@@ -21,9 +21,9 @@ class LongerSectionCircle:
 
     Attributes
     ----------
-    side : the side at which the circle of the section as given ends
-    past_m : how far past that side the longer circle reaches (m), 0 where it stays within
-    beyond_m : how far the ground was continued (m)
+    side : side at which the circle of the given section ends
+    past_m : distance by which the longer circle reaches past that side (m); 0 if it stays within
+    beyond_m : length over which the ground was continued (m)
     bishop : critical Kh by Bishop's simplified method
     """
 

@@ -99,8 +99,8 @@ class Balance:
     Attributes
     ----------
     factor : factor of safety
-    kh : seismic coefficient at which it holds
-    inclination : θ of the forces between slices (rad), positive where they rise to the right
+    kh : seismic coefficient to which the factor belongs
+    inclination : inclination θ of the forces between slices (rad), positive if they rise to the right
     """
 
     factor: float

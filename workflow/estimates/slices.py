@@ -27,7 +27,7 @@ class Slices:
     angle : slope α of the base (rad)
     length : length of the base (m)
     vertical, horizontal : known forces (N/m), upwards and to the right, at Kh = 0
-    moment : of the known forces about the middle of the base at Kh = 0, counter-clockwise (N)
+    moment : moment of the known forces about the middle of the base at Kh = 0, counter-clockwise (N)
     inertia, inertia_moment : changes of ``horizontal`` and ``moment`` by Kh = 1
     inertia_vertical : change of ``vertical`` by Kh = 1
     cohesion, friction : c (Pa) and tan φ at the base

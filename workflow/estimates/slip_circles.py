@@ -36,11 +36,13 @@ class SlipCircle:
     ----------
     towards : the side of the section to which it slides, "left" or "right"
     centre : (x, z) of its centre (m)
-    radius : m
+    radius : radius (m)
     surface : (n, 2) points of the slip surface from left to right (m), including the tension crack
-    kh : seismic coefficient of ``bishop`` and ``spencer`` where these are factors of safety; None where they are Kh
+    kh : seismic coefficient to which ``bishop`` and ``spencer`` belong if they are factors of safety; None if they are
+        critical Kh
     bishop : factor of safety, or critical Kh, by Bishop's simplified method
-    spencer : the same by Spencer's method on the same circle; None where forces and moments do not balance
+    spencer : factor of safety, or critical Kh, by Spencer's method on the same circle; None if forces and moments do
+        not balance
     """
 
     towards: Literal["left", "right"]

@@ -20,9 +20,9 @@ class Truss:
 
     Attributes
     ----------
-    length : along the slope (m)
-    inclination : of the incline (rad)
-    density : of the bar (kg/m³)
+    length : length along the slope (m)
+    inclination : inclination of the bar (rad)
+    density : density of the bar (kg/m³)
     modulus : E / (1 - ν²) of the bar in plane strain (Pa)
     """
 

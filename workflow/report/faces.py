@@ -53,14 +53,15 @@ class FaceLine:
 
     Attributes
     ----------
-    name : the structure, or where the failure lies that is of no structure.
-    side : the side to which it slides: "riverward" or "landward" with free water on one side, else "left" or "right".
+    name : name of the structure, or place of a failure that belongs to no structure.
+    side : side to which the face slides: "riverward" or "landward" with free water on one side, else "left" or "right".
     critical, safety : critical Kh, and factor of safety without shaking.
-    block : slide of a rigid block (m) by the critical Kh of the slip circle with ψ = φ, and in parentheses with Davis's
-        Slide of a rigid block with the strength of both circles of the face; empty without any.
-    slides, settles : of the face after liquefaction, and of its half of the crest, by every method.
-    counts : whether its critical Kh is the smallest of all faces.
-    of_structure : whether it is a face of a structure; a failure elsewhere is none.
+    block : slide (m) of a rigid block with the critical Kh of the slip circle with ψ = φ, and in parentheses with
+        Davis's strength; empty if there is none.
+    slides, settles : slide of the face after liquefaction, and settlement of the half of the crest beside the face, by
+        every method.
+    counts : whether the critical Kh of the face is the smallest of all faces.
+    of_structure : whether the line is a face of a structure; a failure elsewhere is not.
     """
 
     name: str

@@ -23,7 +23,7 @@ class Choice:
     Attributes
     ----------
     chosen: the names of the stages that may run, in their order.
-    forced: stages among them that run even if nothing has changed.
+    forced: chosen stages that run even if nothing has changed.
     requested: stages requested by name, which run even if the settings do not require them.
     """
 
@@ -70,8 +70,8 @@ class Decision:
     Attributes
     ----------
     stage: the stage.
-    action: run it, draw its pictures again, reuse its results, or leave it out.
-    why: the reason, in words; empty if nothing has changed.
+    action: whether to run the stage, draw its pictures again, reuse its results, or leave it out.
+    why: reason of the action, in words; empty if nothing has changed.
     """
 
     stage: Stage

@@ -21,12 +21,12 @@ class Entry:
     ----------
     inputs: fingerprints of all inputs, by names for messages.
     outcome: "begun" while it runs and after it was killed, "part" if only a part of it was requested.
-    reason: why there is no answer.
-    remedy: what the user can change then.
-    seconds: its duration (s).
-    ended: when, as a date and a time.
-    files: sizes (bytes) of the files of its results.
-    pictures: names of its pictures.
+    reason: reason why there is no answer.
+    remedy: advice on what the user can change.
+    seconds: duration of the stage (s).
+    ended: date and time at which the stage ended.
+    files: sizes (bytes) of the files with the results of the stage.
+    pictures: names of the pictures of the stage.
     title: fingerprint of the title of the pictures; empty until they are drawn.
     """
 

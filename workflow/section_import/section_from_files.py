@@ -46,7 +46,7 @@ class Reading:
     off_line : largest distance (m) of a boring from the line of the section
     columns : names of columns in the file by the expected names, if they differ, such as {"layer": "GEOL_LEG"}
     unit : length (m) of one unit of a drawing; None for the unit in the drawing
-    part : the scenario or analysis of a model of another program; None for its first one
+    part : the scenario or analysis of a model of another program; None for the first one of the model
     borings : names of the borings of the section; none for all
     """
 

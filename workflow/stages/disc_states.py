@@ -33,11 +33,11 @@ class DiscsAtRest:
 
     Attributes
     ----------
-    settled : the discs
-    ground : where they lie
-    search : their critical Kh
-    dem : settings that they were made with
-    continuum : the FEM model that soil discs are calibrated to; it determines their displacement
+    settled : the discs at rest
+    ground : place of the discs in the section
+    search : search for the critical Kh of the discs
+    dem : settings with which the discs were made
+    continuum : the FEM model that soil discs are calibrated to, which determines the displacement of the discs
     """
 
     settled: DiscModel

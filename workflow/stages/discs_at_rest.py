@@ -32,10 +32,10 @@ class Discs:
 
     Attributes
     ----------
-    ground : where they lie
+    ground : place of the discs in the section
     layers : springs of all strata
-    settled : the discs
-    soil : required strength and fitted contacts of every stratum; empty for the paper's discs
+    settled : the discs at rest
+    soil : required strength and fitted contacts of every stratum; empty for discs with the law "paper"
     """
 
     ground: Ground

@@ -45,11 +45,11 @@ class FaceTask:
 
     Attributes
     ----------
-    config : of the run.
-    structure, side : the face.
-    quantity : what is computed.
-    first : the value in the unchanged section, or why it has none.
-    circle : the critical slip circle of the face; empty without one.
+    config : config of the run.
+    structure, side : the structure, and the side of the face.
+    quantity : name of the quantity to compute.
+    first : the value in the section without strong zones, or the reason why there is none.
+    circle : critical slip circle of the face; empty without one.
     """
 
     config: Config
@@ -66,9 +66,9 @@ class UnchangedTask:
 
     Attributes
     ----------
-    config : of the run.
-    side : to which the seismic force acts; of a factor of safety any.
-    quantity : what is computed.
+    config : config of the run.
+    side : side to which the seismic force acts; for a factor of safety either side.
+    quantity : name of the quantity to compute.
     """
 
     config: Config

@@ -30,8 +30,8 @@ class RandomPackingsWanted:
     ----------
     config, store : the config, and the folder of the run.
     continuum : the FEM model that the discs are calibrated to.
-    numbers : of the cases.
-    of_run : the packing of the run itself, if it is a random one.
+    numbers : numbers of the cases.
+    of_run : packing of the run itself, if it is a random one.
     """
 
     config: Config

@@ -27,12 +27,12 @@ class PlannedSlide:
 
     Attributes
     ----------
-    springs : the set of springs, "calibrated" or "table2", or the random packing it is on
-    number : of the case; `ALONE` for Kh without liquefaction
+    springs : set of springs, "calibrated" or "table2", or name of the random packing
+    number : number of the case; `ALONE` for Kh without liquefaction
     start : discs at rest under their weight
-    ground : where they are in the section
+    ground : place of the discs in the section
     strata : indices of the strata that liquefy
-    case : their stiffness and strength after liquefaction; None for Kh alone
+    case : stiffness and strength of these strata after liquefaction; None for Kh alone
     """
 
     springs: str

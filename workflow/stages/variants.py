@@ -65,7 +65,7 @@ class Change:
     config : the config with the change.
     mesh : the mesh of the answer, or its initial mesh.
     halved : whether the cells of this mesh are halved.
-    kc_without : the critical Kh on the initial mesh without the change; None for that of the answer.
+    kc_without : critical Kh on the initial mesh without the change; None if it is that of the answer.
     """
 
     name: str

@@ -16,11 +16,11 @@ class StudyPart:
 
     Attributes
     ----------
-    name : the word by which the command line knows it
-    function : computes the part for one sample
-    tables : the tables of settings that it reads; after changes of others it is not computed again
-    ignores : settings in these tables without effect on its numbers, as "table.key"
-    keeps : whether it takes so long that it stores a folder from which it continues
+    name : name of the part on the command line
+    function : function that computes the part for one sample
+    tables : tables of settings that the part reads; it is not computed again after changes of other tables
+    ignores : settings in these tables without effect on the numbers of the part, as "table.key"
+    keeps : whether the part takes so long that it stores a folder from which it continues
     """
 
     name: str

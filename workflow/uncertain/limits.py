@@ -27,7 +27,7 @@ class Reach:
     ----------
     low, high : ends of the range (0 to 1)
     notice : share of the distribution that is cut off, with the reason; empty if it is negligible
-    problem : why an end in the input is impossible; empty if the ends are possible
+    problem : reason why an end in the input is impossible; empty if the ends are possible
     """
 
     low: float = 0.0

@@ -34,7 +34,7 @@ class Judged:
     ----------
     boring, x, sample : place and result of the test
     top, bottom : range of depth (m) that the test represents, half-way to its neighbours in the same stratum
-    length : length of the section (m) that is nearest to its boring
+    length : length of the section (m) that is nearest to the boring
     where : stresses and stratum at the test
     outcome : demand, resistance and F_L by the method; None if the method does not apply
     reason : why the method does not apply
@@ -73,12 +73,12 @@ class OfStratum:
     Attributes
     ----------
     name : name of the stratum
-    tests : number of tests in it
-    judged : number of them with an F_L
-    share : share of the area of its tests with F_L below 1; None without tests
+    tests : number of tests in the stratum
+    judged : number of tests with an F_L
+    share : share of the area of the tests in which F_L is below 1; None without tests
     lowest : smallest F_L; None if no test was assessed
     reason : why the stratum, or some of its tests, were not assessed
-    liquefies : whether the share reaches the required one
+    liquefies : whether the share reaches the required share
     """
 
     name: str

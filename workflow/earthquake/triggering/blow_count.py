@@ -15,14 +15,14 @@ class BlowCount:
 
     Attributes
     ----------
-    depth : below the ground (m)
-    N : blows for 30 cm, as measured
+    depth : depth below the ground (m)
+    N : measured blows for 30 cm
     total, effective : vertical stresses before the earthquake (kPa); the total stress is that of the ground alone,
-        Total and effective vertical stress (kPa), without the water that stands on the ground.
-    fines : content of fines (%)
+        without the water that stands on the ground
+    fines : fines content (%)
     d50 : mean grain size (mm); None if not known
     plasticity : plasticity index (%); None if not known
-    energy_ratio : energy of its hammer (% of free fall); None for the common value of the settings
+    energy_ratio : energy ratio of the hammer (% of free fall); None for the common value of the settings
     """
 
     depth: float

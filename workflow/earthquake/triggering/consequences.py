@@ -79,9 +79,9 @@ class Left:
     Attributes
     ----------
     stratum : index of the stratum
-    ratios, strengths : residual strength over σ'v, and in Pa, by relation; tests denser than its cases count as the
-        Residual strength of the densest of these tests. A relation that holds for no test is left out if another
-        relation holds for some tests.
+    ratios, strengths : residual strength over σ'v, and in Pa, by the name of the relation; a test that is denser
+        than the cases of a relation counts as the densest of these cases. A relation that holds for no test is left
+        out if another relation holds for some tests.
     volumetric_strain : volumetric strain by drainage (-)
     strain_potential : shear strain before the stratum regains strength (-)
     """

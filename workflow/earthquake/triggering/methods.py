@@ -17,12 +17,12 @@ class Relation:
 
     Attributes
     ----------
-    title : common name
+    title : common name of the method
     source, validity : publication, and range of validity
     find : function of a BlowCount or a ConeTest that returns the resistance; raises ValueError if input is missing
-    why_not : why the method does not apply to a soil; empty if it does
-    magnitudes : smallest and largest magnitude; None if it needs no magnitude
-    kind : kind of the tests that it uses
+    why_not : function that returns why the method does not apply to a soil; empty if it does
+    magnitudes : smallest and largest magnitude; None if the method needs no magnitude
+    kind : kind of the tests that the method uses
     """
 
     title: str

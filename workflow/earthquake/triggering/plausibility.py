@@ -23,7 +23,7 @@ def implausible_triggering(
 
     Parameters
     ----------
-    section : its settings declare unusual numbers
+    section : the section, whose settings may declare unusual numbers
     earthquake, triggering : tables of the input
     """
     if section.unusual:
