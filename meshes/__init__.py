@@ -1,8 +1,8 @@
-"""The ground: a layered section, and the meshes made from it.
+"""Describes the ground as a layered section, and makes meshes of it.
 
-The names that a script needs: ``Section`` is read from TOML, ``MeshSettings`` are the settings of a mesh, ``generate``
-makes the quadrilaterals of the finite elements (``QuadMesh``), ``triangulate`` the triangles of limit analysis
-(``TriMesh``). Each name is imported when it is first used; the last two import gmsh.
+This package exports the names that a script needs: ``Section`` is read from TOML, ``MeshSettings`` are the settings of
+a mesh, ``generate`` makes the quadrilaterals of the finite elements (``QuadMesh``), ``triangulate`` the triangles of
+limit analysis (``TriMesh``). Each name is imported when it is first used; the last two import gmsh.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""A mesh adapted to the answer on the last mesh: small cells where the ground yields, large ones elsewhere.
+"""Adapts a mesh to the answer on the last mesh: small cells where the ground yields, large cells elsewhere.
 
 Plastic shear is concentrated in a band as narrow as the cells allow, and the limit load is too large in proportion to
 the width of the band. So small cells are most useful in the band.
@@ -63,7 +63,7 @@ def adapted(
     path : Path or str, optional
         File to which the mesh is written, in the format of gmsh.
     repeats : bool, optional
-        Whether the sides are periodic; if both have the same layers, they get the same points.
+        Whether the sides are periodic. Periodic sides with the same layers get the same points.
 
     Returns
     -------
@@ -102,7 +102,7 @@ def adapted(
 
 
 def wanted_sizes(mesh: QuadMesh, indicator: np.ndarray, cells: float, largest: float) -> np.ndarray:
-    """Return the size (m) of new cells at the points (n,) of a mesh, so that about ``cells`` cells result; no size is
+    """Return the size (m) of new cells at the points (n,) of a mesh, so that about ``cells`` cells result. No size is
     above ``largest``.
 
     ``indicator`` (n,): values at the points of ``mesh``; cells are small where it is large.
@@ -123,8 +123,8 @@ def wanted_sizes(mesh: QuadMesh, indicator: np.ndarray, cells: float, largest: f
 class Growth:
     """Limits sizes at the points of a mesh, so that they grow by no more than GROWTH per metre from cell to cell.
 
-    The limited sizes are the shortest paths, along edges and diagonals, from an additional point whose distance to
-    every other point is the wanted size there.
+    The limited sizes are the lengths of shortest paths, along edges and diagonals, from an additional point. The
+    distance from this point to every other point is the wanted size at the other point.
     """
 
     def __init__(self, mesh: QuadMesh) -> None:

@@ -1,6 +1,7 @@
-"""Longest-edge bisection of triangles (Rivara 1984): marked cells are divided, and as few others as conformity asks.
+"""Longest-edge bisection of triangles (Rivara 1984): marked cells are divided, and as few other cells as a conforming
+mesh requires.
 
-No angle becomes smaller than half of the smallest of the first mesh (Rosenberg & Stenger 1975).
+No angle becomes smaller than half of the smallest angle of the first mesh (Rosenberg & Stenger 1975).
 """
 
 import numpy as np
@@ -9,7 +10,7 @@ from meshes.triangles import TriMesh
 
 
 def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
-    """Bisect the cells in ``marked`` (numbers or a mask) at their longest edges; return the mesh, and the number of the
+    """Bisect the cells in ``marked`` (numbers or a mask) at their longest edges. Return the mesh, and the number of the
     old cell that contains each new cell."""
     longest = longest_edges(mesh)
     cut = np.zeros(len(mesh.edges), dtype=bool)
@@ -25,7 +26,8 @@ def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
 
 
 def _alike(mesh: TriMesh, cut: np.ndarray) -> np.ndarray:
-    """Return the edges to cut (a mask); edges of one periodic side are cut with their counterparts on the other."""
+    """Return the edges to cut (a mask). Edges of one periodic side are cut together with their counterparts on the
+    other side."""
     left, right = (mesh.edge_numbers(ends) for ends in mesh.matched)
     marked = cut.copy()
     marked[left] = marked[right] = cut[left] | cut[right]
@@ -33,7 +35,7 @@ def _alike(mesh: TriMesh, cut: np.ndarray) -> np.ndarray:
 
 
 def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, np.ndarray]:
-    """Halve the cells around points (a mask) through these points if their angle exceeds ``widest`` (rad); return the
+    """Halve the cells around points (a mask) through these points if their angle exceeds ``widest`` (rad). Return the
     mesh, and the number of the old cell that contains each new cell.
 
     Bisection of the longest edges alone would never add cells at a point.
@@ -49,7 +51,7 @@ def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, 
 
 
 def cut_edges(mesh: TriMesh, cut: np.ndarray) -> tuple[TriMesh, np.ndarray]:
-    """Cut edges (a mask) at their middles, every cell first at its longest edge among them; return the mesh, and the
+    """Cut edges (a mask) at their middles. Every cell is first cut at its longest marked edge. Return the mesh, and the
     number of the old cell that contains each new cell."""
     rank = np.where(cut, _rank(mesh), -1)[mesh.cell_edges]
     first = np.take_along_axis(mesh.cell_edges, np.argmax(rank, axis=1)[:, None], axis=1)[:, 0]
@@ -62,13 +64,14 @@ def cut_edges(mesh: TriMesh, cut: np.ndarray) -> tuple[TriMesh, np.ndarray]:
 
 
 def longest_edges(mesh: TriMesh) -> np.ndarray:
-    """Return the number of the longest edge of every cell; among equal edges neighbours take the same."""
+    """Return the number of the longest edge of every cell. Among equal edges, neighbouring cells take the same edge."""
     rank = _rank(mesh)[mesh.cell_edges]
     return np.take_along_axis(mesh.cell_edges, np.argmax(rank, axis=1)[:, None], axis=1)[:, 0]
 
 
 def _rank(mesh: TriMesh) -> np.ndarray:
-    """Place of every edge in the order of lengths; rounding does not decide which of two equal ones comes first."""
+    """Return the rank of every edge in the order of lengths. Rounding does not decide which of two equal edges comes
+    first."""
     ends = mesh.points[mesh.edges]
     length = np.sum((ends[:, 1] - ends[:, 0]) ** 2, axis=1)
     order = np.lexsort((-np.arange(len(length)), np.round(np.log(length), 9)))
@@ -78,8 +81,8 @@ def _rank(mesh: TriMesh) -> np.ndarray:
 
 
 def _divided(mesh: TriMesh, base: np.ndarray, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return cells and their parents after every cell was cut at its base edge and its halves at their own cut
-    edges."""
+    """Return the cells, and the number of the old cell of each, after every cell was cut at its base edge and its
+    halves at their own cut edges."""
     at = np.argmax(mesh.cell_edges == base[:, None], axis=1)
     rows = np.arange(len(mesh.cells))
     a, b, c = (mesh.cells[rows, (at + k) % 3] for k in range(3))
@@ -96,7 +99,7 @@ def _divided(mesh: TriMesh, base: np.ndarray, middle: np.ndarray) -> tuple[np.nd
 
 
 def _divided_edges(ends: np.ndarray, middle: np.ndarray) -> np.ndarray:
-    """Return edges (k, 2) of a boundary, each edge that got a middle point divided in two."""
+    """Return edges (k, 2) of a boundary; each edge with a middle point is divided in two."""
     cut = middle >= 0
     start, end, mid = ends[cut, 0], ends[cut, 1], middle[cut]
     return np.concatenate([ends[~cut], np.column_stack([start, mid]), np.column_stack([mid, end])])

@@ -1,4 +1,4 @@
-"""Blocks of columns by bands of rows: how a section is cut up for a mapped mesh, if it can be."""
+"""Divides a section into blocks of columns and bands of rows for a mapped mesh, if it can be."""
 
 import math
 from collections.abc import Sequence
@@ -32,8 +32,8 @@ class Blocks:
 def blocks_of(section: Section) -> Blocks | str:
     """Return the blocks and bands of a section, or the reason why it has none.
 
-    A section can be mapped if the same number of layers lies under every point, all of them thicker than zero, and if
-    their borders meet from block to block; lateral neighbours lie in one band of rows.
+    A section can be mapped if the same number of layers lies under every point, if all layers are thicker than zero,
+    and if their borders meet from block to block. Neighbouring blocks then lie in one band of rows.
     """
     layers = section.layering
     at_left, at_right = layers.thickness()
@@ -61,7 +61,7 @@ def blocks_of(section: Section) -> Blocks | str:
 def share_out(total: int, weights: Sequence[float] | np.ndarray) -> np.ndarray:
     """Divide ``total`` items in proportion to weights (largest remainder), with at least one item for each weight.
 
-    Raises ValueError if there are more weights than things.
+    Raises ValueError if there are more weights than items.
     """
     weights = np.asarray(weights, dtype=float)
     if total < len(weights):
@@ -76,9 +76,10 @@ def share_out(total: int, weights: Sequence[float] | np.ndarray) -> np.ndarray:
 
 
 def divisions(blocks: Blocks, columns: int | None, rows: int | None, size: float | None, most: int) -> tuple[int, int]:
-    """Return numbers of columns and rows as given; else from ``size`` (m); else 12 rows or one for each layer, and
-    columns that make the cells half as wide again as high. ``blocks``: blocks of the section; ``columns``, ``rows``:
-    given numbers, or None; ``most``: largest number of cells if nothing is given; with fewer rows the cells are longer.
+    """Return the given numbers of columns and rows; else numbers that follow from ``size`` (m); else 12 rows, or one
+    for each layer if there are more layers, and columns that make the cells one and a half times as wide as high.
+    ``blocks``: blocks of the section; ``columns``, ``rows``: given numbers, or None; ``most``: largest number of cells
+    if nothing is given; with fewer rows the cells are longer.
     """
     widths, thickness = np.diff(blocks.x), band_thickness(blocks)
     if size is not None:

@@ -1,10 +1,11 @@
-"""The folder of compiled kernels: one for each state of their sources, so that no change is overlooked.
+"""Manages the folder of compiled kernels: one folder for each state of their sources, so that no change is overlooked.
 
 Numba stores compiled functions and compiles again when the file of a function changes. It does not check the files of
 functions that are called from there (Numba's issue 1833): after a change in `contact.py` alone, `stepping.py` would
-continue with the old law. So the folder's name contains a hash of all kernels.
+still be used with the old contact law. So the name of the folder contains a hash of all kernels.
 
-The folder is in the user's cache, since an installation may be read-only, or in NUMBA_CACHE_DIR if that is set.
+The folder is in the cache folder of the user, since an installation may be read-only, or in NUMBA_CACHE_DIR if that is
+set.
 """
 
 import atexit
@@ -50,7 +51,7 @@ def kernel_folder() -> Path:
 
 
 def hash_of_kernels(top: Path) -> str:
-    """Return the hash of all sources in the kernels' rooms of the packages in the folder `top`."""
+    """Return the hash of all sources in the kernel folders of the packages in the folder `top`."""
     return hash_of_files(
         (path for package in PACKAGES for path in sorted((top / package / "kernels").rglob("*.py"))), top
     )
@@ -76,7 +77,8 @@ def forget(base: Path, current: Path) -> None:
 
 
 def _usable(folder: Path) -> bool:
-    """Return whether files can be written into the folder, which is made if need be; it counts as used today."""
+    """Return whether files can be written into the folder, which is made if necessary. The folder is marked as used
+    today."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
@@ -87,7 +89,7 @@ def _usable(folder: Path) -> bool:
 
 
 def _user_cache() -> Path:
-    """Return the folder for files that a program can make again."""
+    """Return the folder of the user for files that a program can make again."""
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches"
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")

@@ -1,4 +1,4 @@
-"""Counts in words."""
+"""Writes counts in words."""
 
 
 def counted(count: int, singular: str, plural: str) -> str:

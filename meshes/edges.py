@@ -1,4 +1,4 @@
-"""The edges of cells, each listed once, for cells with any number of corners."""
+"""Lists the edges of cells, each once, for cells with any number of corners."""
 
 import numpy as np
 
@@ -15,8 +15,7 @@ def edges_of(cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def without_cells(cells: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Return edges (k, 2) that are outer edges of the cells but not of the ``boundary`` (n, 2), or the other way
-    round."""
+    """Return edges (k, 2) that are outer edges of the cells but not of the ``boundary`` (n, 2), or vice versa."""
     edges, of_cell = edges_of(cells)
     outer = edges[np.bincount(of_cell.ravel()) == 1]
     either, times = np.unique(np.concatenate([outer, np.sort(boundary, axis=1)]), axis=0, return_counts=True)

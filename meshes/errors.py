@@ -1,4 +1,4 @@
-"""Errors for the user whose input cannot be used, or has no answer."""
+"""Defines errors for the user whose input cannot be used, or has no answer."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -23,11 +23,11 @@ class InputError(ValueError):
         super().__init__("\n".join([f"{source}: {count}", *(f"  - {text}" for text in self.problems)]))
 
     def of_file(self, name: str, file: Path | None) -> "InputError":
-        """Return the error of a ``file``, if there is one, with the file in place of the ``name`` of the section."""
+        """Return the error of a ``file``, if there is one, in which the file replaces the ``name`` of the section."""
         return self if file is None or self.source != name else InputError(str(file), self.problems)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Return the error in the form in which one process hands it to another."""
+        """Return the error in the form in which it is sent to another process."""
         return type(self), (self.source, self.problems)
 
 
@@ -52,5 +52,5 @@ class NoAnswerError(RuntimeError):
         super().__init__(f"{reason}; {remedy}" if remedy else reason)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Return the error in the form in which one process hands it to another."""
+        """Return the error in the form in which it is sent to another process."""
         return type(self), (self.reason, self.remedy)

@@ -1,5 +1,5 @@
-"""Concurrent tasks: an executor does tasks in order, in threads, or in processes of this machine. The results of the
-tasks do not depend on the choice of the executor.
+"""Executes tasks in order, in threads, or in processes of this machine. The results of the tasks do not depend on the
+choice of the executor.
 
 One rule for interruption and cancelling
 ----------------------------------------
@@ -83,7 +83,7 @@ SERIAL = Executor()
 
 
 def _unheard(_: Any) -> None:
-    """Nobody hears it."""
+    """Ignore a message."""
 
 
 def _telling_nothing(work: Callable[[], A], _: Tell) -> A:
@@ -91,7 +91,7 @@ def _telling_nothing(work: Callable[[], A], _: Tell) -> A:
 
 
 def _do(future: "Future[A]", work: Callable[[], A], errors: type[BaseException] = BaseException) -> None:
-    """Do some work and keep its result, or its error of a given kind."""
+    """Do some work, and store its result, or its error if it is of a given kind."""
     try:
         future.set_result(work())
     except errors as error:
@@ -99,7 +99,7 @@ def _do(future: "Future[A]", work: Callable[[], A], errors: type[BaseException] 
 
 
 def then(future: "Future[A]", follow: Callable[["Future[A]"], Result]) -> "Future[Result]":
-    """Return a future for work that follows once another future is done; the work runs in the thread that has done the
+    """Return a future for work that follows once another future is done. The work runs in the thread that has done the
     other future."""
     following: Future[Result] = Future()
     future.add_done_callback(lambda done: _do(following, partial(follow, done)))
@@ -124,7 +124,7 @@ class OneThread(Executor):
         return shared
 
     def begin_there(self, work: Callable[[], A]) -> "Future[A]":
-        """Return a task assigned to the thread."""
+        """Return a task that the thread will do."""
         future = self._pool.submit(work)
         self._futures.add(future)
         return future
@@ -137,7 +137,8 @@ class OneThread(Executor):
 
 
 class _Shared(Future[A]):
-    """A task for another thread; the thread that needs its result does it if the other has not begun."""
+    """Represents a task for another thread. The thread that needs the result does the task itself if the other thread
+    has not begun it."""
 
     def __init__(self, work: Callable[[], A]) -> None:
         super().__init__()
@@ -155,7 +156,7 @@ class _Shared(Future[A]):
 
 
 def interruptible(work: Callable[[], A]) -> A:
-    """Return the result of some work; the main thread lets another thread do it, so that Ctrl-C is noticed.
+    """Return the result of some work. The main thread lets another thread do the work, so that Ctrl-C is noticed.
 
     Raises the error of the work, and KeyboardInterrupt in a thread whose result is no longer needed.
     """
@@ -192,7 +193,7 @@ class LostError(RuntimeError):
 
 
 class Processes(Executor):
-    """Executes tasks in processes of this machine, each started when it is first needed.
+    """Executes tasks in processes of this machine. Each process is started when it is first needed.
 
     Parameters
     ----------
@@ -270,7 +271,7 @@ class Processes(Executor):
         self._threads.shutdown(wait=True)
 
     def _done(self, request: bytes, heard: Tell) -> Any:
-        """Return the result of a task in this thread's process, or in a new one if that process ends."""
+        """Return the result of a task in the process of this thread. If that process ends, a new process is started."""
         for _ in range(self.tries):
             worker = self._worker()
             try:

@@ -1,4 +1,4 @@
-"""Public names of a package: each name is written once, in an import, and imported when it is first used."""
+"""Lists the public names of a package. Each name is written once, in an import, and imported when it is first used."""
 
 import ast
 from collections.abc import Callable

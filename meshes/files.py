@@ -1,4 +1,4 @@
-"""Files that are written completely or not at all, and checkpoints of arrays in such files."""
+"""Writes files completely or not at all, and checkpoints of arrays in such files."""
 
 import json
 import os
@@ -18,7 +18,8 @@ PLAIN = "plain"  # name in a checkpoint of all values that are no arrays, as JSO
 
 @contextmanager
 def whole(path: Path) -> Iterator[Path]:
-    """Provide the path of a temporary file to write to; at the end of the block it replaces the final file at once.
+    """Provide the path of a temporary file to write to. At the end of the block it replaces the final file in one
+    operation.
 
     The folder of the file is made if necessary. After any error the earlier file remains, and the temporary file is
     removed. Raises OSError if the file cannot be written.
@@ -40,7 +41,7 @@ def write_checkpoint(path: Path, arrays: Mapping[str, np.ndarray], plain: Mappin
 
 
 def read_checkpoint(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Read arrays and plain values back; raises OSError for a file that is no such checkpoint."""
+    """Read arrays and plain values back. Raises OSError for a file that is no such checkpoint."""
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = dict(file)

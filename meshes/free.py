@@ -1,4 +1,4 @@
-"""Free meshes of any section, conforming to every interface: quadrilaterals of a wanted size, or triangles."""
+"""Makes free meshes of any section that conform to every interface: quadrilaterals of a wanted size, or triangles."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -30,7 +30,7 @@ STEP_CELLS, STEP_GROWTH = 2.0, 0.4
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """Holds the required sizes of cell edges (m); the smallest size that applies at a place is used.
+    """Holds the required sizes of cell edges (m). At every place the smallest of the sizes that apply is used.
 
     Attributes
     ----------
@@ -80,8 +80,8 @@ class Sizes:
 def build_free(section: Section, layers: Layering, sizes: Sizes, algorithm: int) -> None:
     """Mesh the ``layers`` of a section in the current gmsh model with quadrilaterals of about the ``sizes``.
 
-    Triangles of twice the size are recombined and then every cell is divided at the middles of its edges: what is left
-    over as a triangle becomes three convex quadrilaterals, so that no triangle stays and no cell can fold.
+    Triangles of twice the size are merged to quadrilaterals, and then every cell is divided at the middles of its
+    edges. A remaining triangle becomes three convex quadrilaterals, so that no triangle remains and no cell can fold.
     ``algorithm`` is one of ALGORITHMS.
     """
     before_division = sizes.times(2.0)
@@ -104,8 +104,8 @@ def build_free(section: Section, layers: Layering, sizes: Sizes, algorithm: int)
 def build_triangles(section: Section, sizes: Sizes, repeats: bool = False) -> None:
     """Mesh the section in the current gmsh model with triangles of about the ``sizes``.
 
-    Edges follow the vertical lines at which pore pressures bend: within a triangle they are linear. Where the section
-    ``repeats`` the right side has the points of the left one.
+    Edges follow the vertical lines at which the pore pressure changes its slope, since it is linear within a triangle.
+    If the section ``repeats``, the right side has the points of the left side.
     """
     kinks = section.cohesion_field.kinks
     layers = section.layering_cut_at(kinks) if len(kinks) else section.layering
@@ -120,7 +120,7 @@ def build_triangles(section: Section, sizes: Sizes, repeats: bool = False) -> No
 
 
 def _match_sides() -> None:
-    """Have gmsh put the points of the left side on the right one, curve by curve from below upwards."""
+    """Make gmsh copy the points of the left side to the right side, curve by curve from below upwards."""
     sides = []
     for name in ("left", "right"):
         tag = next(tag for d, tag in gmsh.model.getPhysicalGroups(1) if gmsh.model.getPhysicalName(d, tag) == name)
@@ -136,11 +136,11 @@ def _geometry(
     section: Section, layers: Layering, sizes: Sizes | None = None, cuts: Sequence[float] | np.ndarray = ()
 ) -> tuple[dict[int, list[int]], dict[str, list[int]], dict[int, float]]:
     """Return the strata as plane surfaces that share their curves: surfaces by stratum, curves by line, and the heights
-    (m) of the vertical ones.
+    (m) of vertical curves.
 
-    Every polygon's edge is cut at every corner of another polygon that lies on it. Where ``sizes`` are given, layers
-    that are thin beside them get rows of cells. Else breakpoints that are ``cuts`` are vertical lines through all
-    strata.
+    Every edge of a polygon is cut at every corner of another polygon that lies on it. If ``sizes`` are given, layers
+    that are thin compared with them get rows of cells. Otherwise vertical lines divide all strata at breakpoints that
+    are ``cuts``.
     """
     size = partial(_size_in, section, sizes) if sizes is not None else None
     pieces = {
@@ -187,14 +187,15 @@ def _geometry(
 
 
 def _corners(section: Section, layers: Layering, polygons: list[np.ndarray]) -> np.ndarray:
-    """Return the corners (n, 2) of all polygons, and the ends of loads on the ground: there an edge ends, too."""
+    """Return the corners (n, 2) of all polygons, and the ends of loads on the ground, since an edge has to end there,
+    too."""
     ends = np.array([x for load in section.surcharges for x in (load.start, load.end)])
     return np.unique(np.concatenate([np.column_stack([ends, layers.interfaces(ends)[:, 0]]), *polygons]), axis=0)
 
 
 def _size_in(section: Section, sizes: Sizes, k: int, points: np.ndarray) -> np.ndarray:
-    """Return the size (n,) of cells in stratum k at points (n, 2), all of which count as near the lines of a thin
-    one."""
+    """Return the size (n,) of cells in stratum k at points (n, 2). The stratum is thin, so that all points count as
+    near its lines."""
     name, above = section.strata[k].name, section.strata[max(k - 1, 0)].name
     near = [size for line, size in sizes.towards.items() if line in (name, above, "surface", "base")]
     return np.minimum(sizes.at(name, points), min(near, default=np.inf))
@@ -207,7 +208,7 @@ def _make_rows(
     lines: dict[tuple[int, int], int],
     points: list[int],
 ) -> None:
-    """Have gmsh fill a thin layer with columns and rows."""
+    """Make gmsh fill a thin layer with columns and rows."""
 
     def curve(start: np.ndarray, end: np.ndarray) -> int:
         first, second = number[tuple(start.tolist())], number[tuple(end.tolist())]
@@ -230,8 +231,8 @@ def _cut_ring(
     tolerance: float,
     reach: np.ndarray,
 ) -> list[int]:
-    """Return a polygon as indices of corners, with every corner on one of its edges, nearer to it than its ``reach``
-    (m), taken in between."""
+    """Return a polygon as indices of corners. It includes every corner that lies on one of its edges, which is a corner
+    nearer than its ``reach`` (m) to the edge."""
     ring: list[int] = []
     for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         length = float(np.hypot(*(end - start)))
@@ -251,7 +252,7 @@ def _named_curves(
 ) -> tuple[dict[str, list[int]], dict[str, list[int]]]:
     """Return the curves of the four boundaries, and of the bottom of every stratum by its name.
 
-    Where no ground of the section reaches a side, the last face of the mesh is ground in the open, and no side.
+    If no ground of the section reaches a side, the last face of the mesh is a face of the ground, and no side.
     """
     left, right = layers.x[0], layers.x[-1]
     heights = section.layering.left[0], section.layering.right[-1]
@@ -290,9 +291,11 @@ def _size_field(
     sizes: Sizes,
     steps: Mapping[int, float] | None = None,
 ) -> None:
-    """gmsh's size field: the smallest of the stratum's, its neighbour's on a common curve, and the interfaces'.
+    """Return gmsh's size field: the smallest of the size of the stratum, the size of its neighbour on a common curve,
+    and the sizes at interfaces.
 
-    Cells at ``steps`` (m, by curve) that are lower than these are twice as large as the step, and grow from there.
+    Cells at vertical ``steps`` (m, by curve) lower than these sizes are twice as large as the step, and grow with the
+    distance from it.
     """
     fields = gmsh.model.mesh.field
     numbers = []
@@ -318,9 +321,10 @@ def _size_field(
 
 
 def _near_field(curves: list[int], near: float, far: float, reach: float, stop: bool) -> int:
-    """Return gmsh's field that grows from ``near`` within that distance of curves to ``far`` at ``reach`` (all in m).
+    """Return gmsh's size field that is ``near`` at some curves up to a distance ``near``, and grows to ``far`` at the
+    distance ``reach`` (all in m).
 
-    Beyond ``reach`` the field has no effect if it is to ``stop``; else it stays ``far``.
+    Beyond ``reach`` the field has no effect if ``stop``; otherwise it remains ``far``.
     """
     fields = gmsh.model.mesh.field
     distance = fields.add("Distance")
@@ -337,7 +341,8 @@ def _near_field(curves: list[int], near: float, far: float, reach: float, stop: 
 
 
 def _inside_field(section: Section, sizes: Sizes) -> int:
-    """gmsh's field of the ordinary size within the ends of the section as it was given, growing to the far one."""
+    """Return gmsh's size field that has the ordinary size within the given ends of the section and grows to the far
+    size outside."""
     fields = gmsh.model.mesh.field
     number = int(fields.add("Box"))
     (left, right), (low, high) = section.given_extent, (section.outline()[:, 1].min(), section.outline()[:, 1].max())
@@ -352,7 +357,7 @@ def _inside_field(section: Section, sizes: Sizes) -> int:
 
 
 def _view_field(sizes: Sizes) -> int:
-    """Return gmsh's field of the sizes at the corners of triangles."""
+    """Return gmsh's size field that interpolates the sizes at the corners of triangles."""
     view = gmsh.view.add("sizes")
     count = len(sizes.corners)
     x, z = sizes.corners[..., 0], sizes.corners[..., 1]

@@ -1,4 +1,4 @@
-"""gmsh: mapped or free meshes of a section, all quadrilaterals, with named strata and boundaries."""
+"""Makes mapped or free meshes of a section by gmsh, all quadrilaterals, with named strata and boundaries."""
 
 import errno
 import math
@@ -55,7 +55,7 @@ FAR = 3.0
 
 
 def generate(section: Section, settings: MeshSettings | None = None, path: Path | str | None = None) -> QuadMesh:
-    """Return the mesh a section with quadrilaterals.
+    """Mesh a section with quadrilaterals.
 
     Parameters
     ----------
@@ -103,12 +103,12 @@ def sizes_of(section: Section, settings: MeshSettings) -> Sizes:
 
 
 def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path | str | None = None) -> QuadMesh:
-    """Make a free mesh of the given sizes, or of somewhat smaller ones, by the first of gmsh's algorithms that leaves
-    no bad cell.
+    """Make a free mesh of the given sizes, or of somewhat smaller ones, by the first of gmsh's algorithms that makes no
+    bad cell.
 
-    Of the settings only the thickness counts in which a layer ends that thins out. Raises BadMeshError, the first
-    one's, if none does. ``section``: the section of the ground; ``sizes``: sizes of cells (m); ``path``: path of the
-    .msh file to write, or None.
+    Of the settings, only the thickness matters at which a layer that thins out ends. If every attempt makes a bad cell,
+    the function raises the BadMeshError of the first attempt. ``section``: the section of the ground; ``sizes``: sizes
+    of cells (m); ``path``: path of the .msh file to write, or None.
     """
     try:
         return _in_fresh_processes.submit(
@@ -158,8 +158,9 @@ def _built(
     layers: Layering | None = None,
     best: QuadMesh | None = None,
 ) -> QuadMesh:
-    """Mesh in a gmsh session of its own, check the mesh, against ``layers`` where they are given, and write it if a
-    path is given, unless the ``best`` mesh so far, which was written there, has no narrower corner.
+    """Mesh in a separate gmsh session, and check the mesh, also against ``layers`` if they are given. If a path is
+    given, write the mesh, unless the ``best`` mesh so far, which is already written there, has a wider narrowest
+    corner.
     """
     with session(section.name):
         try:
@@ -180,8 +181,8 @@ def _built(
 
 @contextmanager
 def session(name: str) -> Iterator[Any]:
-    """Provide a quiet gmsh session with one empty model, closed again after any error; one session at a time in all
-    threads."""
+    """Provide a quiet gmsh session with one empty model, which is closed after any error. All threads together have one
+    session at a time."""
     with _one_session:
         gmsh.initialize(readConfigFiles=False, interruptible=False)
         try:
@@ -239,7 +240,7 @@ def refuse_bare_ground(cells: np.ndarray, boundary: np.ndarray, tags: np.ndarray
 def refuse_other_ground(mesh: QuadMesh, layers: Layering) -> None:
     """Raise BadMeshError unless every stratum has the same area as in the layers, and the outline has the same length.
 
-    Near the tip of a wedge gmsh has assigned ground to the wrong stratum, and left a slit between two strata.
+    Near the tip of a wedge gmsh has assigned ground to the wrong stratum, and has left a slit between two strata.
     """
     areas, wanted = mesh.stratum_areas(), layers.areas()
     worst = int(np.argmax(np.abs(areas - wanted)))
@@ -272,7 +273,7 @@ def group_nodes(dimension: int, name: str, element_type: int, corners: int) -> n
 
 
 def _write(path: Path, section: Section) -> None:
-    """Write the gmsh file, which says, too, if a section is a reconstruction.
+    """Write the gmsh file, which also states whether a section is a reconstruction.
 
     Raises OSError if the file could not be written completely: gmsh itself would not report it.
     """

@@ -1,4 +1,4 @@
-"""Mapped meshes: columns by rows through the layers, the rows following the interfaces."""
+"""Makes mapped meshes: columns and rows through the layers, where the rows follow the interfaces."""
 
 import gmsh
 import numpy as np
@@ -39,7 +39,7 @@ def build_mapped(section: Section, settings: MeshSettings) -> None:
 
 
 def _transfinite(section: Section, blocks: Blocks, columns: np.ndarray, rows: np.ndarray) -> None:
-    """One transfinite gmsh surface for every block and band, with the given numbers of cells."""
+    """Make one transfinite gmsh surface for every block and band, with the given numbers of cells."""
     geo = gmsh.model.geo
     elevation = np.vstack([blocks.left, blocks.right[-1:]])
     n_blocks, n_bands = blocks.stratum.shape

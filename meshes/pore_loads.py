@@ -1,4 +1,4 @@
-"""Pore pressure on triangles: at their corners, and the edges across which it jumps."""
+"""Computes pore pressures on triangles: at their corners, and the edges across which the pressure jumps."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -23,8 +23,8 @@ class EdgeJumps(NamedTuple):
     ends : ndarray (k, 2)
         Numbers of the end points of each edge.
     traction : ndarray (k, 2 ends, 2)
-        Traction on the skeleton (Pa) that does not depend on a load multiplier; it acts away from the first of
-        ``TriMesh.edge_cells`` if that cell has more pressure.
+        Traction on the skeleton (Pa) that does not depend on a load multiplier. It acts away from the first cell of
+        ``TriMesh.edge_cells`` if the pressure in that cell is larger.
     live : ndarray (k, 2 ends, 2)
         Traction on the skeleton (Pa) that is multiplied by the load multiplier.
     """
@@ -36,7 +36,7 @@ class EdgeJumps(NamedTuple):
 
 
 def corner_pressure(mesh: TriMesh, pressure: Pressure | None) -> np.ndarray:
-    """Return a pressure (m, 3) in Pa at the corners of every cell, with its value within the cell; zero without
+    """Return a pressure (m, 3) in Pa at the corners of every cell, on the inner side of the cell; zero without
     pressure."""
     if pressure is None:
         return np.zeros(mesh.cells.shape)

@@ -1,4 +1,5 @@
-"""The quadrilaterals of a section as arrays, with named strata and boundaries; checked, and read back from a file."""
+"""Holds the quadrilaterals of a section as arrays, with named strata and boundaries; checks them, and reads them from a
+file."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -69,7 +70,7 @@ class BadMeshError(NoAnswerError):
     Attributes
     ----------
     reason : str
-        The cell, its place, and what is wrong with it.
+        Description of the cell, its place, and what is wrong with it.
     remedy : str
         What the user can try.
     """

@@ -1,4 +1,5 @@
-"""Quality of quadrilaterals: scaled Jacobian, angles, aspect ratio (Verdict's definitions, Stimpson et al. 2007)."""
+"""Computes the quality of quadrilaterals: scaled Jacobian, angles, aspect ratio (definitions of Verdict, Stimpson et
+al. 2007)."""
 
 from dataclasses import dataclass
 
@@ -27,7 +28,7 @@ class Quality:
 
 
 def corner_vectors(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the edges that leave every corner forwards and backwards, each (cells, 4, 2)."""
+    """Return the edges from every corner to the next corner and to the corner before, each (cells, 4, 2)."""
     corners = points[cells]
     return np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
 

@@ -1,8 +1,8 @@
-"""Thin layers in a free mesh: rows of quadrilaterals from the top of a layer to its bottom.
+"""Meshes thin layers in a free mesh by seams: rows of quadrilaterals from the top of a layer to its bottom.
 
 In a layer thinner than the triangles around it, triangles have angles of a few degrees, and so have quadrilaterals made
 from them. Ground often fails in such a layer first. So the layer gets columns of the required length, each between a
-point of its top and a point of its bottom, and rows of the required height.
+point of the top line and a point of the bottom line, and rows of the required height.
 """
 
 import math
@@ -79,12 +79,12 @@ def seams_of(
     size: Callable[[int, np.ndarray], np.ndarray],
     tolerance: float,
 ) -> dict[Place, Seam]:
-    """Return the thin layers among ``pieces``, outlines (n, 2) of strata by the numbers of the stratum and of its
-    piece.
+    """Return the thin layers among ``pieces``, which are outlines (n, 2) of strata by the numbers of the stratum and of
+    the piece.
 
-    ``corners`` (n, 2) are the points (m) at which lines are cut; ``size`` gives for a stratum and points (k, 2) the
-    length (m) of cells there. The thinner one of two seams that lie on each other comes first, and the other one has
-    its points on the line between them. Points nearer than ``tolerance`` (m) to a line are on it.
+    ``corners`` (n, 2) are the points (m) at which lines are cut; ``size`` returns the length (m) of cells in a stratum
+    at points (k, 2). If two seams touch, the thinner one comes first, and the other one takes its points on the common
+    line. Points nearer than ``tolerance`` (m) to a line lie on it.
     """
 
     def seam_at(place: Place, points: np.ndarray) -> Seam | None:
@@ -104,7 +104,7 @@ def seams_of(
 
 def seam_ends(layers: Layering, k: int, size: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
     """Return the x (n,) in m at which stratum k is divided because it is thinner than a cell (``size``) on one side and
-    thicker on the other. The thin part then ends in one edge, as a seam requires.
+    thicker on the other side. The thin part then ends in one edge, as a seam requires.
     """
     at = np.column_stack([layers.x[:-1], layers.x[1:]])
     top, bottom = (np.column_stack([layers.left[:, j], layers.right[:, j]]) for j in (k, k + 1))
@@ -129,7 +129,7 @@ def _common(first: Seam, second: Seam, tolerance: float) -> np.ndarray:
 
 
 def _fit(first: Seam, second: Seam, tolerance: float) -> bool:
-    """Return whether seams have the same points where they touch, to the last bit, and as many rows at a common end."""
+    """Return whether two seams that touch have exactly the same points there, and as many rows at a common end."""
     here, there = _common(first, second, tolerance), _common(second, first, tolerance)
     same = np.array_equal(here, there)
     ends = [{tuple(seam.top[end]), tuple(seam.bottom[end])} for seam in (first, second) for end in (0, -1)]
@@ -138,14 +138,14 @@ def _fit(first: Seam, second: Seam, tolerance: float) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Line:
-    """Holds one of the two lines of a layer, and where its points lie along the layer.
+    """Holds the top or bottom line of a layer, and the places of its points along the layer.
 
     Attributes
     ----------
     corners : ndarray (n, 2)
-        From the left to the right (m).
+        Corners of the line from left to right (m).
     x, along : ndarray (k,)
-        Between these x (m) of the line and these (m) along the layer everything is linear.
+        Values of x (m) of the line, and places along the layer (m); both are linear in between.
     """
 
     corners: np.ndarray
@@ -166,8 +166,8 @@ class _Line:
         return np.interp(np.interp(along, self.along, self.x), *self.corners.T)
 
     def points(self, along: np.ndarray, fixed: np.ndarray) -> np.ndarray:
-        """Return the points (n, 2) at places along the layer; exactly those of the ``fixed`` points that coincide with
-        them.
+        """Return the points (n, 2) at places along the layer. If a point coincides with one of the ``fixed`` points,
+        that point is returned exactly.
         """
         x = np.interp(along, self.along, self.x)
         points = np.column_stack([x, np.interp(x, *self.corners.T)])
@@ -180,7 +180,7 @@ class _Line:
 def _seam(
     polygon: np.ndarray, corners: np.ndarray, size: Callable[[np.ndarray], np.ndarray], tolerance: float
 ) -> Seam | None:
-    """Return the outline of a layer as a seam, None if it is not one."""
+    """Return the outline of a layer as a seam; None if the outline is no seam."""
     lines = _lines(polygon)
     if lines is None:
         return None
@@ -208,11 +208,12 @@ def _seam(
 
 
 def _lines(polygon: np.ndarray) -> tuple[_Line, _Line] | None:
-    """Return the top and bottom of an outline, counter-clockwise, between its ends; None if it has no such lines.
+    """Return the top and bottom line, between the ends, of an outline that goes counter-clockwise; None if it has no
+    such lines.
 
-    An end is the edge at the outermost corner; where the layer ends in a single corner, as at the face of a slope, it
-    is the steeper one of the two edges there. Places along the layer are x, but towards an end that leans, the columns
-    lean as well.
+    An end of the layer is the edge at the outermost corner. If the layer ends in a single corner, as at the face of a
+    slope, the end is the steeper one of the two edges there. Places along the layer are x; but towards an inclined end
+    the columns are inclined as well.
     """
     ring = np.roll(polygon, -int(np.lexsort((polygon[:, 1], polygon[:, 0]))[0]), axis=0)
     if _steepness(ring[0], ring[-1]) < _steepness(ring[0], ring[1]):  # the left end comes first, from top to bottom
@@ -235,23 +236,23 @@ def _lines(polygon: np.ndarray) -> tuple[_Line, _Line] | None:
 
 
 def _steepness(first: np.ndarray, second: np.ndarray) -> float:
-    """Return the height over width of the way from one corner to another."""
+    """Return the height over the width of the line from one corner to another."""
     width, height = np.abs(second - first)
     return math.inf if width == 0.0 else float(height / width)
 
 
 def _on(start: np.ndarray, end: np.ndarray, points: np.ndarray, tolerance: float) -> np.ndarray:
-    """Return the points out of (n, 2) on an edge, its ends included."""
+    """Return those of the points (n, 2) that lie on an edge, its ends included."""
     at, off = along_and_above(start, end, points)
     return points[(off <= tolerance) & (at >= -tolerance) & (at <= np.hypot(*(end - start)) + tolerance)]
 
 
 def along_and_above(start: np.ndarray, end: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far (m) points (n, 2) are along the line of an edge, and how far above or below it, or beside a
-    vertical edge.
+    """Return the distance (m) of points (n, 2) along the line of an edge, and their distance above or below it, or
+    beside a vertical edge.
 
-    Lines of a section that are nearer to each other at one x are one. Measured square to a steep face, lines below it
-    would be as near long before.
+    Lines of a section that are nearer to each other than the tolerance at one x count as one line. If the distance were
+    measured perpendicular to a steep face, lines below the face would count as one with it much earlier.
     """
     way, offset = end - start, points - start
     cross = np.abs(offset[:, 0] * way[1] - offset[:, 1] * way[0])
@@ -260,7 +261,7 @@ def along_and_above(start: np.ndarray, end: np.ndarray, points: np.ndarray) -> t
 
 
 def _paired(top: np.ndarray, bottom: np.ndarray, length: Callable[[float], float]) -> np.ndarray:
-    """For every corner place (m) of one line, its counterpart on the other line it is joined with, (n, 2)."""
+    """Return, for every corner place (m) of one line, the place on the other line to which it is connected, (n, 2)."""
     ends = sorted([(float(place), 0) for place in top[1:-1]] + [(float(place), 1) for place in bottom[1:-1]])
     pairs = [(float(top[0]), float(bottom[0]))]
     k = 0
@@ -277,7 +278,8 @@ def _paired(top: np.ndarray, bottom: np.ndarray, length: Callable[[float], float
 
 
 def _divided(pairs: np.ndarray, length: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Return the pairs (n, [top, bottom]) with columns in between that are as long as they are wanted (m)."""
+    """Return the pairs (n, [top, bottom]) with further columns between them, so that columns have about the wanted
+    length (m)."""
     parts = []
     for start, end in pairwise(pairs):
         share = np.linspace(0.0, 1.0, 201)

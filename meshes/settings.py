@@ -1,4 +1,4 @@
-"""The settings of meshes: the table [mesh] of the input."""
+"""Defines the settings of meshes, the table [mesh] of the input file."""
 
 import math
 from typing import Literal
@@ -29,7 +29,7 @@ THINNEST = 1.0 / 3.0
 
 
 class MeshSettings(Model):
-    """Holds the settings of the mesh of a section. Sizes are lengths of cell edges (m)."""
+    """Holds the settings of meshes, the table [mesh] of the input file. Sizes are edge lengths (m)."""
 
     method: Literal["auto", "mapped", "free"] = Field(
         default="auto", description='"mapped" (columns and rows), "free", or "auto": whichever the layers allow'
@@ -83,13 +83,14 @@ class MeshSettings(Model):
         return problems
 
     def at_most(self, cells: int) -> "MeshSettings":
-        """Return the settings with at most so many ``cells`` if they do not give a number."""
+        """Return the settings with at most so many ``cells``, unless they state a number."""
         if "max_cells" in self.model_fields_set or cells >= self.max_cells:
             return self
         return self.changed(max_cells=cells)
 
     def method_for(self, section: Section) -> Literal["mapped", "free"]:
-        """Return the method as set; for "auto", mapped if columns or rows are set, or if layers and slopes allow it."""
+        """Return the method in the settings. For "auto", it is mapped if columns or rows are set, or if layers and
+        slopes allow it."""
         if self.method != "auto":
             return self.method
         if self.sizes or self.towards:
@@ -118,7 +119,8 @@ class MeshSettings(Model):
         return count * self.refine**2
 
     def cell_size(self, section: Section) -> float:
-        """Return the target size (m) as set, or else a twelfth of the section's mean height, more for ``max_cells``."""
+        """Return the target size (m) in the settings. Without one, it is a twelfth of the mean height of the section,
+        or more because of ``max_cells``."""
         if self.size is not None:
             return self.size
         left, right = section.extent
@@ -131,7 +133,7 @@ class MeshSettings(Model):
         return {name: size for name, size in sizes.items() if size is not None}
 
     def towards_in(self, section: Section) -> dict[str, float]:
-        """Return `towards` by the names of all lines; the bottom of a stratum that water divides is that of its lower
+        """Return `towards` by the names of all lines. The bottom of a stratum that water divides is that of its lower
         part."""
         names = [stratum.name for stratum in section.strata]
         lower = {name: name + BELOW_WATER for name in names if name + BELOW_WATER in names}

@@ -1,4 +1,4 @@
-"""The sections that come with the program, by name."""
+"""Finds the sections that come with the program, by name."""
 
 from pathlib import Path
 

@@ -1,4 +1,5 @@
-"""The slip surface of moving ground, defined alike for finite elements and discs: the middle of the sheared zone."""
+"""Finds the slip surface of moving ground, defined in the same way for finite elements and discs: the middle of the
+sheared zone."""
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -11,13 +12,13 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     is no slip surface: below a crest that settles while the ground moves to both sides, the line rises from both of its
     ends.
 
-    x (m,) are columns, z (m, n) points in each of them from below upwards, in m, and ``moved`` (m, n) how far or how
-    fast the ground there moves, not a number if there is none. A column counts as moving if its top moves by more than
-    the mean of two means, that of moving and that of resting columns (Ridler & Calvard 1978, IEEE Trans. Syst. Man
-    Cybern. 8, 630); the line is where it moves half as much as the upper half of what lies above does on average:
-    within a thin band of shear, half of the way across a thick one, also where the ground turns as it slides, or grains
-    roll ahead on its surface. Of the columns that count it is the longest row without a gap; the median of three
-    neighbours leaves out what one column alone has.
+    ``x`` (m,) are columns, ``z`` (m, n) the points in each column from below upwards, in m, and ``moved`` (m, n) the
+    displacement or speed at these points, NaN outside the ground. A column counts as moving if its top moves by more
+    than a threshold: the mean of two means, that of moving and that of resting columns (Ridler & Calvard 1978, IEEE
+    Trans. Syst. Man Cybern. 8, 630). In each such column the line lies where the ground moves half as much as the upper
+    half of the ground above does on average. This is within a thin shear band, and half-way across a thick one, also
+    where the ground rotates as it slides, or single grains roll ahead on its surface. Of the moving columns the longest
+    row without a gap counts. The median of three neighbours removes outliers of single columns.
     """
     limit = _threshold(moved[np.isfinite(moved)])
     depths = [_depth(heights, values, limit) for heights, values in zip(z, moved, strict=True)]
@@ -45,8 +46,8 @@ def _threshold(moved: np.ndarray) -> float:
 
 
 def _depth(z: np.ndarray, moved: np.ndarray, limit: float) -> float:
-    """Return the least height at which a column moves half as much as the upper half of what lies above, below which it
-    moves less; not a number if its top is at rest.
+    """Return the least height at which a column moves half as much, on average, as the upper half of the ground above
+    this height, and below which it moves less; NaN if the top of the column is at rest.
     """
     ground = np.isfinite(moved)
     z, moved = z[ground], moved[ground]
@@ -61,6 +62,6 @@ def _depth(z: np.ndarray, moved: np.ndarray, limit: float) -> float:
 
 
 def _upper_halves(z: np.ndarray, moved: np.ndarray) -> np.ndarray:
-    """For every height the mean of what moves in the upper half of what lies above."""
+    """Return, for every height of a column, the mean displacement of the upper half of the ground above it."""
     first = np.searchsorted(z, 0.5 * (z + z[-1]))
     return np.cumsum(moved[::-1])[::-1][first] / (len(z) - first)

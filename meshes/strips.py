@@ -1,6 +1,6 @@
-"""Columns and rows of a mapped mesh, and finer ones in a mechanism.
+"""Finds the strips of a mapped mesh, which are its columns and rows, and divides them along a mechanism.
 
-Opposite edges of quadrilaterals follow each other through a strip of cells from boundary to boundary; in a mapped mesh
+Opposite edges of quadrilaterals follow each other through a strip of cells from boundary to boundary. In a mapped mesh
 these strips are its columns and its rows. A strip that is cut lengthwise leaves all other strips unchanged.
 """
 
@@ -46,7 +46,7 @@ def with_finer_strips(mesh: QuadMesh, indicator: np.ndarray, cells: int) -> Quad
     """Return the mesh with columns and rows divided where division is most useful, until it has at least ``cells``
     cells.
 
-    The benefit of a cut is ``indicator`` (m,), such as plastic shear strain, times area and width of the cells of a
+    The benefit of a cut is ``indicator`` (m,), such as plastic shear strain, times area and width of the cells of the
     strip, per cell that the cut adds.
     """
     strips = strips_of(mesh)
@@ -63,7 +63,7 @@ def with_finer_strips(mesh: QuadMesh, indicator: np.ndarray, cells: int) -> Quad
 
 
 def _cut(mesh: QuadMesh, strips: Strips, marked: np.ndarray) -> QuadMesh:
-    """Return the mesh with the ``marked`` edges halved, opposite ones together."""
+    """Return the mesh in which the ``marked`` edges are halved. Opposite edges are marked together."""
     n, (a, b, c, d) = len(mesh.points), mesh.cells.T
     place = np.full(len(marked), -1)
     place[marked] = n + np.arange(np.count_nonzero(marked))

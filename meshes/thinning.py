@@ -1,9 +1,8 @@
-"""Treatment of layers that thin out to nothing: in a mesh such a layer ends earlier, in a vertical step, so that no
-cell has to fill a wedge.
+"""Ends layers that thin out to nothing earlier, in a vertical step, so that no cell has to fill a wedge.
 
 A quadrilateral in the tip of a wedge of a few degrees has an angle of a few degrees, and cells behind it are as thin as
-the wedge. The soil of the tip that is cut off is taken to be that of the layer below it (of the one above, if there is
-none below; and where the whole section thins out, the section ends there). The area that changes its soil is reported.
+the wedge. The tip that is cut off gets the soil of the layer below it (or of the layer above if there is none below;
+where the whole section thins out, the section ends there). The area that changes its soil is reported.
 """
 
 import math
@@ -37,7 +36,7 @@ BEND, OUTLINE = 1.0 / 20.0, 5.0
 
 
 def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
-    """Cut off the sharp tips of strata where they are ``least`` (m) thick; return the layers, and a sentence for each
+    """Cut off the sharp tips of strata where they are ``least`` (m) thick. Return the layers, and a sentence for each
     tip.
 
     Tips are cut nearer to their ends if they contain too much of their stratum, or if the stratum is nowhere as thick
@@ -53,12 +52,12 @@ def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering,
 
 
 def _part(names: list[str], k: int) -> str:
-    """Return a stratum in words, and where water cut it the part that is meant."""
+    """Return the name of a stratum in words; if water divided it, the words name the part."""
     return f"stratum {shown_name(names[k])}{' above water' if names[k] + BELOW_WATER in names else ''}"
 
 
 def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
-    """End the tips of every stratum in a vertical step once, from the top down; returns layering and notices."""
+    """End the tips of every stratum in a vertical step once, from the top down. Return the layers and notices."""
     notices: list[str] = []
 
     def longest(k: int) -> float:
@@ -100,14 +99,15 @@ def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Lay
 
 
 def _thickness(layers: Layering, k: int | None) -> np.ndarray:
-    """Return the thickness (m) of stratum k, of the whole section if None, at both ends of the intervals, (intervals,
-    2)."""
+    """Return the thickness (m) at both ends of the intervals, (intervals, 2), of stratum k, or of the whole section if
+    k is None."""
     top, bottom = (0, layers.strata) if k is None else (k, k + 1)
     return np.stack([side[:, top] - side[:, bottom] for side in (layers.left, layers.right)], axis=1)
 
 
 def _tips(layers: Layering, k: int | None) -> list[tuple[float, int]]:
-    """Return the sharp tips of a stratum: the x (m) from which it grows, and +1 or -1, the way in which it does."""
+    """Return the sharp tips of a stratum: the x (m) of the tip, and +1 or -1, the direction in which the stratum grows
+    from there."""
     thick = _thickness(layers, k)
     width = layers.width
     tips = []
@@ -121,8 +121,8 @@ def _tips(layers: Layering, k: int | None) -> list[tuple[float, int]]:
 
 
 def _crumbs(layers: Layering, k: int, least: float) -> list[tuple[float, float]]:
-    """Return the pieces of a stratum (from and to, m) that end in a sharp tip, are a short and small part of it, and
-    are thinner than ``least`` (m).
+    """Return the pieces of a stratum (from and to, m) that end in a sharp tip, are a short and small part of the
+    stratum, and are thinner than ``least`` (m).
     """
     thick = _thickness(layers, k)
     area = 0.5 * layers.width * thick.sum(axis=1)
@@ -143,11 +143,11 @@ def _crumbs(layers: Layering, k: int, least: float) -> list[tuple[float, float]]
 
 
 def _necks(layers: Layering, k: int, least: float, longest: float) -> list[tuple[float, float]]:
-    """Return stretches up to the ``longest`` (m) where a stratum is thinner than ``least`` (m), and somewhere much
+    """Return stretches, up to the ``longest`` (m), where a stratum is thinner than ``least`` (m), and somewhere much
     thinner.
 
-    On one side at least the stratum is thick; the other side may be the end of the section. A stratum that is thin
-    everywhere is unchanged.
+    The stratum is thick on one side of the stretch at least; the other side may be the end of the section. A stratum
+    that is thin everywhere is unchanged.
     """
     thick = _thickness(layers, k)
     necks: list[list[float]] = []  # from, to, and the smallest thickness there
@@ -172,8 +172,8 @@ def _necks(layers: Layering, k: int, least: float, longest: float) -> list[tuple
 
 
 def _step_of(layers: Layering, k: int | None, tip: float, way: int, least: float) -> tuple[float, float, float] | None:
-    """Return the thickness (m) of the step in which a stratum ends, its x (m), and the area (m²) cut off; None without
-    one."""
+    """Return the thickness (m) of the step in which a stratum ends, the x (m) of the step, and the area (m²) cut off;
+    None without a step."""
     whole = layers.areas().sum() if k is None else layers.areas()[k]
     for thick in (share * least for share in SMALLER):
         cut = _cut_of(layers, k, tip, way, thick)
@@ -183,8 +183,8 @@ def _step_of(layers: Layering, k: int | None, tip: float, way: int, least: float
 
 
 def _near_breakpoint(layers: Layering, k: int | None, tip: float, way: int, at: float, least: float) -> float | None:
-    """Return a breakpoint (m) near where a stratum is to end, ``least`` (m) thick, at which it can end in a step as
-    well."""
+    """Return a breakpoint (m) near the place where a stratum becomes ``least`` (m) thick, at which it can end in a step
+    as well."""
     inside = layers.x[way * (layers.x - tip) > layers.tolerance]
     near = inside[np.abs(inside - at) <= NEAR * least]
     near = near[[_step_at(layers, k, tip, way, float(x))[0] >= 0.5 * least for x in near]] if len(near) else near
@@ -192,8 +192,8 @@ def _near_breakpoint(layers: Layering, k: int | None, tip: float, way: int, at: 
 
 
 def _step_at(layers: Layering, k: int | None, tip: float, way: int, at: float) -> tuple[float, float]:
-    """Return the thickness (m) of a stratum at a breakpoint (m), as it comes from its tip, and its area (m²) to
-    there."""
+    """Return the thickness (m) of a stratum at a breakpoint (m), on the side of its tip, and its area (m²) from the tip
+    to there."""
     thick = _thickness(layers, k)
     first, last = sorted((int(np.argmin(np.abs(layers.x - tip))), int(np.argmin(np.abs(layers.x - at)))))
     area = 0.5 * float((layers.width[first:last, None] * thick[first:last]).sum())
@@ -201,9 +201,10 @@ def _step_at(layers: Layering, k: int | None, tip: float, way: int, at: float) -
 
 
 def _cut_of(layers: Layering, k: int | None, tip: float, way: int, least: float) -> tuple[float, float] | None:
-    """Where (m) a stratum that grows from its tip (m) in one ``way`` is first ``least`` thick, and the area (m²) to it.
+    """Return the x (m) at which a stratum that grows from its tip (m) in one ``way`` first becomes ``least`` thick, and
+    its area (m²) up to this place.
 
-    None if the stratum ends, or begins to thin, before it is as thick as ``least``.
+    The result is None if the stratum ends, or begins to thin, before it is as thick as ``least``.
     """
     thick = _thickness(layers, k)[:, ::way]
     start = int(np.argmin(np.abs(layers.x - tip)))
@@ -239,7 +240,7 @@ def _with_breakpoint(layers: Layering, at: float) -> Layering:
 
 
 def _without(layers: Layering, k: int | None, start: float, end: float) -> Layering:
-    """Return the layers with stratum k, or everything if None, left out between two breakpoints (m)."""
+    """Return the layers in which stratum k, or all strata if k is None, are left out between two breakpoints (m)."""
     left, right = layers.left.copy(), layers.right.copy()
     middles = 0.5 * (layers.x[1:] + layers.x[:-1])
     for i in np.flatnonzero((middles > start) & (middles < end)):
@@ -271,7 +272,8 @@ def _without_empty_ends(layers: Layering) -> Layering:
 
 
 def without_needless(layers: Layering, cell: float) -> Layering:
-    """Return the layers without breakpoints near others, compared with cells (m), at which lines bend very little.
+    """Return the layers without breakpoints at which lines bend very little and which are near others, compared with
+    the size of cells (m).
 
     Surface and base are kept within a fifth of the tolerance of other lines. Breakpoints at which strata begin, end or
     step stay.

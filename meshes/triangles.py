@@ -1,4 +1,5 @@
-"""Triangles of a section for limit analysis: from gmsh, conforming to every interface, with named boundaries."""
+"""Makes triangles of a section for limit analysis by gmsh, which conform to every interface and have named
+boundaries."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -96,8 +97,8 @@ class TriMesh:
 
     @cached_property
     def matched(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return end points (k, 2) of the edges of the left side, and of the edges of the right side that correspond to
-        them, upwards; none unless the section repeats."""
+        """Return the end points (k, 2) of the edges of the left side, and of the corresponding edges of the right side,
+        upwards; nothing unless the section repeats."""
         pairs = []
         for name in ("left", "right"):
             ends = self.boundaries[name] if self.repeats else np.empty((0, 2), dtype=np.int64)
@@ -122,7 +123,7 @@ class TriMesh:
 
 
 def triangulate(section: Section, size: float, sizes: dict[str, float] | None = None, repeats: bool = False) -> TriMesh:
-    """Return the mesh a section with triangles.
+    """Mesh a section with triangles.
 
     Parameters
     ----------
@@ -155,7 +156,7 @@ def triangulate(section: Section, size: float, sizes: dict[str, float] | None = 
 
 
 def _triangulated(section: Section, sizes: Sizes, repeats: bool) -> TriMesh:
-    """Return the triangles of these sizes; raise BadMeshError if gmsh gives up or leaves a hole or a flat cell."""
+    """Return the triangles of these sizes. Raises BadMeshError if gmsh gives up, or leaves a hole or a flat cell."""
     with session(section.name):
         try:
             build_triangles(section, sizes, repeats)

@@ -1,7 +1,7 @@
-"""A process of this machine that does tasks for another process, one after the other.
+"""Runs a process of this machine that does tasks for another process, one after the other.
 
-The process ignores Ctrl-C, and ends with the program that started it, even in the middle of a task: its main thread
-only waits for requests, and at their end it ends the process.
+The process ignores Ctrl-C. It ends with the program that started it, even in the middle of a task: its main thread only
+waits for requests, and when they end it ends the process.
 """
 
 import os
@@ -31,7 +31,7 @@ class WorkerEndedError(RuntimeError):
 
 
 class Worker:
-    """A process of this machine that does tasks for this one.
+    """Represents a process of this machine that does tasks for this process.
 
     Parameters
     ----------
@@ -40,8 +40,8 @@ class Worker:
     preload
         Module that the process imports before its first task.
     forks
-        Whether each task is done in a forked child, in a thread of its own: so each task begins in the same state, with
-        fresh memory, whatever was done before.
+        Whether each task is done in a forked child process, in a separate thread: so each task begins in the same
+        state, with fresh memory, whatever was done before.
     """
 
     def __init__(self, environment: Mapping[str, str] | None, preload: str, forks: bool) -> None:
@@ -77,7 +77,7 @@ class Worker:
         return kind, value
 
     def kill(self) -> None:
-        """End the process and its child at once, whatever they do."""
+        """End the process and its child process at once, whatever they do."""
         if self._process.poll() is None:
             with suppress(ProcessLookupError):
                 os.killpg(self._process.pid, signal.SIGKILL)
@@ -85,7 +85,7 @@ class Worker:
 
 
 def serve(descriptor: int, preload: str, forks: bool) -> None:
-    """Do tasks until there are no more requests: the loop of the process."""
+    """Do tasks until there are no more requests; this is the loop of the process."""
     if preload:
         import_module(preload)
     pipe: Connection[Any, Any] = Connection(descriptor)

@@ -1,1 +1,1 @@
-"""Borings: their places, the layers that they met, and the blow counts of the standard penetration test."""
+"""Reads borings: their places, the layers that they met, and the blow counts of the standard penetration test."""

@@ -1,4 +1,4 @@
-"""The groups of an AGS3 file under the names that AGS4 gave them: HOLE is LOCA, WSTK is WSTG, STCN is SCPT."""
+"""Reads the groups of an AGS3 file under the names that AGS4 gave them: HOLE is LOCA, WSTK is WSTG, STCN is SCPT."""
 
 import csv
 import re

@@ -1,4 +1,4 @@
-"""Borings from an AGS4 file: its groups LOCA, GEOL, ISPT, WSTG, WSTD, SCPG and SCPT."""
+"""Reads borings from an AGS4 file, from its groups LOCA, GEOL, ISPT, WSTG, WSTD, SCPG and SCPT."""
 
 import math
 import re
@@ -30,7 +30,7 @@ NO_READING = re.compile(r"-9{3,}(\.\d*)?")  # what loggers write for a reading t
 
 
 def cones_of(name: str, groups: Groups) -> tuple[Cone, ...]:
-    """Return the readings of all cone tests at a boring, from the top down; of two readings at one depth the first
+    """Return the readings of all cone tests at a boring, from the top down. Of two readings at one depth the first
     counts.
 
     The resistance is SCPT_QT; if SCPT_QT was not reported, it is SCPT_RES + (1 - a) SCPT_PWP2 with the area ratio a of
@@ -60,7 +60,7 @@ def cones_of(name: str, groups: Groups) -> tuple[Cone, ...]:
 
 
 def _cone(row: Row, groups: Groups, ratio: str) -> Cone | None:
-    """Return one reading; None at the ground itself, or where the cone met nothing. Raises ValueError that names the
+    """Return one reading; None at the ground itself, or if the cone met no resistance. Raises ValueError that names the
     key."""
     if row.get("SCPT_QT"):
         resistance = _value(row, "SCPT_QT", groups)
@@ -106,8 +106,8 @@ DRY = {
 
 
 def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
-    """Read the borings of a file that have layers or a cone test, in the order of the file. A boring with a fault is
-    left out, and so is a blow count that cannot be read; a notice reports either.
+    """Read the borings of a file that have layers or a cone test, in the order of the file. A boring with an error is
+    left out, and so is a blow count that cannot be read; a notice reports both.
 
     Parameters
     ----------
@@ -117,8 +117,8 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
     Raises
     ------
     InputError
-        With all problems, if fewer than two borings with layers have no fault, or if more than half of the blow counts
-        cannot be read.
+        If fewer than two borings with layers are without error, or if more than half of the blow counts cannot be read.
+        The error contains all problems.
     """
     groups, columns = read_groups(path), columns or {}
     naming = (columns["layer"],) if "layer" in columns else ("GEOL_GEOL", "GEOL_LEG")
@@ -195,7 +195,7 @@ def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Group
 
 
 def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
-    """Return the blow counts of a boring from the top down; of two at one depth the smaller one."""
+    """Return the blow counts of a boring from the top down. Of two blow counts at one depth the smaller one counts."""
     samples: dict[float, Sample] = {}
     for row in groups.of("ISPT", name):
         count, report = ("" if row.get(key, "").lower() in NOT_MEASURED else row[key] for key in COUNTS)
@@ -227,9 +227,10 @@ def _driven(row: Row) -> str:
 
 
 def _count_of(count: str, report: str, driven: str) -> str:
-    """Return the text of the blow count: ISPT_NVAL, unless the report or the drive says refusal, or there is none.
+    """Return the text of the blow count. It is ISPT_NVAL, unless ISPT_NVAL is missing, or the report or the drive
+    states a refusal.
 
-    ``count``: ISPT_NVAL; ``report``: ISPT_REP; ``driven``: blows for a penetration.
+    ``count``: ISPT_NVAL; ``report``: ISPT_REP; ``driven``: blows and penetration of the drive.
     """
     for text in (report, driven):
         try:

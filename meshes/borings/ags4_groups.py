@@ -1,4 +1,4 @@
-"""The groups of an AGS4 file as python-ags4 reads them, or of an AGS3 file, with units, and what is against rules."""
+"""Reads the groups of an AGS4 file by python-ags4, or of an AGS3 file, with units and departures from the rules."""
 
 import importlib.util
 import io
@@ -52,13 +52,13 @@ class Groups:
         return [row for row in self.rows.get(group, ()) if row.get("LOCA_ID") == boring]
 
     def meaning(self, code: str) -> str:
-        """Return the meaning that group ABBR gives to a code that is a number, as codes of GEOL_LEG are; other codes
-        are returned unchanged."""
+        """Return the meaning that group ABBR gives to a numerical code, as the codes of GEOL_LEG are. Other codes are
+        returned unchanged."""
         named = (row.get("ABBR_DESC", "") for row in self.rows.get("ABBR", ()) if row.get("ABBR_CODE") == code)
         return (next(named, "") if code.isdecimal() else "") or code
 
     def read(self, row: Row, key: str) -> float:
-        """Read a length (m) or stress (Pa) by the unit of its heading; a stress may be negative. Raises ValueError."""
+        """Read a length (m) or stress (Pa) in the unit of its heading. A stress may be negative. Raises ValueError."""
         text, kind = DECIMAL_COMMA.sub(r"\1.\2\3", row.get(key, "")), KINDS[key]
         below = kind is STRENGTH and text.startswith("-")
         size = float(kind.read(with_unit(text.removeprefix("-") if below else text, self.units.get(key, ""))))
@@ -102,7 +102,7 @@ def read_groups(path: Path) -> Groups:
 def _rows(
     tables: Mapping[str, Mapping[str, Sequence[Any]]], numbers: Sequence[int]
 ) -> tuple[dict[str, list[dict[str, str]]], dict[str, str]]:
-    """Return the rows of data by group, and the units by heading, of what python-ags4 reads from lines of these
+    """Return the rows of data by group, and the units by heading, as python-ags4 reads them from lines of these
     numbers."""
     rows: dict[str, list[dict[str, str]]] = {}
     units: dict[str, str] = {}
@@ -146,10 +146,10 @@ def _unit_problem(kind: Kind, unit: str) -> str:
 
 
 def _departures(ags4: Any, path: Path, lines: str) -> list[str]:
-    """Return a sentence with what python-ags4 finds against the rules of AGS4; nothing of that keeps a file from being
-    read.
+    """Return a sentence on departures from the rules of AGS4 that python-ags4 finds. No such departure prevents that a
+    file is read.
 
-    Whether a file ends its lines with CR LF, and which groups it may not lack, is of no account here.
+    Line ends (CR LF), and missing groups that the rules require, are not reported.
     """
     report = ags4.check_file(io.StringIO(lines.replace("\n", "\r\n")))
     rules = {

@@ -1,4 +1,5 @@
-"""Blow counts as logs write them: numbers, and refusals, which are drives that ended before the full penetration."""
+"""Reads blow counts as logs write them: numbers, and refusals, which are drives that ended before the full
+penetration."""
 
 import math
 import re
@@ -50,14 +51,14 @@ REFUSED = re.compile(
 def read_blows(value: Any) -> Quantity:
     """Read the blow count of a test; for a refusal return the least possible count.
 
-    A drive that ended after ``b`` blows and ``p`` mm has at least ``b`` blows, and in proportion 300 b / p; a refusal
-    counts as the smaller of these two where ``b`` is below 50, and at most as 50 then. A sampler that sinks under the
-    weight of rods or hammer ("WOH") has a count of 0.
+    A drive that ended after ``b`` blows and ``p`` mm has a count of at least ``b``, and of 300 b / p in proportion. The
+    count of such a refusal is ``b`` if ``b`` is at least 50, else the smaller of 300 b / p and 50. A sampler that sinks
+    under the weight of rods or hammer ("WOH") has a count of 0.
 
     Raises
     ------
     ValueError
-        With the expected form of a blow count.
+        If the text is no blow count; the message states the expected form.
     """
     if isinstance(value, Quantity):
         number, written = float(value), value.written
@@ -86,7 +87,7 @@ def _plain(written: str | float) -> str | float:
 
 
 def _counted(text: str) -> tuple[float, bool]:
-    """Return the count of a text, not a number if it says none, and whether the sampler was refused."""
+    """Return the count in a text (NaN if there is none), and whether the sampler was refused."""
     try:
         return float(text), False
     except ValueError:
@@ -104,7 +105,7 @@ def _counted(text: str) -> tuple[float, bool]:
 
 
 def _of_drives(text: str) -> tuple[float, bool]:
-    """Return the count of a text that says how far the sampler was driven, and whether it was refused; see
+    """Return the count of a text that states how far the sampler was driven, and whether the sampler was refused; see
     `_counted`."""
     recorded, driven = WITH_COUNT.fullmatch(text), list(DRIVEN.finditer(text))
     count = float(recorded[1] or recorded[3]) if recorded else math.nan
@@ -132,10 +133,10 @@ def _depth(drive: re.Match[str]) -> float:
 
 
 def _without_unit(blows: float, depth: float) -> tuple[float, bool]:
-    """Return the count of "12/30", "50/75" or "47/0.29", whose penetration is in cm, as Japanese logs have it, in mm or
-    in m.
+    """Return the count of a text such as "12/30", "50/75" or "47/0.29", and whether the sampler was refused. The
+    penetration is in cm, as in Japanese logs, in mm or in m.
 
-    Not a number where cm and mm make a difference.
+    The count is NaN if cm and mm would give different counts.
     """
     if depth in (30.0, DRIVE):
         return blows, False
@@ -145,8 +146,7 @@ def _without_unit(blows: float, depth: float) -> tuple[float, bool]:
 
 
 def _driven(blows: float, depth: float) -> tuple[float, bool]:
-    """Return the count of ``blows`` for a ``depth`` (mm) of the drive, which may have ended early, and whether it
-    did."""
+    """Return the count of ``blows`` for a ``depth`` (mm) of the drive, and whether the drive ended early."""
     if depth >= 0.98 * DRIVE:  # 30 cm or a foot: it went in
         return blows, False
     if blows >= REFUSAL:

@@ -1,4 +1,4 @@
-"""A boring or sounding on the line of a section, with the blow counts or cone resistances measured in it."""
+"""Describes a boring or sounding on the line of a section, with the blow counts or cone resistances measured in it."""
 
 from itertools import pairwise
 from typing import Self

@@ -1,4 +1,4 @@
-"""Cone penetration tests of the national registry of the Netherlands (BRO), an XML document for each sounding.
+"""Reads cone penetration tests of the national registry of the Netherlands (BRO), an XML document for each sounding.
 
 Every reading has 25 numbers in the order of the catalogue (Catalogus geotechnisch sondeeronderzoek 1.1): length and
 depth in m, resistance, friction and pore pressures in MPa, friction ratio in %; -999999 where nothing was measured.
@@ -41,7 +41,7 @@ def read_bro(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     Raises
     ------
     InputError
-        If it is no such document, or if no soil has such readings.
+        If the file is no such document, or if the readings are impossible for soil.
     """
     text = path.read_bytes()
     if b"<!ENTITY" in text:
@@ -84,7 +84,7 @@ def _text(node: Element, name: str, default: str | None = None) -> str:
 
 
 def _readings(test: Element) -> Iterator[dict[int, float]]:
-    """Yield the quantities of every reading; raise ValueError if one has another count of numbers."""
+    """Yield the quantities of every reading. Raises ValueError if a reading has another number of values."""
     for row in filter(None, map(str.strip, _text(next(_named(test, "cptResult")), "values").split(";"))):
         numbers = [float(cell) for cell in row.split(",")]
         if len(numbers) != NUMBERS:

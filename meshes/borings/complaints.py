@@ -1,4 +1,4 @@
-"""Problems of a file of borings; similar problems are reported once."""
+"""Reports problems of a file of borings; similar problems are reported once."""
 
 import re
 from collections.abc import Sequence
@@ -24,8 +24,8 @@ def unread_counts(unread: Sequence[str], read: int) -> tuple[list[str], list[str
 
 
 def folded(problems: Sequence[str]) -> list[str]:
-    """Return the problems; of more than three that differ only in places and values, only the first with their
-    number."""
+    """Return the problems. Of more than three problems that differ only in places and values, return only the first one
+    with their number."""
     alike: dict[str, list[str]] = {}
     for text in dict.fromkeys(problems):
         alike.setdefault(VALUES.sub("·", PLACE.sub("boring ·", text)), []).append(text)

@@ -1,4 +1,4 @@
-"""Cone penetration tests from a CSV file: a line for each depth, with units in the values or in the heading."""
+"""Reads cone penetration tests from a CSV file: a line for each depth, with units in the values or in the heading."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Borings on the line of a section, and their layers connected by name from one to the next."""
+"""Places borings on the line of a section, and connects layers of the same name from one boring to the next."""
 
 import json
 import math
@@ -30,7 +30,7 @@ class Placed:
 
 @dataclass(frozen=True)
 class Connected:
-    """Holds what borings determine of a section.
+    """Holds the parts of a section that borings determine.
 
     Attributes
     ----------
@@ -53,7 +53,8 @@ class Connected:
 
 
 def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...]:
-    """Place the borings along the line through the two with layers that are farthest apart, or at the x that they give.
+    """Place the borings at the x that they give, or along the line through the two borings with layers that are
+    farthest apart.
 
     Raises InputError if two borings have the same name or place, if a boring lies off the line, or if a sounding lies
     beyond the borings.
@@ -122,7 +123,7 @@ def _piece(log: Log, layer: LogLayer) -> Piece:
 
 
 def _numbered(borings: Sequence[Placed]) -> tuple[tuple[Placed, ...], Stack]:
-    """Return the borings with numbers at the names of layers that lie above and below others, and the strata."""
+    """Return the borings and the strata. If a layer lies above and below other layers, its names get numbers."""
     stack = stacked([[_piece(boring.log, layer) for layer in boring.log.layers] for boring in borings])
     numbered = []
     for boring, numbers in zip(borings, stack.numbers, strict=True):
@@ -133,8 +134,8 @@ def _numbered(borings: Sequence[Placed]) -> tuple[tuple[Placed, ...], Stack]:
 
 
 def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
-    """Connect the strata of neighbouring borings by straight lines; a stratum that is missing in the next boring ends
-    half-way, and the fill of an embankment ends at the ground of the next boring.
+    """Connect the strata of neighbouring borings by straight lines. A stratum that is missing in the next boring ends
+    half-way. The fill of an embankment ends at the ground of the next boring.
 
     A layer that lies above and below other layers becomes several strata, with numbers. The ground below a boring's end
     is continued level from the nearest boring that is deep enough. Raises InputError.
@@ -169,8 +170,8 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
 
 
 def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
-    """Return the borings with one name for layers whose names differ in capitals and blanks alone, and a sentence for
-    each."""
+    """Return the borings, in which layers whose names differ only in capitals and blanks get one name, and a sentence
+    for each such name."""
     first: dict[str, str] = {}
     spellings: dict[str, list[str]] = {}
     for name in (layer.name for log in logs for layer in log.layers):
@@ -188,7 +189,8 @@ def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
 
 
 def _water_above(borings: Sequence[Placed]) -> list[str]:
-    """Return a sentence for each boring whose water stands above its ground: open water, a head, or a slip."""
+    """Return a sentence for each boring whose water level is above the ground, which is either open water, an artesian
+    head, or an error of the file."""
     above = [(at.log, at.log.water_level - at.log.ground_level) for at in borings if at.log.water_level is not None]
     return [f"boring {log.name}: the water level, {log.water_level:.4g} m, is {height:.3g} m above its ground: "
             "expected the elevation of a water table, or of a river or pond that stands there"
@@ -196,10 +198,12 @@ def _water_above(borings: Sequence[Placed]) -> list[str]:
 
 
 def _end_at_the_ground(bottom: float, ground: float, half_way: float) -> float:
-    """Return the bottom, half-way to a boring that lacks it, of a layer at the ground: at the surface, as a rule.
+    """Return the elevation at which a layer at the ground ends, half-way to a boring that lacks it. As a rule it is
+    that of the ground surface there.
 
-    Where that is a hump, higher than both the ``bottom`` in the one boring and the ``ground`` at the other, as under an
-    embankment whose fill the next boring lacks, the bottom goes straight to the ground at the other.
+    The ground surface half-way may be higher than both the ``bottom`` in the one boring and the ``ground`` at the
+    other, as under an embankment whose fill the next boring lacks. In this case the bottom goes straight to the ground
+    at the other boring.
     """
     return 0.5 * (bottom + ground) if half_way > max(bottom, ground) + 1e-9 else half_way
 
@@ -208,8 +212,8 @@ UNKNOWN = math.nan  # below the end of a boring
 
 
 def _bottom(log: Log, name: str, names: Sequence[str]) -> float | None:
-    """Return the elevation of the bottom of a stratum in a boring; None if it is not met, `UNKNOWN` below the boring's
-    end."""
+    """Return the elevation of the bottom of a stratum in a boring; None if the boring does not meet it, `UNKNOWN` below
+    the end of the boring."""
     met = [layer.name for layer in log.layers]
     if name in met[:-1]:
         return log.ground_level - next(layer.bottom for layer in log.layers if layer.name == name)
@@ -217,9 +221,10 @@ def _bottom(log: Log, name: str, names: Sequence[str]) -> float | None:
 
 
 def _filled(known: Sequence[Sequence[float | None]], k: int, i: int, at: np.ndarray, log: Log) -> float | None:
-    """Return the bottom of stratum k in boring i; where it is unknown, that of the nearest boring with one.
+    """Return the bottom of stratum k in boring i. If it is unknown, return that of the nearest boring in which it is
+    known.
 
-    It does not lie above the end of the boring, which went as deep in its last layer.
+    The bottom does not lie above the end of the boring, since the boring ended in this layer.
     """
     value = known[i][k]
     if value is None or not math.isnan(value):

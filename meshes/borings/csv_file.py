@@ -1,4 +1,4 @@
-"""Borings from a CSV file: a line for each layer of each boring, with units in the values or in the heading."""
+"""Reads borings from a CSV file: a line for each layer of each boring, with units in the values or in the heading."""
 
 import math
 import re
@@ -35,8 +35,8 @@ OF_A_BORING = (*PLACE, "ground_level", *WATER)
 def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
     """Read the borings of a file, in the order of the file.
 
-    A layer may have several lines, one for each of its tests; N applies to the middle of its line. A file with a column
-    qc contains cone penetration tests. A blow count that cannot be read is left out, with a notice.
+    A layer may have several lines, one for each test; N is the blow count at the middle of its line. A file with a
+    column qc contains cone penetration tests. A blow count that cannot be read is left out, with a notice.
 
     Parameters
     ----------
@@ -47,7 +47,8 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     Raises
     ------
     InputError
-        With all problems, or if more than half of the blow counts cannot be read.
+        If the file has problems, or if more than half of the blow counts cannot be read. The error contains all
+        problems.
     """
     columns = columns or {}
     if has_column(path, "qc", columns):
@@ -64,7 +65,8 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
 
 def _unit_meant(weight: str) -> str:
-    """Return the heading that a unit weight without a unit asks for; empty if its size names no unit."""
+    """Return advice on the unit of a unit weight that was given without one, from its size; empty if the size does not
+    suggest a unit."""
     number = float(weight) if re.fullmatch(r"\d+(?:\.\d+)?", weight) else math.nan
     for unit, (least, most) in {"kN/m3": (10.0, 30.0), "t/m3": (1.0, 3.0)}.items():
         if least <= number < most:
@@ -111,7 +113,8 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Borin
 
 
 def _contradictions(name: str, lines: Sequence[tuple[int, Mapping[str, str]]]) -> list[str]:
-    """Return lines that give a boring another place, ground level or water level than its first line does."""
+    """Return lines that give a boring another place, ground level or water level than the first line of the boring
+    does."""
     number, first = lines[0]
     return [f"line {other}, {key} = {cells[key]!r}: line {number} says {first[key]!r} of the same boring {name}"
             for other, cells in lines[1:] for key in OF_A_BORING

@@ -1,4 +1,4 @@
-"""Cone penetration tests in GEF, the Geotechnical Exchange Format of the Netherlands: a file for each sounding.
+"""Reads cone penetration tests in GEF, the Geotechnical Exchange Format of the Netherlands, a file for each sounding.
 
 Quantities have the numbers of GEF-CPT-Report (CUR 2004): 1 length of penetration, 2 cone resistance, 3 sleeve friction,
 4 friction ratio (%), 6 pore pressure u2, 11 depth corrected for inclination, 13 resistance corrected for pore pressure.
@@ -31,8 +31,9 @@ Header = dict[str, list[list[str]]]
 def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
     """Read the sounding of a file, without layers.
 
-    The resistance is the corrected one, or else the measured one with (1 - a) of the pore pressure u2 if the file gives
-    the area ratio a. Readings without a resistance or a sleeve friction are left out.
+    The resistance is the corrected resistance. If the file has none, it is the measured resistance plus (1 - a) times
+    the pore pressure u2, if the file gives the area ratio a. Readings without a resistance or a sleeve friction are
+    left out.
 
     Parameters
     ----------
@@ -63,7 +64,7 @@ def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
 
 def _log(path: Path, header: Header, data: str) -> Log:
-    """Return the sounding; raise ValueError or IndexError for a header that is not understood, InputError with
+    """Return the sounding. Raises ValueError or IndexError for a header that cannot be read, InputError with
     problems."""
     columns = {int(line[3]): (int(line[0]) - 1, line[1]) for line in header["COLUMNINFO"]}
     if RESISTANCE not in columns or not {FRICTION, RATIO} & columns.keys() or not {LENGTH, DEPTH} & columns.keys():
@@ -118,7 +119,7 @@ def cones_of(path: Path, readings: Iterable[Mapping[int, float]], area: float) -
 
 
 def sounding_file(path: Path, log: Log, notices: Sequence[str]) -> BoringFile:
-    """Return a file of one sounding; raise InputError if no soil has such readings."""
+    """Return the file of one sounding. Raises InputError if the readings are impossible for soil."""
     if problems := list(implausible_cones(f"sounding {log.name}, ", log.cones, with_units=True)):
         raise InputError(str(path), folded(problems))
     return BoringFile([log], list(notices))
@@ -127,7 +128,7 @@ def sounding_file(path: Path, log: Log, notices: Sequence[str]) -> BoringFile:
 def _factor(number: int, column: int, unit: str) -> float:
     """Return the factor from the unit of a quantity to m or Pa; raise ValueError that names the column.
 
-    The national registry writes the unit's name after its symbol, "MPa (megaPascal)": that is not read.
+    The national registry writes the name of the unit after its symbol, as in "MPa (megaPascal)"; this name is ignored.
     """
     try:
         return float((STRENGTH if number in STRESSES else HEIGHT).read(f"1 {unit.partition('(')[0]}"))
@@ -152,7 +153,8 @@ def _readings(path: Path, header: Header, data: str) -> Iterator[list[float | No
 
 
 def _reading(values: Mapping[int, float], area: float) -> dict[str, float] | None:
-    """Return the depth (m), resistance and friction (Pa) of quantities by their numbers; None if the cone met nothing.
+    """Return depth (m), resistance and friction (Pa) from quantities by their numbers; None if the cone met no
+    resistance.
 
     ``area``: net area ratio of the cone.
     """

@@ -1,4 +1,4 @@
-"""A boring log as its file gives it: the place, the layers met, and the measurements."""
+"""Holds a boring log as the file gives it: the place, the layers met, and the measurements."""
 
 import math
 from collections.abc import Sequence
@@ -76,7 +76,7 @@ def refusal_notices(logs: Sequence[Log]) -> list[str]:
 
 
 def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:
-    """Return what is wrong with the layers of a boring: none, gaps, overlaps, or layers upside down."""
+    """Return the problems of the layers of a boring: no layers, gaps, overlaps, or layers upside down."""
     problems = [] if layers else [f"boring {name}: it has no layers"]
     if layers and min(min(layer.top, layer.bottom) for layer in layers) < -CONTACT:
         return [f"boring {name}: layers at {layers[0].top:g} to {layers[0].bottom:g} m; {DEPTHS_EXPECTED}"]
@@ -106,7 +106,8 @@ def depth_problems(log: Log) -> list[str]:
 
 
 def joined(layers: list[LogLayer]) -> list[LogLayer]:
-    """Merge neighbouring layers with the same name: a file may have a line for each test, or for each description."""
+    """Merge neighbouring layers with the same name, since a file may have a line for each test, or for each
+    description."""
     merged: list[LogLayer] = []
     for layer in layers:
         if merged and merged[-1].name == layer.name and abs(merged[-1].bottom - layer.top) <= CONTACT:
@@ -117,6 +118,6 @@ def joined(layers: list[LogLayer]) -> list[LogLayer]:
 
 
 def cone_problems(name: str, cones: Sequence[Cone]) -> list[str]:
-    """Return depths of a sounding that do not increase."""
+    """Return the depths of a sounding that do not increase."""
     return [f"sounding {name}: {b.depth:g} m follows {a.depth:g} m; expected every depth below the one before"
             for a, b in pairwise(cones) if b.depth <= a.depth]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Impossible numbers of blow counts and cone tests, which usually have a wrong unit."""
+"""Finds impossible numbers of blow counts and cone tests, which usually have a wrong unit."""
 
 from collections.abc import Iterator, Sequence
 

@@ -1,4 +1,4 @@
-"""A section made from borings, as TOML with comments, for the user to complete."""
+"""Writes a section made from borings as TOML with comments, for the user to complete."""
 
 import json
 import math
@@ -17,7 +17,8 @@ WIDER = 1.5  # heights of the section that it goes on past the borings: its side
 
 
 def text_of(connected: Connected, name: str) -> str:
-    """Return the section as TOML; quantities that were not measured are comments, and the user has to give them."""
+    """Return the section as TOML. Quantities that were not measured are comments, which the user has to replace by
+    values."""
     return "\n".join([*_head(connected, name), *_strata(connected), *_borings(connected)]) + "\n"
 
 
@@ -76,7 +77,8 @@ def _strata(connected: Connected) -> Iterator[str]:
 
 
 def _soil(counts: list[Sample]) -> Iterator[str]:
-    """Yield the stiffness and strength guessed from the mean blow count, each with the guess beside it."""
+    """Yield lines with stiffness and strength estimated from the mean blow count. Each line states the estimate beside
+    the value."""
     if not counts:
         for key, value in (("youngs_modulus", '"20 MPa"'), ("poissons_ratio", "0.33"), ("cohesion", '"0 kPa"'),
                            ("friction_angle", '"30 deg"')):  # fmt: skip
@@ -145,7 +147,7 @@ def _tests(log: Log) -> Iterator[str]:
 
 
 def _points(x: np.ndarray, z: np.ndarray) -> str:
-    """Return points without those that lie on a straight line between their neighbours."""
+    """Return the points of a line, without points that lie on a straight line between their neighbours."""
     keep = [0]
     for i in range(1, len(x) - 1):
         a = keep[-1]

@@ -1,4 +1,4 @@
-"""A CSV file with a heading: its columns with their units, and its lines by boring."""
+"""Reads a CSV file with a heading: its columns with their units, and its lines by boring."""
 
 import csv
 import math
@@ -31,8 +31,8 @@ PLAIN = {"N": BLOWS, "fines": PERCENT, "plasticity": PERCENT}
 
 @dataclass(frozen=True)
 class BoringTable:
-    """Holds the lines of a file by boring, each with its number and its cells by column; the units by column; faults,
-    blow counts that cannot be read, and notices.
+    """Holds the lines of a file by boring, each with its number and its cells by column. Also holds the units by
+    column, problems, blow counts that cannot be read, and notices.
     """
 
     lines: Mapping[str, Sequence[tuple[int, Mapping[str, str]]]]
@@ -42,7 +42,7 @@ class BoringTable:
     unread: list[str] = field(default_factory=list)
 
     def length(self, number: int, cells: Mapping[str, str], key: str) -> float:
-        """Return a coordinate in m; not a number, with a problem, if it cannot be read."""
+        """Return a coordinate in m. If it cannot be read, return NaN and record a problem."""
         try:
             return float(COORDINATE.read(with_unit(cells.get(key, ""), self.units.get(key, ""))))
         except ValueError as error:
@@ -51,7 +51,7 @@ class BoringTable:
             return math.nan
 
     def place(self, number: int, cells: Mapping[str, str]) -> tuple[float, float]:
-        """Return (easting, northing), or (x, nan)."""
+        """Return the place as (easting, northing), or as (x, NaN)."""
         if cells.get("x"):
             return self.length(number, cells, "x"), math.nan
         return self.length(number, cells, "easting"), self.length(number, cells, "northing")
@@ -59,7 +59,8 @@ class BoringTable:
 
 @dataclass(frozen=True)
 class _Sheet:
-    """Holds the cells of a file, the heading first, each row with the number of its line; columns under our names."""
+    """Holds the cells of a file, the heading first, each row with the number of its line. Columns have the names that
+    this program uses."""
 
     rows: list[tuple[int, list[str]]]
     heads: list[tuple[str, str]]
@@ -113,7 +114,8 @@ def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns:
 
 
 def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], needed: Sequence[str]) -> list[str]:
-    """Return columns that are missing, not known, or not there though they were named."""
+    """Return problems of columns: columns that are missing, that are unknown, or that were named by the user and are
+    not in the file."""
     names = [name for name, _ in sheet.heads]
     written = [_split(cell)[0] for cell in sheet.rows[0][1]]
     problems = [f"--columns {key}={name}: expected our name of a column, one of {', '.join(known)}"
@@ -138,7 +140,7 @@ def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], ne
 
 
 def _unit_problem(name: str, unit: str) -> str:
-    """Return what is wrong with the unit in the heading of a column; empty if nothing is."""
+    """Return the problem of the unit in the heading of a column; empty if there is none."""
     if name in PLAIN and re.sub(r"\s|_", "", unit.lower()).replace("per", "/") not in PLAIN[name]:
         expected = "blows for 30 cm or for a foot" if name == "N" else "percent"
         return f"column {name} ({unit}): expected {expected}"
@@ -183,8 +185,8 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
 
 
 def _heading_line(lines: Sequence[str], names: set[str]) -> int:
-    """Return the index of the line with the heading: of the first ones that with most of the ``names``, or else the
-    first."""
+    """Return the index of the line with the heading. Among the first lines it is the one with most of the ``names``, or
+    else the first line."""
     filled = [k for k, line in enumerate(lines) if line.strip(" \t\r\n,;")][:FIRST_LINES]
     met = {k: sum(not names.isdisjoint({_plain(cell), _plain(_split(cell)[0])})
                   for cell in (cell.strip(' "\r\n') for cell in re.split(r"[;\t,]", lines[k])))
@@ -193,7 +195,7 @@ def _heading_line(lines: Sequence[str], names: set[str]) -> int:
 
 
 def _are_units(heads: Sequence[tuple[str, str]], row: Sequence[str]) -> bool:
-    """Return whether a row below the heading has the units of the columns: these alone, and one at least."""
+    """Return whether a row below the heading contains only units of the columns, and at least one."""
     cells = [(name, cell) for (name, _), cell in zip(heads, row, strict=False) if cell]
     return any(name in KINDS for name, _ in cells) and not any(
         name not in (*KINDS, *PLAIN) or re.search(r"^[-+.]?\d", cell) or _unit_problem(name, cell)
@@ -206,7 +208,7 @@ def _plain(name: str) -> str:
 
 
 def _decimal(cell: str, separator: str) -> str:
-    """Return a cell with a decimal point where it has a decimal comma."""
+    """Return a cell, with a decimal point in place of a decimal comma."""
     return DECIMAL_COMMA.sub(r"\1.\2\3", cell) if separator != "," and DECIMAL_COMMA.fullmatch(cell) else cell
 
 

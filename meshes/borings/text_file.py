@@ -1,4 +1,4 @@
-"""The text of a file from another program: in UTF-8, UTF-16, or an older encoding of Windows."""
+"""Reads the text of a file from another program, in UTF-8, UTF-16, or an older encoding of Windows."""
 
 import codecs
 import re
@@ -52,10 +52,11 @@ def _decoded(path: Path, data: bytes, encoding: str) -> str:
 
 
 def _is_japanese(data: bytes) -> bool:
-    """Tell whether ``data`` is likely Japanese text in cp932, which decodes to mostly Japanese letters beyond ASCII.
+    """Return whether ``data`` is likely Japanese text in cp932, which decodes to mostly Japanese letters beyond ASCII.
 
-    A Western letter and the one behind it decode as a rare kanji, as a sign of no script, or as a single kana of half
-    width; Western quotation marks and dashes as a kanji in the middle of a word.
+    Western text decodes differently: a Western letter and the character after it decode as a rare kanji, as a sign of
+    no script, or as a single kana of half width; Western quotation marks and dashes decode as a kanji in the middle of
+    a word.
     """
     try:
         text = data.decode("cp932")
@@ -67,8 +68,8 @@ def _is_japanese(data: bytes) -> bool:
 
 @cache
 def _japanese() -> re.Pattern[str]:
-    """Return a run of Japanese: kana, kanji of JIS level 1 with that for gravel, and signs of full width, not within a
-    Western word; kana of half width, two or more.
+    """Return a run of Japanese characters that is not within a Western word: kana, kanji of JIS level 1 and the kanji
+    for gravel, and signs of full width; of kana of half width at least two.
     """
     common = "礫" + "".join(
         char for lead in (*range(0x81, 0x84), *range(0x88, 0x98)) for trail in range(0x40, 0xFD)

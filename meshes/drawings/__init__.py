@@ -1,2 +1,2 @@
-"""Sections as DXF drawings: which shapes of a drawing are ground and water, and how the ground is divided into
-strata."""
+"""Reads and writes sections as DXF drawings: decides which shapes of a drawing are ground and water, and divides the
+ground into strata."""

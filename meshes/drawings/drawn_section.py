@@ -1,4 +1,4 @@
-"""The section from the outlines and lines of a drawing, as TOML for the user to complete."""
+"""Makes the section from the outlines and lines of a drawing, as TOML for the user to complete."""
 
 import json
 import re
@@ -56,8 +56,8 @@ def drawn_section(shapes: Shapes, path: Path, name: str) -> Drawn:
 
 
 def _without_water(shapes: Shapes) -> tuple[list[Shape], list[Shape], list[str]]:
-    """Return outlines that are ground; the upper edges of those that are free water; and a sentence for each of
-    these."""
+    """Return the outlines that are ground, the upper edges of the outlines that are free water, and a sentence for each
+    of the latter."""
     ponds = [outline for outline in shapes.outlines if is_pond(outline) and outline.layer not in shapes.strata]
     notices = [f'the outline on layer "{pond.layer}", {pond.span}, is water: its upper edge is a water table'
                for pond in ponds]  # fmt: skip
@@ -66,8 +66,8 @@ def _without_water(shapes: Shapes) -> tuple[list[Shape], list[Shape], list[str]]
 
 
 def _go_past(lines: Sequence[Shape], outlines: Sequence[Shape]) -> bool:
-    """Return whether two lines or more are wider than all outlines together: ground and bottoms, with lenses between
-    them."""
+    """Return whether at least two lines are wider than all outlines together. Such lines are the ground and bottoms of
+    strata, and the outlines are lenses between them."""
     x = np.concatenate([outline.points[:, 0] for outline in outlines])
     beyond = [line for line in lines if line.points[:, 0].min() < x.min() - JOINED
               and line.points[:, 0].max() > x.max() + JOINED]  # fmt: skip
@@ -75,10 +75,11 @@ def _go_past(lines: Sequence[Shape], outlines: Sequence[Shape]) -> bool:
 
 
 def _with_one_side(outlines: Sequence[np.ndarray]) -> tuple[list[np.ndarray], list[str]]:
-    """Return outlines (n, 2) cut where the first of those that reach a side ends, and a sentence where that is told.
+    """Return outlines (n, 2) that end at one x at each side, and a sentence if some had to be cut. The section ends
+    where the first outline that reaches the side ends.
 
-    Corners within a centimetre of a side are moved to the side. Otherwise the ground would have a slit there, as deep
-    as the outline that ends short of the side.
+    Corners within a centimetre of a side are moved to the side. Otherwise the ground would have a slit at the side, as
+    deep as the outline that ends short of it.
     """
     ends = np.array([[points[:, 0].min(), points[:, 0].max()] for points in outlines])
     near = SIDE * float(np.ptp(ends))
@@ -100,7 +101,8 @@ def _with_one_side(outlines: Sequence[np.ndarray]) -> tuple[list[np.ndarray], li
 
 
 def _questions(outlines: Sequence[Shape]) -> list[str]:
-    """Return the warnings of doubtful outlines: all on one layer, or one round all others as the frame of a sheet."""
+    """Return warnings of doubtful outlines: all outlines are on one layer, or one outline surrounds all others, like
+    the frame of a sheet."""
     layers = {outline.layer for outline in outlines}
     questions = []
     if len(layers) == 1 < len(outlines):
@@ -115,7 +117,8 @@ def _questions(outlines: Sequence[Shape]) -> list[str]:
 
 
 def _unused(lines: Sequence[Shape]) -> list[str]:
-    """Return a sentence for each line that is neither ground nor water, and one for all of a layer that has many."""
+    """Return a sentence for each line that is neither ground nor water. Many such lines of one layer are reported in
+    one sentence."""
     sentences = []
     for layer in dict.fromkeys(line.layer for line in lines):
         of_layer = [line for line in lines if line.layer == layer]
@@ -166,7 +169,7 @@ def _of_lines(
 
 
 def _from_the_ground_down(lines: Sequence[Shape], notices: list[str]) -> list[tuple[str, np.ndarray]]:
-    """Return layers and points of lines, from the left to the right: the ground, the highest line, and what lies below
+    """Return layers and points of lines from left to right, the highest line (the ground) first, then the lines below
     it.
 
     Lines that continue beyond the ground are cut off at its ends. Lines that end inside continue level, and a notice
@@ -196,7 +199,8 @@ def _from_the_ground_down(lines: Sequence[Shape], notices: list[str]) -> list[tu
 
 
 def _is_above(line: np.ndarray, other: np.ndarray) -> bool:
-    """Return whether a line is higher than another on the mean, over the x that both have, or each over its own."""
+    """Return whether a line is on average higher than another, over the x that both have, or each over its own x if
+    they have none in common."""
     start, end = max(line[0, 0], other[0, 0]), min(line[-1, 0], other[-1, 0])
     spans = [(start, end)] * 2 if end > start else [(points[0, 0], points[-1, 0]) for points in (line, other)]
     first, second = (np.interp(np.linspace(*span, 201), *points.T).mean()

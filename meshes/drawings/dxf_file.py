@@ -1,4 +1,5 @@
-"""Sections as DXF drawings: every stratum a closed polyline on a layer of its name, and the water an open one."""
+"""Writes and reads sections as DXF drawings: every stratum is a closed polyline on a layer of its name, and the water
+an open polyline."""
 
 import importlib.util
 import logging
@@ -104,7 +105,7 @@ def read_dxf(path: Path, name: str, unit: float | None = None) -> Drawn:
 
 
 def _names(drawing: Any) -> dict[str, str]:
-    """Return the names of the strata by the layers of the drawing that the program had to name otherwise."""
+    """Return the names of the strata by layers of the drawing, for strata whose layers could not have the same name."""
     named = {}
     for layer in drawing.layers:
         if layer.has_xdata(APPLICATION):

@@ -1,4 +1,4 @@
-"""The outlines and lines of a DXF drawing in metres, in the plane of the section, curves as chords; and the rest."""
+"""Reads the outlines and lines of a DXF drawing, in metres and in the plane of the section; curves become chords."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -125,14 +125,14 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
 
 
 def _in_paper_space(drawing: Any) -> list[str]:
-    """Return a sentence for each sheet of a drawing that has entities: they are not read."""
+    """Return a sentence for each sheet of a drawing (paper space) that has entities, which are not read."""
     sheets = [(layout.name, len(layout)) for layout in drawing.layouts if not layout.is_modelspace]
     return [f'not used: {counted(count, "entity", "entities")} on the sheet "{name}": '
             "expected the section in model space" for name, count in sheets if count]  # fmt: skip
 
 
 def _unit(drawing: Any, notices: list[str]) -> float:
-    """Return the length (m) of one unit of a drawing by its $INSUNITS, and a sentence where that is not metres."""
+    """Return the length (m) of one unit of a drawing by its $INSUNITS, and a sentence if the unit is not the metre."""
     number = int(drawing.header.get("$INSUNITS", 0))
     if number not in UNITS:
         notices.append("the drawing does not say its unit ($INSUNITS): 1 unit is taken for 1 m; --unit says another")
@@ -144,7 +144,8 @@ def _unit(drawing: Any, notices: list[str]) -> float:
 
 
 def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_DrawnShape]:
-    """Yield all shapes of the model space, those of blocks too; counts by kind and layer what is none."""
+    """Yield all shapes of the model space, including the shapes in blocks. Entities that are no shapes are counted by
+    kind and layer."""
     from ezdxf import path
 
     hidden = {layer.dxf.name.casefold() for layer in drawing.layers if layer.is_off() or layer.is_frozen()}
@@ -173,10 +174,11 @@ def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_
 
 
 def _unclamped(spline: Any) -> tuple[np.ndarray, bool]:
-    """Return points (n, 3) of a spline whose knots are not repeated at its ends, as those of closed ones, and if it is
-    closed.
+    """Return the points (n, 3) of a spline whose knots are not repeated at its ends, as those of closed splines, and
+    whether it is closed.
 
-    It is defined between the knots t_p and t_n of n points and degree p; ezdxf's own chords go on outside of these.
+    The spline is defined between the knots t_p and t_n of n points and degree p. The chords that ezdxf computes
+    continue beyond these knots.
     """
     knots, degree, count = spline.knots(), spline.degree, spline.count
     parameters = np.linspace(knots[degree], knots[count], CHORDS * (count - degree) + 1)
@@ -185,8 +187,8 @@ def _unclamped(spline: Any) -> tuple[np.ndarray, bool]:
 
 
 def _entities(space: Any, unused: Counter[str]) -> Iterator[Any]:
-    """Yield the entities of a space, those of blocks in their places; what lies on layer 0 of a block is on the
-    block's."""
+    """Yield the entities of a space, and the entities of blocks in their places. Entities on layer 0 of a block are on
+    the layer of the block."""
     for entity in space:
         if entity.dxftype() != "INSERT":
             yield entity
@@ -203,9 +205,10 @@ def _entities(space: Any, unused: Counter[str]) -> Iterator[Any]:
 
 
 def _in_plane(drawn: Sequence[_DrawnShape], unused: Counter[str]) -> list[Shape]:
-    """Return shapes in x and elevation.
+    """Return the shapes in x and elevation.
 
-    The drawing is its xy plane; where its shapes stand upright in one plane instead, elevations are z.
+    The plane of the section is the xy plane of the drawing. If all shapes stand in one vertical plane instead,
+    elevations are z.
     """
     if not drawn:
         return []
@@ -249,8 +252,8 @@ def _upright(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def _once(shapes: Sequence[Shape], unused: Counter[str]) -> list[Shape]:
-    """Return shapes without lines that lie on one of their layer: such a pair would meet at both ends and make an
-    outline."""
+    """Return the shapes without lines that lie on another line of their layer. Two such lines would meet at both ends
+    and make an outline."""
     seen: set[tuple[str, bytes]] = set()
     joined = []
     for shape in shapes:
@@ -264,7 +267,7 @@ def _once(shapes: Sequence[Shape], unused: Counter[str]) -> list[Shape]:
 
 
 def _joined(shapes: Sequence[Shape]) -> list[Shape]:
-    """Return the shapes of one layer, where two open shapes that meet end to end become one."""
+    """Return the shapes of one layer, in which open shapes that meet end to end are joined."""
     done = [shape for shape in shapes if shape.closed]
     waiting = [shape for shape in shapes if not shape.closed]
     while waiting:
@@ -283,15 +286,15 @@ def _joined(shapes: Sequence[Shape]) -> list[Shape]:
 
 
 def _end_to_end(chain: np.ndarray, next_chain: np.ndarray) -> np.ndarray:
-    """Return two lines (n, 2) that meet as one."""
+    """Return two lines (n, 2) that meet, joined to one line."""
     ways = [(a, b) for a in (chain, chain[::-1]) for b in (next_chain, next_chain[::-1])]
     first, second = min(ways, key=lambda way: float(np.hypot(*(way[0][-1] - way[1][0]))))
     return np.vstack([first, second[1:]])
 
 
 def _without_holes(shapes: Sequence[Shape], notices: list[str]) -> list[Shape]:
-    """Return shapes without the outlines of holes in hatches: the ground there is that of other shapes drawn in it, or
-    that of the hatch.
+    """Return shapes without the outlines of holes in hatches. The ground in a hole is that of other shapes drawn there,
+    or that of the hatch.
     """
     filled = [shape for shape in shapes if shape.kind in FILLED]
     holes = [
@@ -308,8 +311,8 @@ def _without_holes(shapes: Sequence[Shape], notices: list[str]) -> list[Shape]:
 
 
 def _lies_in(point: np.ndarray, outline: np.ndarray) -> bool:
-    """Return whether a point (2,) lies in an outline (n, 2) by the edges above it; no corner of an outline lies in
-    itself."""
+    """Return whether a point (2,) lies in an outline (n, 2), by counting the edges above it. No corner of an outline
+    lies in the outline."""
     start, end = outline, np.roll(outline, -1, axis=0)
     if np.any(np.all(np.abs(outline - point) <= JOINED, axis=1)):
         return False
@@ -319,6 +322,7 @@ def _lies_in(point: np.ndarray, outline: np.ndarray) -> bool:
 
 
 def _across(points: np.ndarray) -> bool:
-    """Return whether a line goes from the left to the right, or back, without turning; steps may be vertical."""
+    """Return whether a line goes from left to right, or from right to left, without turning back. Steps may be
+    vertical."""
     runs = [b - a for a, b in pairwise(points[:, 0])]
     return all(run >= -JOINED for run in runs) or all(run <= JOINED for run in runs)

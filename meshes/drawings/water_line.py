@@ -1,4 +1,4 @@
-"""The water table among the lines of a drawing."""
+"""Finds the water table among the lines of a drawing."""
 
 import re
 from collections.abc import Sequence
@@ -58,7 +58,7 @@ def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.n
 
 
 def is_pond(outline: Shape) -> bool:
-    """Return whether an outline is on a drawing layer whose whole name is that of free water."""
+    """Return whether an outline is on a drawing layer whose whole name denotes free water."""
     return OF_POND.fullmatch(outline.layer.strip()) is not None
 
 
@@ -74,5 +74,5 @@ def is_water(line: Shape) -> bool:
 
 
 def _level(points: np.ndarray, x: float) -> float:
-    """Return the elevation (m) of a line at x, level beyond its ends."""
+    """Return the elevation (m) of a line at x; the line is level beyond its ends."""
     return float(np.interp(x, points[:, 0], points[:, 1]))

@@ -1,4 +1,4 @@
-"""The contents of another program's model that a section can take, and the section from such a model."""
+"""Makes a section from the model of another program, and holds the parts of the model that a section can take."""
 
 import re
 import zipfile
@@ -35,7 +35,7 @@ class YieldStress(NamedTuple):
 
 
 class ForeignLayer(NamedTuple):
-    """Holds a layer of a model of another program.
+    """Holds one layer of a model of another program.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class ForeignLayer(NamedTuple):
 
 @dataclass(frozen=True)
 class ForeignModel:
-    """Holds a model of another program.
+    """Holds the parts of a model of another program that a section can take.
 
     Attributes
     ----------
@@ -81,8 +81,7 @@ class ImportedSection(NamedTuple):
 
 @contextmanager
 def as_input_errors(path: Path, expected: str) -> Iterator[None]:
-    """Report anything that a file lacks, or has in another form than ``expected``, as a fault of the file
-    (InputError)."""
+    """Report as an InputError anything that a file lacks, or that has another form than ``expected``."""
     try:
         yield
     except InputError:
@@ -97,7 +96,7 @@ def as_input_errors(path: Path, expected: str) -> Iterator[None]:
 
 
 def within_reason(entries: Sequence[zipfile.ZipInfo]) -> Sequence[zipfile.ZipInfo]:
-    """Return the documents of a model; raise ValueError if they are too large."""
+    """Return the documents of a model. Raises ValueError if they are too large."""
     if (size := sum(entry.file_size for entry in entries)) > LARGEST:
         raise ValueError(f"documents of {size / 1e6:.0f} MB: at most {LARGEST / 1e6:.0f} MB are read")
     return entries
@@ -167,7 +166,7 @@ def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
 
 
 def layer_names(layers: Sequence[ForeignLayer]) -> list[str]:
-    """Return a name for every layer: that of its soil, with a number if layers of one soil have different keys."""
+    """Return a name for every layer: the name of its soil, with a number if layers of one soil have different keys."""
     kinds: dict[str, list[Mapping[str, Any]]] = {}
     names = []
     for layer in layers:
@@ -183,8 +182,8 @@ def layer_names(layers: Sequence[ForeignLayer]) -> list[str]:
 def _parted(
     ground: np.ndarray, bottoms: Sequence[np.ndarray], layers: Sequence[ForeignLayer], water: Mapping[str, Any]
 ) -> list[tuple[int, np.ndarray, bool]]:
-    """Return the number of the layer, the bottom (n, 2) and whether it is below water, of every stratum from the top
-    down: layers that are other soils below water are two where its table crosses them."""
+    """Return the strata from the top down: the number of the layer, the bottom (n, 2), and whether the stratum is below
+    water. A layer with other properties below water becomes two strata where the water table crosses it."""
     if not water:
         return [(k, bottom, False) for k, bottom in enumerate(bottoms)]
     lines = [Line(elevation=_points(bottom)) for bottom in bottoms]
@@ -202,7 +201,7 @@ def _parted(
 
 
 def _consolidate(data: dict[str, Any], yields: Sequence[YieldStress | None], path: Path) -> None:
-    """Give strata the pre-overburden pressures that their yield stresses are there: σ'p less σ'v."""
+    """Give strata the pre-overburden pressures σ'p - σ'v that correspond to their yield stresses."""
     if not any(yields):
         return
     strata = data["strata"]
@@ -215,7 +214,8 @@ def _consolidate(data: dict[str, Any], yields: Sequence[YieldStress | None], pat
 
 
 def _across(table: Mapping[str, Any], key: str, left: float, right: float) -> dict[str, Any]:
-    """A table whose line ``key``, if it has one, goes from side to side (m), level beyond its ends."""
+    """Return a table whose line ``key``, if the table has it, goes from side to side (m) and is level beyond its
+    ends."""
     if key not in table:
         return dict(table)
     line = np.array(table[key], dtype=float)

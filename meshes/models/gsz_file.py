@@ -1,4 +1,5 @@
-"""Models of GeoStudio: a zip with one XML document of all analyses (`.gsz`); those of SLOPE/W are read."""
+"""Reads models of GeoStudio: a zip with one XML document of all analyses (`.gsz`), of which those of SLOPE/W are
+read."""
 
 import re
 import zipfile
@@ -28,7 +29,7 @@ BEDROCK = "10 MPa"  # cohesion: slips do not pass it
 
 
 class GeoStudioUnits(NamedTuple):
-    """Holds the length (m) of a unit, and how a stress and a unit weight are written."""
+    """Holds the length (m) of a unit, and the functions that write a stress and a unit weight."""
 
     length: float
     stress: str
@@ -61,7 +62,7 @@ def read_gsz(path: Path, name: str, analysis: str | None = None) -> ImportedSect
 
 
 def _document(path: Path) -> Element:
-    """Return the document at the top of the zip; one with entities of its own is refused."""
+    """Return the document at the top of the zip. A document with XML entities of its own is refused."""
     with zipfile.ZipFile(path) as archive:
         inside = [file for file in archive.infolist() if "/" not in file.filename and file.filename.endswith(".xml")]
         if not inside:
@@ -123,7 +124,7 @@ def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
 
 
 def _of_analysis(root: Element, items: str, number: str) -> Element:
-    """Return the one of the ``items`` that belongs to an analysis; raise LookupError if none does."""
+    """Return the item of ``items`` that belongs to an analysis. Raises LookupError if none does."""
     analysis = next((node for node in root.iterfind(items) if _text(node, "AnalysisID") == number), None)
     if analysis is None:
         raise LookupError(f"no {items.rsplit('/', 1)[-1]} of analysis {number}")
@@ -133,8 +134,8 @@ def _of_analysis(root: Element, items: str, number: str) -> Element:
 def _regions(
     root: Element, geometry: Element, number: str, units: GeoStudioUnits, notices: list[str]
 ) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield the number of the material and the outline (n, 2) in m of every region that has a material; others are
-    told."""
+    """Yield the number of the material and the outline (n, 2) in m of every region that has a material. Other regions
+    are reported in a notice."""
     points = {node.get("ID"): _place(node, units) for node in geometry.iterfind("./Points/Point") if node.get("X")}
     context = _of_analysis(root, "./Contexts/Context", number)
     pairs = context.iterfind("./GeometryUsesMaterials/GeometryUsesMaterial")
@@ -165,7 +166,7 @@ def _strength(material: Element, units: GeoStudioUnits, notices: list[str]) -> d
 
 
 def _not_taken(entry: Element, water: Element | None) -> Iterator[str]:
-    """Yield one sentence for each kind of thing that a section has not."""
+    """Yield one sentence for each kind of object of the model that a section cannot have."""
     for what, items in (
         ("surcharges", "./Surcharges/Surcharge"),
         ("line loads", "./LineLoadPoints/LineLoadPoint"),
@@ -188,7 +189,7 @@ def _place(point: Element, units: GeoStudioUnits) -> tuple[float, float]:
 
 
 def _text(node: Element, tag: str) -> str:
-    """Return the text of a child; nothing if it is missing, or marked so."""
+    """Return the text of a child element; an empty text if it is missing, or marked as empty."""
     child = node.find(tag)
     return "" if child is None or child.get("Missing") == "true" else (child.text or "").strip()
 

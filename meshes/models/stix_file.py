@@ -1,4 +1,4 @@
-"""Models of D-Stability: a zip of JSON files that name each other by numbers (`.stix`, since 2022)."""
+"""Reads models of D-Stability: a zip of JSON files that refer to each other by numbers (`.stix`, since 2022)."""
 
 import json
 import zipfile
@@ -50,7 +50,7 @@ def read_stix(path: Path, name: str, scenario: str | None = None) -> ImportedSec
 
 
 def _read(path: Path) -> list[tuple[str, Json]]:
-    """Return the JSON files in it by their folders, in the order of their names."""
+    """Return the JSON files of the zip by their folders, in the order of their names."""
     with zipfile.ZipFile(path) as archive:
         entries = [
             item for item in archive.infolist() if item.filename.endswith(".json") and "result" not in item.filename
@@ -141,7 +141,7 @@ def _table(water: Json) -> np.ndarray | None:
 
 
 def _middle(points: np.ndarray) -> np.ndarray:
-    """Return a point in the middle of a layer: half-way between its edges at the x in the middle of its corners."""
+    """Return a point in the middle of a layer: at the mean x of its corners, half-way between its edges."""
     x = float(0.5 * (points[:, 0].min() + points[:, 0].max())) + 1e-6
     start, end = points, np.roll(points, -1, axis=0)
     cut = (start[:, 0] < x) != (end[:, 0] < x)
@@ -151,7 +151,8 @@ def _middle(points: np.ndarray) -> np.ndarray:
 
 
 def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
-    """Return a strength model of a soil as keys of a stratum; what is not taken is added to ``notices``."""
+    """Return a strength model of a soil as keys of a stratum. Properties that a stratum cannot have are added to
+    ``notices``."""
     keys: dict[str, Any] = {}
     if f"{model}".startswith("MohrCoulomb"):
         parameters = soil[f"{model}ShearStrengthModel"]
@@ -170,8 +171,8 @@ def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
 
 
 def _head(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[dict[str, Any], list[str]]:
-    """Return the piezometric level of a layer where it is not the phreatic line: that of the reference line above it,
-    or else of the one below."""
+    """Return the piezometric level of a layer if it is not the phreatic line: that of the reference line above the
+    layer, or else of the reference line below it."""
     x, z = _middle(points)
     heads = {line["Id"]: line_of(_pairs(line["Points"])) for line in water["HeadLines"]}
     lines = [(float(np.interp(x, *line_of(_pairs(line["Points"])).T)), line) for line in water["ReferenceLines"]]
@@ -194,7 +195,7 @@ def _head(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[di
 def _latest_state(
     states: Sequence[tuple[str, Json, Sequence[Json]]], points: np.ndarray, soil: str, notices: list[str]
 ) -> dict[str, Any]:
-    """Return the preconsolidation of a layer in the last stage that tells it, of stages with the last one first.
+    """Return the preconsolidation of a layer in the last stage that states it; ``stages`` has the last stage first.
 
     D-Stability keeps the yield stress of a stage in later stages; a layer is identified by the place of its middle.
     """
@@ -212,7 +213,7 @@ def _latest_state(
 
 
 def _holds(outline: np.ndarray, point: np.ndarray) -> bool:
-    """Return whether a point is inside an outline (n, 2): lines to its left are crossed an odd number of times."""
+    """Return whether a point is inside an outline (n, 2), which holds if the number of edges to its left is odd."""
     start, end = outline, np.roll(outline, -1, axis=0)
     cut = (start[:, 1] < point[1]) != (end[:, 1] < point[1])
     share = (point[1] - start[cut, 1]) / (end[cut, 1] - start[cut, 1])
@@ -220,8 +221,8 @@ def _holds(outline: np.ndarray, point: np.ndarray) -> bool:
 
 
 def _state(states: Json, layer: str, points: np.ndarray, soil: str, notices: list[str]) -> dict[str, Any]:
-    """Return the preconsolidation of a layer: of a state point in it, or of a state line along its edge; others are
-    told."""
+    """Return the preconsolidation of a layer, given by a state point in it or by a state line along its edge. Other
+    states are reported in a notice."""
     more = f'not taken: preconsolidation that changes within "{soil}"; it has that of one point'
     if inside := [point for point in states["StatePoints"] if point["LayerId"] == layer]:
         notices += [more] if len(inside) > 1 else []
@@ -257,8 +258,8 @@ def _preconsolidation(state: Json) -> dict[str, Any]:
 
 
 def _consolidated(load: Json, layers: Collection[str], notices: list[str]) -> float:
-    """Return the share of a load under which these layers have consolidated, the least where they differ; 0 without
-    any."""
+    """Return the share of a load under which the given layers have consolidated, the least share if they differ; 0
+    without any."""
     degrees = [float(pair["Degree"]) for pair in load["Consolidations"] if pair["LayerId"] in layers]
     if len(set(degrees)) > 1:
         notices.append(
@@ -268,7 +269,7 @@ def _consolidated(load: Json, layers: Collection[str], notices: list[str]) -> fl
 
 
 def _not_taken(loads: Json, reinforcements: Json) -> Iterator[str]:
-    """Yield one sentence for each kind of thing that a section has not."""
+    """Yield one sentence for each kind of object of the model that a section cannot have."""
     for what, items in (("line loads", loads["LineLoads"]), ("trees", loads["Trees"])):
         if items:
             yield f"not taken: {what}, {len(items)}"

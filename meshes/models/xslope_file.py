@@ -1,4 +1,4 @@
-"""Workbooks of xslope (`.xlsx`): sheets of profile lines, materials, piezometric lines and distributed loads."""
+"""Reads workbooks of xslope (`.xlsx`): sheets of profile lines, materials, piezometric lines and distributed loads."""
 
 import importlib.util
 from collections.abc import Iterator, Sequence
@@ -69,7 +69,7 @@ def read_xslope(path: Path, name: str, part: str | None = None) -> ImportedSecti
 
 
 def _whole(rows: Rows) -> Rows:
-    """Return the rows of equal length."""
+    """Return the rows, filled up to equal length."""
     width = max((len(row) for row in rows), default=0)
     return [row + (None,) * (width - len(row)) for row in rows]
 
@@ -97,7 +97,7 @@ def _model(sheets: dict[str, Rows]) -> ForeignModel:
 
 
 def _cell_after(rows: Rows, words: str) -> float:
-    """Return the number in the cell to the right of one with ``words``; raise LookupError without."""
+    """Return the number in the cell to the right of a cell with ``words``. Raises LookupError without such a cell."""
     for row in rows:
         for cell, value in pairwise(row):
             if isinstance(cell, str) and words in cell.lower():
@@ -106,8 +106,8 @@ def _cell_after(rows: Rows, words: str) -> float:
 
 
 def _tables(rows: Rows, title: str, *heads: str) -> Iterator[Points]:
-    """Yield the numbers below every row of ``heads`` with a ``title`` above it, a list of tuples each; none without
-    any."""
+    """Yield the numbers below every row of ``heads`` that has a ``title`` above it, a list of tuples for each; nothing
+    if there is none."""
     for i, j in ((i, j) for i, row in enumerate(rows[1:], start=1) for j in range(len(row) - len(heads) + 1)):
         here = tuple(str(cell or "").strip().lower() for cell in rows[i][j : j + len(heads)])
         if here != heads or title not in str(rows[i - 1][j] or "").lower():
@@ -123,7 +123,7 @@ def _tables(rows: Rows, title: str, *heads: str) -> Iterator[Points]:
 
 
 def _materials(rows: Rows) -> list[dict[str, Any]]:
-    """Return the materials by the heads of their columns."""
+    """Return the materials by the headings of their columns."""
     top = next(i for i, row in enumerate(rows) if "option" in row)
     heads = [str(cell or "").strip() for cell in rows[top]]
     filled = [row for row in rows[top + 1 :] if isinstance(row[0], int | float) and row[heads.index("g")] is not None]
@@ -131,7 +131,7 @@ def _materials(rows: Rows) -> list[dict[str, Any]]:
 
 
 def _soil(row: dict[str, Any], units: XslopeUnits, water: bool, notices: list[str]) -> dict[str, Any]:
-    """Return the keys of a stratum; what a material has that they have not is told."""
+    """Return the keys of a stratum. Properties of the material that a stratum cannot have are reported in a notice."""
     name, option = row.get("name"), str(row.get("option") or "").strip().lower()
     if option not in OPTIONS:
         raise ValueError(f'material "{name}" has the strength option "{option}", of {", ".join(OPTIONS)}')
@@ -186,18 +186,20 @@ def _outlines(lines: Sequence[np.ndarray], k: int, base: float) -> Iterator[np.n
 
 
 def _inside(start: float, end: float) -> np.ndarray:
-    """Two places just inside the ends of an interval, so that a step of a line at an end counts on its inner side."""
+    """Return two places just inside the ends of an interval, so that a step of a line at an end counts on its inner
+    side."""
     return np.array([start, end]) + INSIDE * (end - start) * np.array([1.0, -1.0])
 
 
 def _to_ends(values: np.ndarray) -> np.ndarray:
-    """Return values (2,) of a straight line at the ends of an interval, from those at `_inside`."""
+    """Return the values (2,) of a straight line at the ends of an interval, from the values at the places of
+    `_inside`."""
     rise = INSIDE * (values[1] - values[0]) / (1.0 - 2.0 * INSIDE)
     return values + rise * np.array([-1.0, 1.0])
 
 
 def _breaks(lines: Sequence[np.ndarray], k: int) -> np.ndarray:
-    """Return the x (n,) in m of profile line k between which no line has a corner or crosses another."""
+    """Return the x (n,) in m of profile line k between which no line has a corner or crosses another line."""
     left, right = lines[k][[0, -1], 0]
     x = np.unique(np.concatenate([line[:, 0] for line in lines]).clip(left, right))
     crossings = []
@@ -213,8 +215,8 @@ def _breaks(lines: Sequence[np.ndarray], k: int) -> np.ndarray:
 def _loads(
     rows: Rows, units: XslopeUnits, tables: Sequence[np.ndarray], notices: list[str]
 ) -> Iterator[dict[str, Any]]:
-    """Yield the distributed loads as surcharges; those of free water are the water's, and those after drawdown are
-    told."""
+    """Yield the distributed loads as surcharges. Loads of free water are left to the water table, and loads after
+    drawdown are reported in a notice."""
     for title, taken in (("a", True), ("b", False)):
         for points in _tables_of_loads(rows, title):
             x, z, normal = points.T * np.array([units.length, units.length, units.stress])[:, None]
@@ -231,7 +233,8 @@ def _loads(
 
 
 def _tables_of_loads(rows: Rows, case: str) -> Iterator[np.ndarray]:
-    """Yield loads (n, 3) of set "a", in use, or "b", after drawdown: x, y and normal stress."""
+    """Yield loads (n, 3), x, y and normal stress, of set "a", which is in use, or of set "b", which applies after
+    drawdown."""
     titles = [str(cell or "").strip().lower() for row in rows for cell in row]
     for title in titles:
         if title.startswith("distributed load #") and title.endswith(case):

@@ -1,4 +1,4 @@
-"""The ground in a section file: strata between lines, quantities with units, water."""
+"""Describes the ground in a section file: strata between lines, quantities with units, water."""
 
 from meshes.section.layering import Layering
 from meshes.section.naming import BOUNDARIES

@@ -1,8 +1,8 @@
-"""The ground beyond the ends of a section: surface, layers, base and water continue in the same direction, all with one
-slope.
+"""Continues the ground beyond the ends of a section: surface, layers, base and water continue with the slope of the
+ground.
 
-The ground there is unknown; but a side at the end of the survey influences the failure, and a side far away does not.
-Lines continue parallel to the ground surface, so that every layer keeps its thickness.
+The ground beyond the ends is unknown. But a side at the end of the survey influences the failure, and a side far away
+does not. Lines continue parallel to the ground surface, so that every layer keeps its thickness.
 """
 
 from typing import Literal, NamedTuple
@@ -32,12 +32,13 @@ class Continuation(NamedTuple):
     right_slope: float
 
     def elevations(self, points: np.ndarray) -> np.ndarray:
-        """Return a polyline (n, 2) of elevations, continued if it reaches an end."""
+        """Return a polyline (n, 2) of elevations, continued if it reaches an end of the section."""
         rises = -self.distance * self.left_slope, self.distance * self.right_slope
         return self._continued(points, *rises)
 
     def depths(self, points: np.ndarray) -> np.ndarray:
-        """Return a polyline (n, 2) of depths below the ground, continued with the same depth if it reaches an end."""
+        """Return a polyline (n, 2) of depths below the ground, continued with the same depth if it reaches an end of
+        the section."""
         return self._continued(points, 0.0, 0.0)
 
     def line(self, line: Line) -> Line:
@@ -65,6 +66,6 @@ def continuation(surface: np.ndarray, distance: float, slope: Slope) -> Continua
 
 
 def continuation_words(length: float, slope: Slope, left: float, right: float) -> str:
-    """Describe in words what lies beyond the ends (m) of a section; ``length`` (m) of it on either side."""
+    """Return words on the ground beyond the ends (m) of a section; ``length`` (m) is the length on either side."""
     how = "level" if slope == "level" else "with the slope of the ground there"
     return f"beyond: ground, layers and water go on for {length:g} m past x = {left:g} and {right:g} m, {how}"

@@ -1,11 +1,12 @@
-"""Cohesion at any point of a section: constant, growing with depth below a line, growing with the effective stress.
+"""Computes the cohesion at any point of a section: constant, growing with depth below a line, or growing with the
+effective stress.
 
-c = max(c_min, c0 + k max(0, z_from - z) + S σ'v OCR^m), where the last term is SHANSEP (Ladd & Foott 1974) and OCR =
-σ'p / σ'v is a number, or follows from a pre-overburden pressure: σ'p = σ'v + POP. σ'v is the vertical effective
-stress before shaking to which the ground has consolidated: the weight of the ground above, of the water on it and of
-the consolidated share of surcharges, undiminished with depth, less the pore pressure. Points are (n, 2), x and
-elevation in m, each with its stratum and with a point ``near`` it that says on which side of a step of the ground or of
-a surcharge it is meant; cohesions are in Pa.
+c = max(c_min, c0 + k max(0, z_from - z) + S σ'v OCR^m), where the last term is SHANSEP (Ladd & Foott 1974). OCR = σ'p /
+σ'v is a number, or follows from a pre-overburden pressure: σ'p = σ'v + POP. σ'v is the vertical effective stress before
+shaking to which the ground has consolidated: the weight of the ground above, of the water on it and of the consolidated
+share of surcharges, not spread with depth, less the pore pressure. Points are (n, 2), x and elevation in m. Each has
+its stratum, and a neighbouring point ``near`` it, which tells on which side of a step of the ground or of a surcharge
+the point lies. Cohesions are in Pa.
 """
 
 from collections.abc import Callable
@@ -38,7 +39,7 @@ class CohesionField:
     starts : tuple of (n, 2) or None
         The line (m) for each stratum below which its cohesion grows with depth.
     consolidated : tuple of (n, 2) or None
-        The line (m) for each stratum above which the ground has not consolidated the stratum; None if all ground above
+        For each stratum the line (m) above which the ground has not consolidated the stratum; None if all ground above
         has.
     """
 
@@ -70,8 +71,8 @@ class CohesionField:
         top: np.ndarray | None = None,
         pressure: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Return the vertical effective stress (n,) in Pa to which the ground has consolidated, by which ratios of
-        strength are multiplied; ground above the line ``top`` (k, 2) does not count. ``pressure`` (n,) in Pa: see
+        """Return the vertical effective stress (n,) in Pa to which the ground has consolidated. Strength ratios are
+        multiplied by this stress. Ground above the line ``top`` (k, 2) does not count. ``pressure`` (n,) in Pa: see
         ``WaterPressure.vertical_effective``. ``points``, ``near`` (n, 2) in m, ``stratum`` (n,): as in
         ``WaterPressure.at_rest``.
         """
@@ -101,12 +102,13 @@ class CohesionField:
 
     @property
     def notices(self) -> list[tuple[int, str]]:
-        """Return notices on strengths that vary: the number of the stratum, and a sentence."""
+        """Return notices on strengths that vary, as pairs of the number of the stratum and a sentence."""
         varying = [(int(k), "its cohesion varies; discs have its mean throughout") for k in np.flatnonzero(self.varies)]
         return varying + [(k, words) for k, _ in varying if (words := self._without_strength(k))]
 
     def _without_strength(self, stratum: int) -> str:
-        """Return words on a ground without friction whose strength goes to zero at its top; empty if it has some."""
+        """Return a phrase on ground without friction whose strength is zero at its top; empty if it has some strength
+        there."""
         soil, layers = self.water.strata[stratum], self.water.layers
         if not soil.strength_ratio or soil.friction_angle > 0.0 or soil.pre_overburden_pressure is not None:
             return ""
@@ -144,8 +146,8 @@ class CohesionField:
         return at[(at > ends[0]) & (at < ends[-1])]
 
     def _passes(self, line: np.ndarray) -> np.ndarray:
-        """Return the x (n,) in m where a line above which nothing counts goes through the ground, a layer or the
-        water."""
+        """Return the x (n,) in m where a line, above which ground does not count, crosses the ground surface, a layer
+        or the water."""
         layers, table = self.water.layers, self.water.after
         x = np.unique(np.concatenate([layers.x, line[:, 0], *([] if table is None else [table[:, 0]])]))
         x = x[(x >= layers.x[0]) & (x <= layers.x[-1])]
@@ -171,12 +173,13 @@ class CohesionField:
         return self._of_strata(_grown, points, near, stratum)
 
     def corners(self, corners: np.ndarray, stratum: np.ndarray, above: bool) -> np.ndarray:
-        """Return cohesions (m, 3) at the ``corners`` (m, 3, 2) of triangles; the linear cohesion between them is
+        """Return cohesions (m, 3) at the ``corners`` (m, 3, 2) of triangles. The linear cohesion between the corners is
         nowhere above the true cohesion (`at`), or nowhere below it if ``above``.
 
-        In a triangle depth and stress are linear: so is the pore pressure that bounds have between corners, also where
-        water flows. What is convex of depth and stress (growth below a line, a least value) lies below its chord and
-        above its tangent, and what is concave (σ'v to a power below 1) the other way round.
+        In a triangle, depth and stress are linear, since in the bounds the pore pressure is linear between corners,
+        also where water flows. A convex function of depth and stress (growth below a line, a least value) lies below
+        its chord and above its tangent; a concave one (σ'v to a power below 1) lies above its chord and below its
+        tangent.
         """
 
         def linear(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
@@ -206,7 +209,7 @@ class CohesionField:
         return self._of_strata(linear, points, near, stratum, pressure.ravel()).reshape(-1, 4)[:, :3]
 
     def means(self) -> tuple[Stratum, ...]:
-        """Return the strata with one cohesion each: a varying cohesion is replaced by its mean over the area of the
+        """Return the strata with one cohesion each. A varying cohesion is replaced by its mean over the area of the
         stratum."""
         if not self.varies.any():
             return self.water.strata
@@ -245,8 +248,8 @@ class CohesionField:
 
 
 def _grown(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
-    """Return the cohesion (Pa) at depths (m) below its line and vertical effective stresses (Pa), without its least
-    value."""
+    """Return the cohesion (Pa), without its least value, at depths (m) below the line of the stratum and at vertical
+    effective stresses (Pa)."""
     return soil.cohesion + soil.cohesion_increase * np.maximum(depth, 0.0) + _shansep(soil, stress)
 
 

@@ -1,4 +1,4 @@
-"""Outlines cut into columns at all their corners, and the strata that they make from the top down."""
+"""Divides outlines into columns at all their corners, and stacks them to strata from the top down."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -40,8 +40,8 @@ class Columns:
         """Return the ground surface (columns, 2), and the bottoms of the strata (strata, columns, 2): elevations (m) at
         both ends.
 
-        The bottom of a stratum that is not there is that of the one above.
-        ``bare`` (columns, 2): the ground where columns have no pieces, as where the base comes out of the ground.
+        A stratum that is absent has the bottom of the stratum above. ``bare`` (columns, 2): elevation of the ground in
+        columns that have no pieces, as where the base comes out of the ground.
         """
         ground = np.full((len(self.pieces), 2), np.nan) if bare is None else bare.copy()
         for column, pieces in enumerate(self.pieces):
@@ -58,8 +58,8 @@ class Columns:
         return ground, bottoms
 
     def points(self, line: np.ndarray) -> np.ndarray:
-        """Return a line given at both ends (columns, 2) of every column as points (n, 2): two points where the line
-        steps."""
+        """Return a line, given at both ends (columns, 2) of every column, as points (n, 2), with two points where the
+        line steps."""
         chain = np.column_stack([np.repeat(self.x, 2)[1:-1], line.ravel()])
         chain = chain[np.isfinite(chain[:, 1])]  # without columns that have no pieces and nothing bare
         again = np.concatenate([[False], np.all(np.abs(np.diff(chain, axis=0)) <= SNAP, axis=1)])
@@ -103,8 +103,8 @@ class Tally:
     def add(self, inside: Sequence[int], owner: int, area: float, column: int) -> None:
         """Add a cell that lies in several outlines to the strata that claim it.
 
-        ``inside``: strata whose outlines hold the cell; ``owner``: the one it belongs to; ``area``: area of the cell
-        (m²); ``column``: column of the grid.
+        ``inside``: strata whose outlines contain the cell; ``owner``: the stratum to which the cell belongs; ``area``:
+        area of the cell (m²); ``column``: number of the column.
         """
         self.owned[owner] += area
         for other in inside:
@@ -116,7 +116,7 @@ class Tally:
     def gap(self, above: str, below: str, height: float, column: int) -> None:
         """Record a gap between two strata.
 
-        ``above``, ``below``: names of the strata; ``height``: height of the gap (m); ``column``: column of the grid.
+        ``above``, ``below``: names of the strata; ``height``: height of the gap (m); ``column``: number of the column.
         """
         here = self.gaps.setdefault((above, below), [0.0, self.x[column], self.x[column + 1]])
         here[0], here[2] = max(here[0], height), self.x[column + 1]
@@ -148,7 +148,7 @@ def polygon_area(points: np.ndarray) -> float:
 
 
 def _breakpoints(outlines: Sequence[np.ndarray]) -> np.ndarray:
-    """Return x (m) of all corners, and of where edges cross, those within SNAP of each other once."""
+    """Return x (m) of all corners and of the crossings of edges; places within SNAP of each other are returned once."""
     starts = np.vstack(outlines)
     ends = np.vstack([np.roll(points, -1, axis=0) for points in outlines])
     swap = starts[:, 0] > ends[:, 0]
@@ -177,8 +177,8 @@ def _crossings(left: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Edges:
-    """Holds the edges of all outlines: whose they are, and the breakpoints, by number, and elevations (m) of their
-    ends."""
+    """Holds the edges of all outlines: number of the outline, numbers of the first and last breakpoint, and elevations
+    (m) at both ends."""
 
     outline: np.ndarray
     first: np.ndarray
@@ -201,8 +201,8 @@ def _edges(outlines: Sequence[np.ndarray], x: np.ndarray) -> _Edges:
 
 @dataclass(frozen=True)
 class _Cell:
-    """Holds what lies between two edges of a column: whose it is, -1 if nobody's; (left, right) of top and bottom
-    (m)."""
+    """Holds the cell between two edges of a column: number of the outline that owns it (-1 for none), and elevations
+    (m) of top and bottom at the left and right end."""
 
     owner: int
     top: np.ndarray
@@ -233,7 +233,8 @@ def _cells(edges: _Edges, x: np.ndarray, column: int, rank: Sequence[float], tal
 
 
 def _pieces(cells: Sequence[_Cell], tally: Tally, column: int) -> list[Piece]:
-    """Return the cells of a column as pieces of layers: neighbours of one name are one, gaps go to what is below."""
+    """Return the cells of a column as pieces of layers. Neighbouring cells of one name are one piece, and gaps belong
+    to the piece below."""
     pieces: list[Piece] = []
     gap: _Cell | None = None
     for cell in cells:

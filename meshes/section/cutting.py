@@ -1,4 +1,4 @@
-"""Strata divided where water crosses them: the part above is moist, the part below is saturated."""
+"""Divides strata where water crosses them: the part above is moist, the part below is saturated."""
 
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -38,7 +38,8 @@ def shown_name(name: str, quoted: bool = True) -> str:
 
 
 def without_film(name: str) -> str:
-    """Return the stratum from which a thin film, or a part with the least strength, was cut off for bounds."""
+    """Return the stratum from which a thin part was cut off for bounds, either a film at the water table or a part with
+    the least strength."""
     return name.removesuffix(LEAST_STRENGTH).removesuffix(FILM_IN)
 
 
@@ -54,13 +55,12 @@ def soil_of(name: str) -> str:
 
 
 def whole_soil(name: str) -> str:
-    """Return the name of a stratum's soil in the file, for parts above and below water."""
+    """Return the name of the soil of a stratum in the file, for the part above and for the part below water."""
     return soil_of(name.removesuffix(BELOW_WATER))
 
 
 def soil_numbers(names: Sequence[str]) -> list[int]:
-    """Return the number of the soil of every stratum, from 0 in their order; the parts of a soil have the same
-    number."""
+    """Return the number of the soil of every stratum, from 0 in their order. Parts of one soil have the same number."""
     soils = list(dict.fromkeys(map(soil_of, names)))
     return [soils.index(soil_of(name)) for name in names]
 
@@ -87,13 +87,14 @@ def layers_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], L
 
 
 def uncut_strata(strata: Sequence[Stratum]) -> list[Stratum]:
-    """Return only the lower parts of strata that water has divided: these end where the whole strata do."""
+    """Return only the lower parts of strata that water has divided, since their bottoms are those of the whole
+    strata."""
     names = [stratum.name for stratum in strata]
     return [s for k, s in enumerate(strata) if k + 1 == len(names) or names[k + 1] != s.name + BELOW_WATER]
 
 
 def value_of_stratum(values: Mapping[str, Value], name: str) -> Value | None:
-    """Return the setting for a stratum by name; parts cut off by water or zones have the setting of the whole
+    """Return the setting for a stratum by name. Parts that water or zones cut off have the setting of the whole
     stratum."""
     whole = name.removesuffix(BELOW_WATER)
     return next((values[key] for key in (name, whole, soil_of(name), soil_of(whole)) if key in values), None)
@@ -101,7 +102,7 @@ def value_of_stratum(values: Mapping[str, Value], name: str) -> Value | None:
 
 @dataclass(frozen=True, eq=False)
 class DividedStratum:
-    """Holds a stratum and the level of its water between breakpoints.
+    """Holds a stratum between breakpoints, and the level of its water.
 
     Attributes
     ----------
@@ -115,7 +116,7 @@ class DividedStratum:
     thickness: np.ndarray
 
     def has(self, part: int) -> bool:
-        """Return whether the stratum has a part above (0) or below (1) the water."""
+        """Return whether the stratum has a part above (``part`` 0) or below (1) the water."""
         return bool((self.thickness[part] > 0.0).any())
 
     def line(self, left: float, right: float) -> Line:
@@ -140,8 +141,9 @@ def divided_by_water(layers: Layering, k: int, water: np.ndarray) -> DividedStra
 
 
 def _reach(gap: np.ndarray, x: np.ndarray, tolerance: float) -> np.ndarray:
-    """Return the gap (m) between two lines, at both ends of intervals, up to which they meet there: where they are as
-    far apart as what makes two points one, or pass through each other as near as that to either side of a breakpoint.
+    """Return the distance (m) between two lines, at both ends of intervals, below which the lines count as meeting
+    there. It is the tolerance within which two points are one, or the distance between lines that cross within this
+    tolerance to either side of a breakpoint.
     """
     reach = tolerance * np.maximum(1.0, np.abs(gap[:, 1] - gap[:, 0]) / np.diff(x))
     ends = np.concatenate([reach[:1], np.maximum(reach[1:], reach[:-1]), reach[-1:]])
@@ -149,10 +151,10 @@ def _reach(gap: np.ndarray, x: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 def without_pockets(parts: DividedStratum, cell: float) -> DividedStratum:
-    """Return a divided stratum without thin wedges of a part that are small compared with the cells (m) and the other
-    part.
+    """Return a divided stratum in which thin wedges of one part are given to the other part, if they are small compared
+    with the cells (m) and with the other part.
 
-    The corners of such wedges would be as sharp as the angle between water level and layer.
+    The corners of such wedges would be as sharp as the angle between the water level and the layer.
     """
     level, thickness = parts.level.copy(), parts.thickness.copy()
     whole = thickness.sum(axis=0)
@@ -169,8 +171,8 @@ def without_pockets(parts: DividedStratum, cell: float) -> DividedStratum:
 
 
 def _runs(thick: np.ndarray) -> list[tuple[int, int]]:
-    """Return the first interval, and that after the last, of every run of intervals (n, 2) with a thickness that hang
-    together."""
+    """Return the first interval, and the interval after the last, of every run of adjacent intervals (n, 2) with a
+    thickness."""
     runs: list[tuple[int, int]] = []
     for i in np.flatnonzero(thick.max(axis=1) > 0.0):
         joined = runs and runs[-1][1] == i and min(thick[i - 1, 1], thick[i, 0]) > 0.0
@@ -189,7 +191,7 @@ def _at_ends(layers: Layering, k: int, water: np.ndarray, x: np.ndarray) -> list
 
 
 def _crossings(layers: Layering, k: int, water: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Where the water level goes through top or bottom of stratum k between two breakpoints."""
+    """Return the x at which the water level crosses top or bottom of stratum k between two breakpoints."""
     top, bottom, level = _at_ends(layers, k, water, x)
     cut = []
     for line in (top, bottom):
@@ -206,13 +208,13 @@ def cut_strata(
     levels: Sequence[np.ndarray | None],
     extent: tuple[float, float],
 ) -> tuple[Stratum, ...]:
-    """Divide the strata that their water ``levels`` (n, 2) cross; strata wholly below water get the saturated density.
+    """Divide the strata that their water ``levels`` (n, 2) cross. Strata entirely below water get the saturated
+    density.
 
-    New lines reach as far as the section was ``given`` (x in m). The upper part keeps the name, and does not liquefy;
-    of a soil that zones part, a part wholly below water has the name of one below water where another lies above it.
-    What water cuts off in pockets smaller than cells stays with the rest; ``cut_films`` cuts it off, too. Pore
-    pressures are not changed by it.
-    ``layers``: the ground layer by layer.
+    New lines reach over the ``extent`` (x in m) of the given section. The upper part keeps the name, and does not
+    liquefy. If zones divide a soil into several strata, and one of them lies above water, a stratum entirely below
+    water gets the name of a part below water. Thin wedges smaller than cells stay with the other part of the stratum
+    (``cut_films`` makes them strata); the pore pressure in them is unchanged. ``layers``: the ground layer by layer.
     """
     cut: list[Stratum] = []
     cell = _cell(layers)
@@ -239,14 +241,14 @@ def cut_strata(
 
 
 def _cell(layers: Layering) -> float:
-    """Return the size (m) of cells by default."""
+    """Return the default size (m) of cells."""
     return CELL * float(layers.areas().sum() / (layers.x[-1] - layers.x[0]))
 
 
 def cut_at_cracks(
     strata: Sequence[Stratum], layers: Layering, bottom: np.ndarray, extent: tuple[float, float], of_crack: OfCrack
 ) -> tuple[Stratum, ...]:
-    """Divide the strata with a cohesion that the ``bottom`` (n, 2) of tension cracks crosses. The part above has no
+    """Divide the strata with a cohesion that the ``bottom`` (n, 2) of tension cracks crosses. The part above it has no
     tensile strength, the name of the soil with ``CRACKED``, and the changes in ``of_crack``. ``layers``, ``extent``: as
     in ``cut_strata``.
     """
@@ -269,10 +271,11 @@ def cut_at_cracks(
 def cut_films(
     strata: Sequence[Stratum], layers: Layering, levels: Sequence[np.ndarray | None], extent: tuple[float, float]
 ) -> tuple[Stratum, ...]:
-    """Return the strata of ``cut_strata``, with pockets smaller than cells that water cuts off as separate strata.
+    """Return the strata of ``cut_strata``, in which thin wedges smaller than cells that water cuts off are separate
+    strata.
 
-    These pockets have the weight of their side of the water, and the name of the stratum with ``FILM_IN``. ``layers``,
-    ``levels``, ``extent``: as in ``cut_strata``.
+    These strata, called films, have the weight of their side of the water, and the name of the stratum with
+    ``FILM_IN``. ``layers``, ``levels``, ``extent``: as in ``cut_strata``.
     """
     cut: list[Stratum] = []
     for k, (stratum, level) in enumerate(zip(strata, levels, strict=True)):

@@ -1,10 +1,10 @@
-"""Lines surveyed more densely than a mesh can resolve, such as a scanned surface: points that make no difference are
-removed.
+"""Thins lines that were surveyed more densely than a mesh can resolve, such as a scanned surface, by removing points
+that make no difference.
 
-Cells cannot be larger than the distance of the points of a line that they follow. What is thinned is every line of a
-section together: noise is taken off by a running median over a quarter of a cell, then of the places where any line
-has a point those are left out between which all lines stay within a tolerance (Douglas & Peucker 1973). So lines that
-lie on each other still do, and none crosses another.
+Cells cannot be larger than the distance between the points of a line that they follow. All lines of a section are
+thinned together. First, noise is removed by a running median over a quarter of a cell. Then, of all places where any
+line has a point, those are left out between which all lines stay within a tolerance (Douglas & Peucker 1973). So lines
+that lie on each other still do, and no lines cross.
 """
 
 from collections.abc import Mapping, Sequence
@@ -47,9 +47,9 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
     Returns
     -------
     lines : dict of ndarray
-        The same lines; all of them as they were where few points are dense.
+        The thinned lines. If only few points are dense, all lines are unchanged.
     tolerance : float
-        How far (m) lines may have moved from their running median; 0 where none did.
+        Largest distance (m) of a line from its running median; 0 if no line was changed.
     """
     x = np.unique(np.concatenate([points[:, 0] for points in lines.values()]))
     gaps = np.diff(x)
@@ -96,7 +96,7 @@ def lines_by_place(
     """Return the lines of a section that have several points, by their places in the contents of the file.
 
     ``surface``, ``base``: surface and base of the section; ``drawn``: water table that is only drawn; ``strata``,
-    ``water``: tables with lines of their own.
+    ``water``: tables that contain lines.
     """
     lines: dict[Place, Line | None] = {("base",): base, ("water_table",): drawn}
     for k, stratum in enumerate(strata):
@@ -131,8 +131,8 @@ def mean_height(surface: Points, base: Line) -> float:
 
 
 def _reach(x: np.ndarray, hard: np.ndarray, half: float) -> np.ndarray:
-    """Return how many neighbours (n,) on either side lie within half a window (m), with none that is hard between or
-    there."""
+    """Return the number of neighbours (n,) on either side within half a window (m), counted up to the next ``hard``
+    place; 0 at a hard place."""
     number = np.arange(len(x))
     ends = np.flatnonzero(hard)
     before = ends[np.searchsorted(ends, number, side="right") - 1]
@@ -143,8 +143,8 @@ def _reach(x: np.ndarray, hard: np.ndarray, half: float) -> np.ndarray:
 
 
 def _median(values: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Return the running median of values (n,) over as many of them on either side: a rising or falling line stays what
-    it is."""
+    """Return the running median of values (n,) over the same number of neighbours on both sides, so that a line of
+    constant slope is unchanged."""
     medians = values.copy()
     for i in np.flatnonzero(reach > 0):
         medians[i] = np.median(values[i - reach[i] : i + reach[i] + 1])
@@ -152,7 +152,7 @@ def _median(values: np.ndarray, reach: np.ndarray) -> np.ndarray:
 
 
 def _sides(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the values of a line just left and just right of each x; not a number if it is not."""
+    """Return the values of a line just left and just right of each x; NaN outside the line."""
     left, right = limits(points, x)
     start, end = points[0, 0], points[-1, 0]
     return np.where((x <= start) | (x > end), np.nan, left), np.where((x < start) | (x >= end), np.nan, right)
@@ -161,16 +161,16 @@ def _sides(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def needed_x(
     x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], fixed: np.ndarray, tolerance: float
 ) -> np.ndarray:
-    """Return the x whose points keep all lines within a tolerance, the fixed ones included.
+    """Return the x whose points keep all lines within a tolerance; the fixed places are included.
 
     Parameters
     ----------
     x : ndarray (n,)
         Places (m), rising.
     sides : list of two ndarray (n,)
-        Values of each line just left and just right of each x; not a number outside the line.
+        Values of each line just left and just right of each x; NaN outside the line.
     fixed : ndarray (n,) of bool
-        Mask of the places that stay: the first and the last, and all places where a line steps or ends.
+        Mask of the places that stay: the first and the last place, and all places where a line steps or ends.
     tolerance : float
         Largest difference (m) between a line and the chord between places that stay.
     """
@@ -188,7 +188,8 @@ def needed_x(
 def with_walls_upright(
     x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], surface: int, near: float
 ) -> tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
-    """Return lines with one vertical step in place of each steep stretch of the surface that is too short for a cell.
+    """Return lines in which each steep stretch of the surface that is too short for a cell is replaced by one vertical
+    step.
 
     Parameters
     ----------
@@ -199,8 +200,8 @@ def with_walls_upright(
     surface : int
         Number of the line that is the ground surface.
     near : float
-        Distance (m) below which places are too near to each other for cells; a wall is higher than that, and what
-        becomes one step is no wider.
+        Distance (m) below which places are too close to each other for cells. A wall is higher than this distance, and
+        a stretch that becomes one step is not wider.
 
     Returns
     -------
@@ -238,7 +239,8 @@ def with_walls_upright(
 
 
 def _between(x: np.ndarray, left: np.ndarray, right: np.ndarray, three: list[int], tolerance: float) -> bool:
-    """Return whether all lines of values left and right of each x run straight past the middle one of three places."""
+    """Return whether all lines, given by values left and right of each x, run straight past the middle of three
+    places."""
     first, middle, last = three
     share = (x[middle] - x[first]) / (x[last] - x[first])
     straight = (1.0 - share) * right[:, first] + share * left[:, last]

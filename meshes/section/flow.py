@@ -1,4 +1,4 @@
-"""The seepage of a section: its heads and permeabilities on the grid, and the lines that others need of the flow."""
+"""Computes the seepage of a section: heads and permeabilities on the grid, and the resulting lines of water."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -36,7 +36,7 @@ def seepage_of(
     layers_with : callable
         Function that returns the layers of these strata with breakpoints at additional x (m).
     still : WaterPressure
-        Static water everywhere; its water table gives the heads.
+        Static water everywhere; its water table determines the heads.
     walls : sequence of Wall
         Walls that no water crosses.
 
@@ -69,7 +69,7 @@ def seepage_of(
 
 
 def _shores(layers: Layering, table: np.ndarray) -> list[float]:
-    """Where the table goes through the ground (m)."""
+    """Return the x at which the water table crosses the ground (m)."""
     x = np.union1d(layers.x, table[(table[:, 0] > layers.x[0]) & (table[:, 0] < layers.x[-1]), 0])
     middle = 0.5 * (x[1:] + x[:-1])
     first, last = (level_at(table, end, middle) - layers.interfaces(end, near=middle)[:, 0] for end in (x[:-1], x[1:]))
@@ -78,7 +78,8 @@ def _shores(layers: Layering, table: np.ndarray) -> list[float]:
 
 
 def _known_heads(grid: FlowGrid, still: WaterPressure, table: np.ndarray, tolerance: float) -> np.ndarray:
-    """Return heads (n,) of the points below free water and, at the sides, below the table; elsewhere not numbers."""
+    """Return the heads (n,) of the points below free water and, at the sides, below the water table; NaN at other
+    points."""
     heads = np.full(len(grid.points), np.nan)
     places = np.unique(np.concatenate([grid.ground, *grid.sides]))
     points, middle = grid.points[places], grid.points[grid.cells].mean(axis=1)
@@ -92,7 +93,8 @@ def _known_heads(grid: FlowGrid, still: WaterPressure, table: np.ndarray, tolera
 
 
 def _without_islands(grid: FlowGrid, heads: np.ndarray) -> np.ndarray:
-    """Return the heads that are given, and in ground that no water reaches that of its lowest point: it is dry."""
+    """Return the prescribed heads. Ground that no water reaches is dry: its lowest point gets a head equal to its
+    elevation."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

@@ -1,9 +1,9 @@
-"""Triangles for seepage: vertical lines from the base to the ground, joined from one to the next.
+"""Makes triangles for seepage: vertical lines from the base to the ground, joined from one line to the next.
 
-Vertical lines stand at all breakpoints of the layers, and between them no farther apart than a size; points on the
-lines are where interfaces cross, and between those at the same spacing. A strip between two lines is filled from the
-base upwards with triangles that follow the interfaces, so that a point is found by its strip and its height alone. A
-line may be split: then its two sides have separate points, and no water crosses it (a cut-off wall).
+Vertical lines stand at all breakpoints of the layers, and between breakpoints at most a given size apart. The points on
+a line are those where interfaces cross it, and points between these at the same spacing. A strip between two lines is
+filled from the base upwards with triangles that follow the interfaces, so that a point is found by its strip and its
+height alone. If no water crosses a line (a cut-off wall), the two sides of the line have separate points.
 """
 
 from collections.abc import Iterator, Sequence
@@ -41,7 +41,7 @@ class FlowGrid:
     stratum : (m,) ndarray
         Number of the stratum of each triangle.
     rungs : tuple of (r, 2) ndarray
-        For every strip the pairs of points, left and right, between which its triangles lie, from the base upwards;
+        For every strip, the pairs of points, left and right, between which its triangles lie, from the base upwards;
         none if the strip has no height.
     ground : (g,) ndarray
         Numbers of the points on the ground surface, including walls of steps.
@@ -68,7 +68,7 @@ class FlowGrid:
                 yield strip, side, chain[np.append(True, chain[1:] != chain[:-1])] if len(chain) else chain
 
     def strip_at(self, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
-        """Return the strips (k,) in which points (k, 2) lie; a point on the line between two strips belongs to the
+        """Return the strips (k,) in which points (k, 2) lie. A point on the line between two strips belongs to the
         strip that contains ``near`` (k, 2).
         """
         x = points[:, 0]
@@ -81,8 +81,8 @@ class FlowGrid:
 
     def interpolated(self, values: np.ndarray, points: np.ndarray, near: np.ndarray, tolerance: float) -> np.ndarray:
         """Interpolate values (n,) at the grid points to points (k, 2). Above and below the grid the nearest value is
-        used; NaN outside the ground. ``near`` (k, 2): points inside the cells that ``points`` belong to; ``tolerance``:
-        tolerance of places (m).
+        used; outside the ground the result is NaN. ``near`` (k, 2): points inside the cells to which ``points`` belong;
+        ``tolerance``: tolerance of places (m).
         """
         result = np.full(len(points), np.nan)
         strip = self.strip_at(points, near, tolerance)
@@ -107,8 +107,8 @@ class FlowGrid:
 def flow_grid(
     layers: Layering, size: float, walls: Sequence[Wall] = (), levels: Sequence[float] = (), stretch: float = 1.0
 ) -> FlowGrid:
-    """Make the grid of layers with breakpoints at all ``walls``; edges are about ``size`` (m) long, and ``stretch``
-    times as long along x as upwards.
+    """Make the grid of layers with breakpoints at all ``walls``. Edges are about ``size`` (m) long, and along x
+    ``stretch`` times as long as vertically.
 
     Every line has a point at the elevation (m) of each of the ``levels``, such as those of free water.
     """
@@ -155,7 +155,8 @@ def _remaining(new: np.ndarray, numbers: np.ndarray) -> np.ndarray:
 
 
 def _lines(layers: Layering, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Where lines stand (m), and elevations (strips, 2 ends, interfaces) of the interfaces between them."""
+    """Return the positions of the lines (m), and the elevations (strips, 2 ends, interfaces) of the interfaces between
+    them."""
     x, ends = [layers.x[:1]], []
     for i, width in enumerate(layers.width):
         count = max(1, int(np.ceil(width / size - 1e-9)))
@@ -169,8 +170,8 @@ def _lines(layers: Layering, size: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _heights(ends: np.ndarray, line: int, size: float, levels: list[float], tolerance: float) -> np.ndarray:
-    """Return elevations (m) of the points of a line, rising: where interfaces of either side are, then not farther
-    apart."""
+    """Return the elevations (m) of the points of a line, rising: where interfaces meet the line from either side, and
+    between them at no larger spacing than the size."""
     sides = ([ends[line - 1, 1]] if line else []) + ([ends[line, 0]] if line < len(ends) else [])
     fixed = np.unique(np.concatenate(sides))
     for at in levels:
@@ -188,8 +189,9 @@ def _heights(ends: np.ndarray, line: int, size: float, levels: list[float], tole
 def _numbered(
     x: np.ndarray, z: list[np.ndarray], walls: Sequence[Wall], tolerance: float
 ) -> tuple[np.ndarray, list[np.ndarray], list[np.ndarray]]:
-    """Return points (n, 2) of all lines, and their numbers as the strip to the left and that to the right of a line has
-    them: others above the foot of a wall, and all of them where it reaches the base."""
+    """Return the points (n, 2) of all lines, and for each line the numbers of its points as seen from the strip to the
+    left and from the strip to the right. The numbers differ above the foot of a wall, and everywhere if the wall
+    reaches the base."""
     points, to_left, to_right, count = [], [], [], 0
     for at, heights in zip(x, z, strict=True):
         numbers = count + np.arange(len(heights))
@@ -211,8 +213,8 @@ def _numbered(
 def _zipped(
     chains: list[list[int]], points: np.ndarray
 ) -> list[tuple[tuple[int, int, int], tuple[tuple[int, int], tuple[int, int]]]]:
-    """Return triangles between two chains of points that rise side by side, counter-clockwise, each with the pair of
-    points below and that above it."""
+    """Return counter-clockwise triangles between two adjacent chains of points that rise side by side, each with the
+    pair of points below and the pair above it."""
     left, right = chains
     i = j = 0
     triangles = []

@@ -1,19 +1,21 @@
-"""Kernel of unconfined seepage on a fixed grid: pressure and share of full pores as a complementarity problem.
+"""Kernel of unconfined seepage on a fixed grid: the pressure head and the saturated share of the pores solve a
+complementarity problem.
 
-Darcy's law and continuity for water without capillary rise (Brezis, Kinderlehrer & Stampacchia 1978, C. R. Acad. Sci.
-Paris 287, 711; of layered ground Alt 1979, J. reine angew. Math. 305, 89), with the pressure head p and the share θ:
+The equations are Darcy's law and continuity for water without capillary rise (Brezis, Kinderlehrer & Stampacchia 1978,
+C. R. Acad. Sci. Paris 287, 711; of layered ground Alt 1979, J. reine angew. Math. 305, 89), with the pressure head p
+and the saturated share θ of the pores:
 
     q = -K (∇p + θ e_z),   div q = 0,   p >= 0,   0 <= θ <= 1,   p (1 - θ) = 0
 
-Below the phreatic line θ = 1. Above it p = 0, and water that is there falls, at the rate s = θ k_z, which is the same
-on both sides of an interface: a dry shell sucks no water out of a core. On bare ground p = 0, and water comes out where
-θ = 1.
+Below the phreatic line θ = 1. Above it p = 0, and the water there falls at the rate s = θ k_z, which is the same on
+both sides of an interface: a dry shell sucks no water out of a core. On bare ground p = 0, and water flows out where θ
+= 1.
 
-Pressures diffuse by linear triangles. Two sides of a grid line's triangle lie upright or slant, the third is upright:
-the whole weight of the water in a triangle acts along that one, from its upper end, whose θ it has (upwind). An edge of
-obtuse triangles may have a negative conductance: conductance and fall along it are both raised until it conducts
-nothing, so that still water stays still. So every equation rises with its own unknown and falls with all others (an
-M-function), and the set of wet points is found by Newton's method, a linear solution a step.
+Pressures are discretised by linear triangles. Each triangle has one vertical side on a grid line. The whole weight of
+the water in a triangle acts along this side, from its upper end, which determines θ (upwind). An edge of obtuse
+triangles may have a negative conductance; then conductance and fall along this edge are both raised until the
+conductance is zero, so that still water stays still. So every equation rises with its own unknown and falls with all
+others (an M-function), and the set of wet points is found by Newton's method, with one linear solution a step.
 """
 
 from dataclasses import dataclass
@@ -43,8 +45,8 @@ class FreeSurfaceFlow:
     pressure : (n,) ndarray
         Pressure head (m), never negative.
     full : (n,) ndarray of bool
-        Mask of the points at which the pores of the ground are full; at an interface, those of the least permeable
-        ground.
+        Mask of the points at which the pores of the ground are full; at an interface the pores of the least permeable
+        ground count.
     seeps : (n,) ndarray of bool
         Mask of the points of bare ground at which water leaves the ground.
     inflow : (n,) ndarray
@@ -62,7 +64,7 @@ class FreeSurfaceFlow:
 
 @dataclass(frozen=True, eq=False)
 class _Falls:
-    """Holds edges (e,) along which water falls: upper and lower points, and area (m) and permeability of the fall."""
+    """Holds the edges (e,) along which water falls: upper and lower points, area (m) and permeability."""
 
     upper: np.ndarray
     lower: np.ndarray
@@ -70,8 +72,8 @@ class _Falls:
     permeability: np.ndarray
 
     def matrix(self, weights: np.ndarray, size: int) -> csr_array:
-        """Return the matrix of net outflow from every point if ``weights`` (e,) times a value at the upper end flow
-        along the edges."""
+        """Return the matrix of the net outflow from every point, if ``weights`` (e,) times the value at the upper end
+        flows along each edge."""
         rows = np.concatenate([self.upper, self.lower])
         values = np.concatenate([weights, -weights])
         return coo_array((values, (rows, np.tile(self.upper, 2))), shape=(size, size)).tocsr()
@@ -88,7 +90,7 @@ def free_surface_flow(
     permeability : (strata, 2) ndarray
         Horizontal and vertical permeability (m/s).
     pressure : (n,) ndarray
-        Prescribed pressure heads (m), above 0; not a number elsewhere.
+        Prescribed pressure heads (m), above 0; NaN at other points.
     bare : (n,) ndarray of bool
         Points at which water can leave without pressure.
     """
@@ -104,8 +106,8 @@ def free_surface_flow(
 
     # One unknown a point: the pressure, or, below 0, the rate less the most in terms of the pressure that it is worth.
     def state(unknown: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the points (n,) that are dry, the rates (n,) at which water falls from them, and the falls that can
-        take more."""
+        """Return the points (n,) that are dry, the rates (n,) at which water falls from them, and the edges that can
+        take more water."""
         dry = (unknown < -ROUNDING) & ~fixed
         rate = np.where(dry, np.minimum(most + unknown / through, (1.0 - ROUNDING) * most), most)
         return dry, rate, dry[falls.upper] & (rate[falls.upper] < falls.permeability)
@@ -147,7 +149,7 @@ def free_surface_flow(
 
 
 def _discretised(grid: FlowGrid, permeability: np.ndarray) -> tuple[csr_array, _Falls]:
-    """Return conductances (n, n) without any below 0 between two points, and the edges along which water falls."""
+    """Return conductances (n, n), none of them negative between two points, and the edges along which water falls."""
     size, cells, z = len(grid.points), grid.cells, grid.points[:, 1]
     blocks = element_conductances(grid, permeability)
     places = (np.repeat(cells, 3, axis=1).ravel(), np.tile(cells, 3).ravel())

@@ -1,4 +1,4 @@
-"""Faults of the lines of a section, and of the readable part of a section with other faults."""
+"""Finds faults of the lines of a section, also in the readable part of a section with other faults."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -63,8 +63,7 @@ def geometry_problems(
 
 
 def problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
-    """Return what is wrong with names, soils and geometry, as far as they can be read, in input that has other
-    faults."""
+    """Return faults of names, soils and geometry in input that has other faults, as far as it can be read."""
     strata = data.get("strata")
     if not isinstance(strata, list) or not all(isinstance(stratum, dict) for stratum in strata) or not strata:
         return []

@@ -1,8 +1,8 @@
-"""The layers of a section between its breakpoints, where every interface is a straight line.
+"""Holds the layers of a section between its breakpoints, where every interface is a straight line.
 
-Interface 0 is the ground surface, interface k the bottom of stratum k - 1 (0-based), the last one the base.
-Between two neighbouring breakpoints all are straight; at a breakpoint they may have a vertical step. A
-stratum of no thickness is absent there.
+Interface 0 is the ground surface, interface k the bottom of stratum k - 1 (0-based), the last interface the base.
+Between two neighbouring breakpoints all interfaces are straight; at a breakpoint they may have a vertical step. A
+stratum without thickness is absent there.
 """
 
 from collections.abc import Sequence
@@ -113,7 +113,7 @@ class Layering:
         return along + float((top - base).sum() - 2.0 * np.maximum(common, 0.0).sum())
 
     def _joined(self, i: int, stratum: int) -> bool:
-        """Return whether the stratum's parts left and right of breakpoint i share more than a point."""
+        """Return whether the parts of the stratum left and right of breakpoint i have more than a point in common."""
         top = min(self.right[i - 1, stratum], self.left[i, stratum])
         bottom = max(self.right[i - 1, stratum + 1], self.left[i, stratum + 1])
         return bool(top > bottom)
@@ -139,7 +139,7 @@ def middles(left: float, right: float, count: int) -> np.ndarray:
 def without_collinear(polygon: np.ndarray, tolerance: float) -> np.ndarray:
     """Return a closed polygon (n, 2) without the points that lie on the straight line between their neighbours.
 
-    A point is left out only if its distance from that line is a rounding error, a millionth of ``tolerance``.
+    A point is left out only if its distance from this line is a rounding error, a millionth of ``tolerance``.
     """
     keep = list(range(len(polygon)))
     k = 0
@@ -157,7 +157,7 @@ def without_collinear(polygon: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 class Layers(NamedTuple):
-    """Holds the layers of a section, with the faults and the changes that were made, one sentence each."""
+    """Holds the layers of a section, the faults found, and the changes made, one sentence each."""
 
     layering: Layering
     problems: list[str]
@@ -168,9 +168,8 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None], al
     """Compute the layers under ``surface`` (n, 2) down to ``base``, with breakpoints ``also`` at other x (m).
 
     A bottom of None is the base. A stratum ends where its bottom line ends (with a vertical face if it is still thick
-    there) and where its bottom rises above the ground surface, which cuts it off. Points that are closer than a
-    centimetre are made one.
-    ``bottoms``: a line for each stratum.
+    there), and where its bottom rises above the ground surface, which cuts it off. Points closer than a centimetre are
+    merged. ``bottoms``: a line for each stratum.
     """
     x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
     raw = [(line or base).points(x_left, x_right) for line in bottoms]
@@ -241,8 +240,8 @@ def above_ground(surface: np.ndarray, line: Line, what: str) -> list[str]:
 
 
 def _snapped_x(lines: list[np.ndarray], snap: float) -> list[np.ndarray]:
-    """Return the lines with points whose x differ by no more than ``snap`` moved onto the first of them, or onto the
-    end."""
+    """Return the lines, in which points whose x differ by at most ``snap`` are moved to the first of these x, or to the
+    end of the section."""
     values = np.unique(np.concatenate([points[:, 0] for points in lines]))
     first = values.copy()
     start = 0
@@ -288,7 +287,7 @@ def _elevations(
 
 
 def _crossings(x: np.ndarray, ground: np.ndarray, lines: list[np.ndarray], snap: float) -> np.ndarray:
-    """Where lines pass through the ground surface between two breakpoints."""
+    """Return the x at which lines cross the ground surface between two breakpoints."""
     crossings = []
     for line in lines:
         gap = ground - line
@@ -299,8 +298,8 @@ def _crossings(x: np.ndarray, ground: np.ndarray, lines: list[np.ndarray], snap:
 
 
 def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what: str) -> list[str]:
-    """Return a sentence if ``line`` is above ``other`` anywhere by more than a shift by ``snap`` lifts it, aside
-    or up."""
+    """Return a sentence if ``line`` is above ``other`` anywhere, by more than a horizontal or vertical shift of
+    ``snap`` can explain."""
     excess = line - other
     steep = np.maximum(*(np.abs(values[:, 1] - values[:, 0]) for values in (line, other))) / np.diff(x)
     too_much = excess > snap * (1.0 + steep[:, None])
@@ -314,16 +313,17 @@ def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what
 
 
 def _where_it_ends(excess: np.ndarray, x: np.ndarray, end: int) -> float:
-    """Where in an interval between two x a linear excess (2,) that is positive in it ends, on the side of ``end``."""
+    """Return the x at which a linear excess (2,) between two x becomes zero, on the side of ``end``; the excess is
+    positive in the interval."""
     if excess[end] >= 0.0:
         return float(x[end])
     return float(x[0] + (x[1] - x[0]) * excess[0] / (excess[0] - excess[1]))
 
 
 def _apart(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
-    """Return a sentence if the section falls apart: where a step of the ground passes the base beside it.
+    """Return a sentence if the section is not connected, because a step of the ground passes the base beside it.
 
-    The base may reach the surface, as rock does; but then both sides of that place meet there.
+    The base may reach the surface, as rock does; but then both sides of that place must meet there.
     """
     at = np.arange(1, len(x) - 1)
     over = np.maximum(floor[at - 1, 1] - ground[at, 0], floor[at, 0] - ground[at - 1, 1])
@@ -352,7 +352,7 @@ def _snapping_notices(exact: np.ndarray, stack: np.ndarray, x: np.ndarray, snap:
 
 
 def _snapped_z(stack: np.ndarray, snap: float) -> np.ndarray:
-    """Return interfaces (intervals, 2, interfaces) with elevations that differ by no more than ``snap`` made equal.
+    """Return interfaces (intervals, 2, interfaces), in which elevations that differ by at most ``snap`` are equal.
 
     Both sides of a breakpoint are treated together, so that neighbours share their points exactly.
     """

@@ -1,8 +1,8 @@
-"""Strata divided where a strength that grows with depth or stress begins to exceed its least value.
+"""Divides strata where a strength that grows with depth or stress begins to exceed its least value.
 
-c = max(c_min, c0 + k d + S σ'v OCR^m) has a kink there. Strict lower bounds have a linear cohesion between the corners
-of a triangle that is nowhere above it: in a triangle across the kink either the least value or what goes to zero at the
-ground. Triangles on either side of the kink lose nothing.
+At this place c = max(c_min, c0 + k d + S σ'v OCR^m) has a kink. Strict lower bounds use a linear cohesion between the
+corners of a triangle that is nowhere above the true cohesion. In a triangle across the kink this would be either the
+least value, or a cohesion that goes to zero at the ground. Triangles on either side of the kink lose nothing.
 """
 
 import numpy as np
@@ -21,10 +21,10 @@ THINNEST = 0.005
 
 
 def cut_at_least_strength(section: Section) -> Section:
-    """Return the section with strata of a ``cohesion_minimum`` divided where the cohesion begins to exceed it; both
-    parts have the same soil.
+    """Return the section with strata of a ``cohesion_minimum`` divided where the cohesion begins to exceed this
+    minimum. Both parts have the same soil.
 
-    Returns the section itself if no stratum has such a line.
+    Returns the section itself if no stratum has such a place.
     """
     field = section.cohesion_field
     strata: list[Stratum] = []
@@ -40,10 +40,11 @@ def cut_at_least_strength(section: Section) -> Section:
 
 
 def _kink(field: CohesionField, k: int) -> np.ndarray:
-    """Return the line (n, 2) in m below which stratum k has more than its least cohesion, from side to side.
+    """Return the line (n, 2) in m, from side to side, below which stratum k has more than its least cohesion.
 
-    Along a vertical the cohesion grows with depth. Where it is more than the least one throughout, or less, the line
-    continues above or below the stratum, as straight as strengths are there, so that it meets its top and bottom.
+    Along a vertical the cohesion grows with depth. Where it is above the least value throughout the stratum, or below
+    it, the line continues above or below the stratum, as straight as strengths are there, so that it meets top and
+    bottom of the stratum.
     """
     layers, least = field.water.layers, field.water.strata[k].cohesion_minimum or 0.0
     x = np.union1d(layers.x, field.kinks)

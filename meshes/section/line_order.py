@@ -1,5 +1,5 @@
-"""Lines drawn from right to left, and lines whose points step back a little, or stand three and more on a wall, as
-scanners and drawings have them."""
+"""Reorders lines drawn from right to left, lines whose points step back a little, and lines with three or more points
+on a wall, as scanners and drawings produce them."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -14,8 +14,8 @@ from meshes.section.polyline import Line, pairs_of
 def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """Return the contents of a file with the points of its lines from left to right, at most two of them at one x.
 
-    Lines drawn from right to left are reversed. Otherwise a point is moved only by distances that cells cannot resolve;
-    a line with larger faults stays as it is, and the reader of the section refuses it.
+    Lines drawn from right to left are reversed. Otherwise a point is moved only by distances that cells cannot resolve.
+    A line with larger faults is unchanged, and the section reader refuses it.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
 
 
 def _reversed_lines(data: dict[str, Any]) -> list[str]:
-    """Turn round the lines that go from right to left; returns the sentence that tells it, if there is one to tell."""
+    """Reverse the lines that go from right to left, and return a sentence on them, if there are any."""
     reversed_lines = []
     for place, table, points in _lines(data):
         steps = np.diff(points[:, 0])
@@ -67,7 +67,7 @@ def _reversed_lines(data: dict[str, Any]) -> list[str]:
 
 
 def _lines(data: dict[str, Any]) -> Iterator[tuple[Place, Any, np.ndarray]]:
-    """Yield every list of points: its place, the table that holds it, of which ``data`` has its own copy, and its
+    """Yield every list of points with its place, the table that contains it (a copy within ``data``), and its
     points."""
     for place in _written_lines(data):
         table: Any = data
@@ -87,7 +87,7 @@ def _key(place: Place) -> str:
 
 
 def _ordered(points: np.ndarray, reach: float) -> tuple[np.ndarray, float] | None:
-    """Return points (n, 2) in order and the farthest move (m); None if none is needed, or one would exceed the
+    """Return points (n, 2) in order, and the largest move (m); None if no move is needed, or if a move would exceed the
     reach."""
     count = len(points)
     points = points[np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])]
@@ -115,8 +115,8 @@ def _ordered(points: np.ndarray, reach: float) -> tuple[np.ndarray, float] | Non
 
 
 def _step(heights: np.ndarray, before: float, after: float, reach: float) -> tuple[float, float] | None:
-    """Return the foot and top, or top and foot, of a wall on which points stand; None if they stand for more than
-    one."""
+    """Return foot and top, or top and foot, of a wall on which points stand; None if the points stand on more than one
+    wall."""
     first, last = float(heights[0]), float(heights[-1])
     if heights.min() >= min(first, last) - reach and heights.max() <= max(first, last) + reach:
         return first, last
@@ -126,7 +126,7 @@ def _step(heights: np.ndarray, before: float, after: float, reach: float) -> tup
 
 
 def _written_lines(data: Mapping[str, Any]) -> list[Place]:
-    """Return the places of lists of points in what a file holds."""
+    """Return the places of lists of points in the contents of a file."""
     tables: list[tuple[Place, Any]] = [(("surface",), data.get("surface"))]
     tables += [((key,), data.get(key)) for key in ("base", "water_table")]
     strata = data.get("strata")

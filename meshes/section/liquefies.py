@@ -1,4 +1,4 @@
-"""The cases in which a stratum liquefies, given by their numbers or left to blow counts and an earthquake, and the
+"""Describes the cases in which a stratum liquefies, given by their numbers or by blow counts and an earthquake, and the
 strength that remains in these cases."""
 
 from collections.abc import Iterable
@@ -14,8 +14,8 @@ LIQUEFIES_IN = (
 
 
 class Cases(tuple[int, ...]):
-    """Numbers of cases. If ``triggered``, blow counts determine the cases, and the file says so instead of giving
-    numbers."""
+    """Holds the numbers of cases. If ``triggered``, blow counts determine the cases, and the file contains the word
+    "triggered" instead of numbers."""
 
     triggered: bool
 
@@ -34,7 +34,7 @@ class Cases(tuple[int, ...]):
 
 
 def read(value: Any) -> Cases:
-    """Read the cases as written; raise ValueError with what was expected."""
+    """Read the cases as written. Raises ValueError with the expected form."""
     if isinstance(value, Cases):
         return value
     if value == TRIGGERED:

@@ -1,4 +1,4 @@
-"""The base class of all parts of an input."""
+"""Defines the base class of all parts of an input."""
 
 from typing import Any, Self
 
@@ -6,7 +6,8 @@ from pydantic import BaseModel, ConfigDict
 
 
 class Model(BaseModel):
-    """Base class of all parts of an input: no unknown keys, no change after reading."""
+    """Is the base class of all parts of an input: unknown keys are refused, and values cannot be changed after
+    reading."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 

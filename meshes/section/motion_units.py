@@ -1,4 +1,4 @@
-"""Units of ground motion as people and networks write them: "gal", "cm/sec/sec", "0.01 g", "%g", "kine", "ms"."""
+"""Reads units of ground motion as people and networks write them: "gal", "cm/sec/sec", "0.01 g", "%g", "kine", "ms"."""
 
 import re
 from dataclasses import dataclass
@@ -74,8 +74,7 @@ def time_unit(written: str) -> float | None:
 
 
 def checked(written: str) -> str:
-    """Return a unit of a record as a setting gives it, or nothing. Raises ValueError if it is no unit of ground
-    motion."""
+    """Return a unit of a record from a setting, or nothing. Raises ValueError if it is no unit of ground motion."""
     if written and motion_unit(written) is None:
         raise ValueError(f"not a unit of ground motion; {EXPECTED}")
     return written

@@ -1,4 +1,4 @@
-"""Names of strata, which must be different and none of which may belong to a boundary of the mesh, and names of the
+"""Checks names of strata, which must be different and must not be the name of a boundary of the mesh, and names of the
 tables of a section."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -12,7 +12,7 @@ ALIKE = 0.75  # names that are more alike than this (difflib's ratio) are one, m
 
 
 def naming_problems(names: Sequence[str]) -> Iterator[str]:
-    """Return what is wrong with the names of strata."""
+    """Return the problems of the names of strata."""
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
             yield f'strata: {names.count(name)} of them are called "{name}"; expected every name once'

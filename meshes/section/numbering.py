@@ -1,4 +1,4 @@
-"""Layers met several times from the top down, distinguished by numbers and connected by their order."""
+"""Numbers layers that are met several times from the top down, and connects them by their order."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ class Piece(NamedTuple):
 
 @dataclass
 class _Stratum:
-    """Holds a stratum in the making: its name, and where it was met last."""
+    """Holds a stratum under construction: its name, and where it was met last."""
 
     name: str
     last: Piece
@@ -45,9 +45,9 @@ class Stack:
 def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
     """Return the strata, from the top down, that columns of pieces form.
 
-    A piece belongs to a stratum of its name. From one column to the next as many strata continue as the order allows;
-    among several of one name the stratum that the piece overlaps most continues; a remaining piece becomes a new
-    stratum, by its elevation.
+    A piece belongs to a stratum of its name. From one column to the next, as many strata continue as the order allows.
+    Among several strata of one name, the one that the piece overlaps most continues. A remaining piece becomes a new
+    stratum, placed by its elevation.
 
     Parameters
     ----------
@@ -84,7 +84,8 @@ def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
 
 
 def _aligned(column: Sequence[Piece], strata: Sequence[_Stratum]) -> dict[int, _Stratum]:
-    """For pieces of a column, by number, the strata that they go on with: the best that keeps the order of both."""
+    """Return, by the number of a piece of a column, the stratum that the piece continues. The best assignment that
+    keeps the order of pieces and strata is chosen."""
     worth = [[0.0] * (len(strata) + 1) for _ in range(len(column) + 1)]
     for i in range(len(column) - 1, -1, -1):
         for j in range(len(strata) - 1, -1, -1):
@@ -112,7 +113,7 @@ def _worth(piece: Piece, stratum: _Stratum, pieces: int) -> float:
 
 
 def numbered_names(names: Sequence[str]) -> list[str]:
-    """Return names with numbers, in their order, if several names are equal."""
+    """Return the names in their order, with numbers if several names are equal."""
     forms = ("{} {}", "{} ({})", "{} no. {}", "{} - {}")
     numbers = range(1, len(names) + 1)
     form = next(

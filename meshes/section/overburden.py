@@ -1,4 +1,4 @@
-"""Vertical stresses in a section before the earthquake, at a point (x, depth)."""
+"""Computes vertical stresses in a section before the earthquake, at a point (x, depth)."""
 
 from dataclasses import dataclass
 
@@ -35,8 +35,8 @@ class Overburden:
 
 
 def overburden(section: Section, x: float, depth: float) -> Overburden:
-    """Compute vertical stresses at a point: the total stress is the weight of the strata above with all water in their
-    pores; the effective stress is this weight and the weight of water on the ground, less the pore pressure.
+    """Compute vertical stresses at a point. The total stress is the weight of the strata above with all water in their
+    pores. The effective stress is this weight and the weight of water on the ground, less the pore pressure.
 
     The total stress is counted from the ground down, under water from the mudline: water has no shear stiffness, so
     free water adds nothing to the shear stress that shaking brings, a_max σv r_d/g (Seed & Idriss 1971), and a cone is
@@ -46,8 +46,9 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
     Surcharges spread with depth as on an elastic half-plane (`Surcharge.below`): the total stress has the share of
     their mass that shakes, the effective stress the share under which the ground has consolidated.
 
-    ``x`` in the section and ``depth`` (m) within it: see `outside`. Where a stratum has two densities it is the seismic
-    one that holds all of its mass; strata are cut where water stands in them, with a density on either side.
+    ``x`` is a place in the section and ``depth`` (m) lies within it: see `outside`. If a stratum has two densities, the
+    seismic density contains all of its mass. Strata are divided where water stands in them, with a density on either
+    side.
     """
     levels = section.layering.interfaces(np.array([x]))[0]
     here = float(levels[0]) - depth

@@ -1,4 +1,4 @@
-"""Ranges of quantities beyond which a number is probably a typing error, mostly in the unit; and densities that
+"""Checks quantities by ranges, beyond which a number is probably a typing error, mostly in the unit; and densities that
 contradict the water."""
 
 import math
@@ -46,11 +46,11 @@ UNUSUAL = ", or unusual = true at the head of the file if it is meant"
 
 
 def sentence(key: str, value: float, limits: Range, remedy: str = UNUSUAL) -> str:
-    """Return a message about a number outside the range: the key, what was written, what was probably meant, and the
-    range.
+    """Return a message about a number outside the range: the key, the written value, the value that was probably meant,
+    and the range.
 
-    The ``remedy`` says what to do if the number is correct. ``value``: the number in SI units; ``limits``: the range of
-    such numbers.
+    The ``remedy`` tells the user what to do if the number is correct. ``value``: the number in SI units; ``limits``:
+    the range of such numbers.
     """
     written = getattr(value, "written", value)
     shown = f'"{written}"' if isinstance(written, str) else f"{written:g}"
@@ -63,8 +63,8 @@ def sentence(key: str, value: float, limits: Range, remedy: str = UNUSUAL) -> st
 
 
 def _is_meant(written: str | float, unit: str, otherwise: float, limits: Range) -> bool:
-    """Return whether a number that was written with a unit is one of the range in another; ``otherwise`` what it would
-    be (SI) where it had none, or in a unit that has no size of its own here."""
+    """Return whether a written number would be in the range if its unit were ``unit``. ``otherwise`` (SI) is used if it
+    was written without a unit, or if ``unit`` has no size in the table SIZES."""
     number = NUMBER_AND_UNIT.fullmatch(written) if isinstance(written, str) else None
     return within(SIZES[unit] * float(number[1]) if number and unit in SIZES else otherwise, limits)
 
@@ -113,7 +113,7 @@ def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequ
 
 
 def implausible_as_written(strata: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Return the same sentences for tables [[strata]] that have other faults, as far as they can be read; and a
+    """Return the same sentences for tables [[strata]] that have other faults, as far as they can be read, and a
     sentence for tables without density."""
     kinds = get_type_hints(Stratum, include_extras=True)
     for number, written in enumerate(strata, start=1):
@@ -144,10 +144,10 @@ def _sentences(where: str, model: Model, ranges: dict[str, Range]) -> Iterator[s
 def against_the_water(
     layers: Layering, strata: Sequence[Stratum], drawn: np.ndarray | None, table: np.ndarray | None
 ) -> Iterator[str]:
-    """Return densities, and layers that liquefy, that contradict the water, one sentence each.
+    """Return densities, and layers that liquefy, which contradict the water, one sentence each.
 
-    ``drawn`` is a water table (n, 2) that is only drawn, if densities include the water; ``table`` is one that has
-    pressure. ``layers``: the ground layer by layer; ``strata``: the strata with their soils.
+    ``drawn`` is a water table (n, 2) that is only drawn, if densities include the water; ``table`` is a water table
+    with pore pressures. ``layers``: the ground layer by layer; ``strata``: the strata with their soils.
     """
     level = drawn if table is None else table
     if level is None:
@@ -191,7 +191,7 @@ def not_lower(before: np.ndarray | None, after: np.ndarray) -> Iterator[str]:
 
 
 def _away_from_the_ground(layers: Layering, level: np.ndarray) -> Iterator[str]:
-    """A sentence where the water (n, 2) stands above all of the ground, or lies below all of it."""
+    """Yield a sentence if the water (n, 2) stands above all of the ground, or lies below all of it."""
     x = np.concatenate([layers.x[:-1], layers.x[1:]])
     top, base = (np.concatenate([layers.left[:, k], layers.right[:, k]]) for k in (0, -1))
     here = np.interp(x, *level.T)
@@ -228,7 +228,7 @@ def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:
 
 
 def nothing_flows(water: WaterPressure) -> Iterator[str]:
-    """Return a sentence if seepage is to be computed, and its heads, or a wall, prevent any flow."""
+    """Return a sentence if seepage is to be computed, but its heads, or a wall, prevent any flow."""
     table = water.before
     if water.flow is None or table is None or water.flow.discharge:
         return

@@ -1,4 +1,4 @@
-"""Lines across a section: points from left to right, as elevations or as depths below the surface."""
+"""Reads lines across a section: points from left to right, as elevations or as depths below the surface."""
 
 from collections.abc import Sequence
 from typing import Annotated, Any
@@ -26,7 +26,7 @@ def read_points(value: Any) -> Points:
 
 
 def pairs_of(value: Sequence[Any]) -> list[tuple[float, float]]:
-    """Return points (m) as written in a list; raise ValueError with every entry that is no pair of coordinates."""
+    """Return the points (m) in a list. Raises ValueError with every entry that is no pair of coordinates."""
     problems: list[str] = []
     points: list[tuple[float, float]] = []
     for number, point in enumerate(value, start=1):
@@ -70,7 +70,7 @@ def _read_points_or_level(value: Any) -> Points | float:
 
 
 def written(value: Any) -> Any:
-    """Return points or a number as a file has them."""
+    """Return points or a number in the form of a file."""
     if isinstance(value, tuple):
         return [written(entry) for entry in value]
     return getattr(value, "written", value)
@@ -83,7 +83,7 @@ PolylineOrLevel = Annotated[Any, PlainValidator(_read_points_or_level), PlainSer
 class Line(BaseModel):
     """Holds a line given as ``elevation`` or as ``depth`` below the ground surface (m, positive downwards).
 
-    Either is a list of points [[x, z], ...], or one number that applies across the section.
+    Elevation and depth are each a list of points [[x, z], ...], or one number that applies across the section.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -100,13 +100,13 @@ class Line(BaseModel):
 
     @property
     def depth_points(self) -> Points:
-        """Return the points of a line given as depth, a constant as one point; empty for elevations."""
+        """Return the points of a line given as depth, of which a constant is one point; nothing for elevations."""
         if self.depth is None:
             return ()
         return self.depth if isinstance(self.depth, tuple) else ((0.0, self.depth),)
 
     def points(self, left: float, right: float) -> np.ndarray:
-        """Return the points as an (n, 2) array; a constant reaches from ``left`` to ``right`` (m)."""
+        """Return the points as an (n, 2) array. A constant reaches from ``left`` to ``right`` (m)."""
         value = self.elevation if self.depth is None else self.depth
         if isinstance(value, tuple):
             return np.array(value, dtype=float)
@@ -124,7 +124,7 @@ ElevationOrLine = Annotated[Line, BeforeValidator(_elevation_or_line)]
 def limits(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the values of a polyline (n, 2) just left and just right of each x; they differ at its vertical steps.
 
-    Outside its range the end segments continue; callers cut them off.
+    Outside the range of the polyline its end segments continue; callers cut them off.
     """
     px, pz = points[:, 0], points[:, 1]
 
@@ -145,8 +145,8 @@ def downhill(ground: np.ndarray) -> int:
 
 
 def level_at(level: np.ndarray, x: np.ndarray, near: np.ndarray) -> np.ndarray:
-    """Return the elevations (n,) of a level (k, 2) at x, which continues level beyond its ends; at a step, the
-    elevation on the side of ``near`` (n,)."""
+    """Return the elevations (n,) of a level (k, 2) at x. The level continues horizontally beyond its ends; at a step
+    the elevation is that on the side of ``near`` (n,)."""
     if (np.diff(level[:, 0]) > 0.0).all():
         return np.asarray(np.interp(x, *level.T))
     before, after = limits(level, np.clip(x, level[0, 0], level[-1, 0]))

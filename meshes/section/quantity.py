@@ -1,5 +1,5 @@
-"""Quantities as written in a file ("1560 tf/m^2", "35 deg", or a plain SI number), and as SI numbers inside the
-program."""
+"""Reads quantities as written in a file ("1560 tf/m^2", "35 deg", or a plain SI number), which are SI numbers inside
+the program."""
 
 import math
 import re
@@ -103,7 +103,8 @@ COMMON_UNITS = {
 
 
 class Quantity(float):
-    """A number in SI units with the text in which it was written, so that a file can be written back unchanged."""
+    """Holds a number in SI units, and the text in which it was written, so that a file can be written back
+    unchanged."""
 
     written: str | float
 
@@ -137,7 +138,7 @@ class Kind:
         return f"expected {self.name}{self.limits}, such as {self.example}"
 
     def read(self, value: Any) -> Quantity:
-        """Return the SI number of a written quantity; raise ValueError with what was expected."""
+        """Return the SI number of a written quantity. Raises ValueError with the expected form."""
         if isinstance(value, Quantity):
             number, written = float(value), value.written
         elif isinstance(value, str):
@@ -191,7 +192,7 @@ class Kind:
 
 
 def with_a_point(text: str) -> str:
-    """Return a number that was written with a decimal comma, with a point; empty for another text."""
+    """Return a number that was written with a decimal comma, with a decimal point; empty for other texts."""
     parts = DECIMAL_COMMA.fullmatch(text)
     return f"{parts[1] or 0}.{parts[2]}{parts[3]}".strip() if parts else ""
 

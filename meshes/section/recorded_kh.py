@@ -1,4 +1,4 @@
-"""Seismic coefficients at which a computation stores its state, in the names of files and pictures."""
+"""Writes seismic coefficients, at which a computation stores its state, in names of files and pictures."""
 
 from typing import Annotated
 

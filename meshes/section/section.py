@@ -1,4 +1,4 @@
-"""The validated section of layered soil, read from and written to TOML."""
+"""Defines the validated section of layered soil, read from and written to TOML."""
 
 import hashlib
 import tomllib
@@ -43,8 +43,8 @@ from meshes.section.zone import Zone, with_elevations, with_materials, without_d
 class Section(Model):
     """Holds the section of a layered slope; x to the right and elevation upwards, in metres.
 
-    Strata are listed from the top down. A stratum lies between its bottom line and the stratum above: it ends where its
-    bottom line ends, where that line meets the one above, or where it reaches the ground surface.
+    Strata are listed from the top down. A stratum lies between its bottom line and the stratum above. It ends where its
+    bottom line ends, where this line meets the line above, or where it reaches the ground surface.
     """
 
     name: str = Field(
@@ -113,8 +113,7 @@ class Section(Model):
         return self
 
     def _apply_zones(self) -> list[str]:
-        """Make strata of the zones, and raise the ground where zones are above it; returns their faults, one sentence
-        each.
+        """Make strata of the zones, raise the ground where zones lie above it, and return the faults of zones.
 
         The model cannot be changed after this step, and has no zones.
         """
@@ -130,7 +129,7 @@ class Section(Model):
         return ground.problems
 
     def _water_lines(self) -> dict[str, Line | None]:
-        """Return the lines of water that go from side to side, by their keys."""
+        """Return the lines of water from side to side, by their keys."""
         water = self.water or Water()
         return {
             "water_table": self.water_table, "water, table": water.table, "water, after_drawdown": water.after_drawdown
@@ -169,7 +168,7 @@ class Section(Model):
 
     @property
     def notices(self) -> list[str]:
-        """Return notices on a valid section: what was changed when it was read, one sentence each."""
+        """Return notices on a valid section, which state what was changed when it was read, one sentence each."""
         notices = [*self._zone_notices, *self._line_notices]
         notices += [f"geometry: {text}" for text in self._layers.notices]
         notices += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]
@@ -215,7 +214,7 @@ class Section(Model):
         return self.layering.stratum_at(x, z)
 
     def elevations_of(self, line: Line) -> np.ndarray:
-        """Return a line as elevations (n, 2) in metres; from an end inside the section it continues level."""
+        """Return a line as elevations (n, 2) in metres. A line that ends inside the section continues horizontally."""
         line = line if self._continuation is None else self._continuation.line(line)
         points = line.points(*self.extent) if line.depth is None else elevations_below(self.ground, line)
         left, right = self.extent
@@ -262,7 +261,7 @@ class Section(Model):
 
     @cached_property
     def uplift(self) -> Uplift | None:
-        """Return where pore pressure exceeds the weight above it; None if it does nowhere."""
+        """Return the place where pore pressure exceeds the weight above it by most; None if there is none."""
         return uplift(self.layering, self.strata, self.surface_loads)
 
     @property
@@ -295,7 +294,7 @@ class Section(Model):
 
     @cached_property
     def cut_at_films(self) -> "Section":
-        """Return the section divided at water also in films too thin for elements; bounds use this section."""
+        """Return the section for bounds, divided at water even where a part is a film too thin for elements."""
         return self._cut_by(cut_films)
 
     def _cut_by(self, cutting: Cutting) -> "Section":
@@ -316,7 +315,7 @@ class Section(Model):
         )
 
     def with_strata(self, strata: Sequence[Stratum]) -> "Section":
-        """Return the section with ``strata`` that the program derived from its own; strata without area are left out.
+        """Return the section with ``strata`` derived from the present strata; strata without area are left out.
 
         The strata are not validated: derived values may be implausible in a file, such as a cohesion of 1 Pa.
 
@@ -330,14 +329,14 @@ class Section(Model):
         return section if has_area.all() else self.with_strata(list(compress(strata, has_area)))
 
     def _derived(self, strata: Sequence[Stratum]) -> "Section":
-        """Return the section with other strata, without any check that is meant for what a person writes."""
+        """Return the section with other strata, without the checks of values that a user writes."""
         section = Section.model_construct(**{**dict(self), "strata": tuple(strata)})
         for name in ("_line_notices", "_seepage", "_zone_notices"):
             setattr(section, name, getattr(self, name))
         return section
 
     def __getstate__(self) -> dict[Any, Any]:
-        """Return the state for another process: the fields alone; derived quantities are computed again there."""
+        """Return the fields as state for another process, where derived quantities are computed again."""
         state = super().__getstate__()
         return {**state, "__dict__": {name: getattr(self, name) for name in type(self).model_fields}}
 

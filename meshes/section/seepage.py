@@ -1,7 +1,7 @@
-"""Steady seepage through a section: heads, phreatic line, seepage face, discharge.
+"""Computes steady seepage through a section: heads, phreatic line, seepage face, discharge.
 
-Where water stands on the ground, and on the sides below the ends of the water table, the head h = z + u / γw is given;
-the base and the rest of the sides are impermeable. On the rest of the ground either water leaves and u = 0, a seepage
+The head h = z + u / γw is given where water stands on the ground, and on the sides below the ends of the water table.
+The base and the rest of the sides are impermeable. On the rest of the ground either water leaves and u = 0, a seepage
 face, or there is no flow: `free_surface_flow` determines which, and where the ground is wet. There is no suction above
 the phreatic line.
 """
@@ -100,8 +100,8 @@ class Seepage:
     @cached_property
     def water_line(self) -> np.ndarray:
         """Return the phreatic line and the surface of free water (n, 2), from left to right (m), without points that
-        make little difference; two points at one x where the sides of a vertical line differ. On the base where the
-        ground is dry."""
+        make little difference. There are two points at one x if the sides of a vertical line differ. In dry ground the
+        line lies on the base."""
         x = self.grid.x
         points: list[tuple[float, float]] = []
         pressure = self.head - self.grid.points[:, 1]
@@ -131,12 +131,12 @@ class Seepage:
 
     @cached_property
     def marks(self) -> np.ndarray:
-        """Return x (m) at which the pore pressure just below the ground changes its linear rule, and of walls."""
+        """Return x (m) at which the pore pressure just below the ground changes its linear rule, and x of walls."""
         return np.array([*self.grid.walls, *(end for face in self.seepage_faces for end in face)])
 
 
 def _highest(z: np.ndarray, pressure: np.ndarray, tolerance: float) -> float:
-    """Return the elevation below which the highest water lies, of pressure heads at elevations that rise (m)."""
+    """Return the elevation below which the highest water lies, from pressure heads at elevations that rise (m)."""
     wet = np.flatnonzero(pressure >= -1e-3 * tolerance)
     if not len(wet):
         return float(z[0])
@@ -158,7 +158,7 @@ def steady_seepage(
     permeability : (strata, 2) ndarray
         Horizontal and vertical permeability (m/s).
     heads : (n,) ndarray
-        Prescribed heads (m); not a number if the head is unknown.
+        Prescribed heads (m); NaN if the head is unknown.
     table : (k, 2) ndarray
         Water table that gave the heads.
     tolerance : float
@@ -195,8 +195,8 @@ def steady_seepage(
 
 
 def _continued(grid: FlowGrid, flow: "FreeSurfaceFlow") -> np.ndarray:
-    """Return heads (n,) where ground is wet, and where it is dry those of a pressure that continues below 0 from the
-    next water on the same vertical line, so that the phreatic line lies where it becomes 0."""
+    """Return heads (n,). In dry ground they are those of a pressure that continues below 0 from the nearest water on
+    the same vertical line, so that the phreatic line lies where the pressure becomes 0."""
     z, wet = grid.points[:, 1], flow.full
     pressure = np.where(wet, flow.pressure, -np.inf)
     for _, _, chain in grid.chains():
@@ -213,7 +213,8 @@ def _continued(grid: FlowGrid, flow: "FreeSurfaceFlow") -> np.ndarray:
 
 
 def _fall(height: np.ndarray, pressure: np.ndarray, j: int) -> float:
-    """Return the fall of the pressure head with height below the highest wet point ``j`` of a vertical line (-)."""
+    """Return the decrease of the pressure head with height, below the highest wet point ``j`` of a vertical line
+    (-)."""
     if j == 0:
         return 1.0
     return float(np.clip((pressure[j - 1] - pressure[j]) / (height[j] - height[j - 1]), *FALL))

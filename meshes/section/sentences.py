@@ -1,4 +1,4 @@
-"""Problems of an input in sentences: the key as in the file, the value, what was expected."""
+"""Writes problems of an input in sentences: the key as in the file, the value, and what was expected."""
 
 import difflib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -34,7 +34,7 @@ Place = tuple[int | str, ...]
 
 
 def sentences(error: ValidationError, data: Any, model: type[BaseModel], other_keys: Sequence[str] = ()) -> list[str]:
-    """Return one sentence for each problem: the key, the value, what was expected; ``other_keys`` are keys of other
+    """Return one sentence for each problem: the key, the value, what was expected. ``other_keys`` are keys of other
     tables at that place.
 
     ``error``: error of pydantic; ``data``: the table of the file; ``model``: the model that the table was read as.
@@ -50,9 +50,10 @@ def sentences(error: ValidationError, data: Any, model: type[BaseModel], other_k
 
 
 def _without_choices(location: Place, data: Any) -> tuple[Place, Place]:
-    """Return a location as it is in the data, and that of the key in it whose value can be one of several kinds, or ().
+    """Return a location as it is in the data, and the location of the key in it whose value can be of several kinds, or
+    ().
 
-    After such a key pydantic adds the type that it tried, such as "dict[str,float]", which is no key of the data.
+    After such a key, pydantic inserts the type that it tried, such as "dict[str,float]", which is no key of the data.
     """
     place: list[int | str] = []
     field: Place = ()
@@ -87,7 +88,8 @@ OTHER_WORDS = {
 
 
 def _nearest(field: Place, errors: list[ErrorDetails]) -> list[ErrorDetails]:
-    """Return the faults of the kind of value that the writer most likely meant, out of all kinds the value can be."""
+    """Return the faults by the kind of value that the writer most likely meant, among all kinds that the value
+    can be."""
 
     def far(error: ErrorDetails) -> int:
         inside, table = len(error["loc"]) > len(field), isinstance(error["input"], Mapping | list | tuple)
@@ -136,7 +138,8 @@ def shortened(text: str) -> str:
 
 
 def _key(location: tuple[int | str, ...], data: Any) -> str:
-    """Return a location as a person finds it: tables by number from 1, and by name where they have one."""
+    """Return a location in the form in which a person finds it: tables by number from 1, and by name if they have
+    one."""
     parts: list[str] = []
     for step in location:
         inside = isinstance(data, Mapping | list | tuple)

@@ -1,4 +1,4 @@
-"""Lines with the points that they need: Douglas & Peucker (1973), with distances measured upwards."""
+"""Simplifies lines to the points that they need: Douglas & Peucker (1973), with vertical distances."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -35,8 +35,8 @@ def needed(points: np.ndarray, tolerance: float) -> np.ndarray:
 
 
 def with_farthest(fixed: np.ndarray, off: Callable[[int, int], np.ndarray], tolerance: float) -> np.ndarray:
-    """Return a mask of places (n,): those that are ``fixed`` and, between two of them, repeatedly the place farthest
-    ``off`` the chord, until none is farther off than the tolerance.
+    """Return a mask of places (n,): the ``fixed`` places and, between two of them, repeatedly the place farthest
+    ``off`` the chord, until no place is farther off than the tolerance.
     """
     keep = fixed.copy()
     ends = np.flatnonzero(keep)

@@ -1,11 +1,12 @@
-"""Shear of ground that has liquefied by cyclic mobility: it strains by its strain potential before it regains strength.
+"""Describes the shear of ground that has liquefied by cyclic mobility: it strains by its strain potential before it
+regains strength.
 
 Sand that liquefies in an earthquake, and is not so loose that it flows, has next to no stiffness until it has strained
-by its strain potential γ_max; then it dilates, and its residual strength is there (Yasuda, Yoshida, Adachi et al. 1999,
-J. JSCE 638/III-49, 71-89: two straight lines). The slope of the first line follows from what gently sloping
-ground does, whose displacement is (S + 0.2) ∫ γ_max dz (Zhang, Robertson & Brachman 2004, J. Geotech. Geoenviron. Eng.
-130, 861-871; S the slope in %): driven by a shear stress of S/100 of the total vertical stress it strains by
-γ_max at 0.8 % of that, which below shallow water is 1.4 % of the vertical effective stress before the earthquake.
+by its strain potential γ_max. Then it dilates and reaches its residual strength (Yasuda, Yoshida, Adachi et al. 1999,
+J. JSCE 638/III-49, 71-89: two straight lines). The slope of the first line follows from the displacement of gently
+sloping ground, (S + 0.2) ∫ γ_max dz (Zhang, Robertson & Brachman 2004, J. Geotech. Geoenviron. Eng. 130, 861-871; S is
+the slope in %). Under a shear stress of S/100 of the total vertical stress, such ground strains by γ_max if S = 0.8 %;
+below shallow water this stress is 1.4 % of the vertical effective stress before the earthquake.
 """
 
 import numpy as np

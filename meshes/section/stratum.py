@@ -1,4 +1,4 @@
-"""A layer of one soil: its name, its bottom, its parameters, and its pore water."""
+"""Describes a layer of one soil: its name, its bottom, its parameters, and its pore water."""
 
 from collections.abc import Iterator
 from typing import Annotated, Any, Self
@@ -50,10 +50,10 @@ OF_COHESION = (
 class Stratum(Model):
     """Holds a layer of one soil, with its parameters in SI units.
 
-    Its weight is given either as ``density``, with ``density_saturated`` below water, or as the two densities of the
-    paper on S-13: ``density_ordinary``, on which gravity acts, buoyant below water, and ``density_seismic``, on which
-    the horizontal acceleration acts. Of a stratum with ``density`` both are that density, all of its mass, and what
-    the water takes off is in the pore pressure.
+    The weight of a stratum is given either as ``density``, with ``density_saturated`` below water, or as the two
+    densities of the paper on S-13: ``density_ordinary``, on which gravity acts, buoyant below water, and
+    ``density_seismic``, on which the horizontal acceleration acts. If a stratum has ``density``, both are equal to this
+    density, which is all of its mass; buoyancy is then in the pore pressure.
     """
 
     name: str = Field(
@@ -158,8 +158,8 @@ class Stratum(Model):
 
     @property
     def place(self) -> str:
-        """Return the table of the file that the stratum comes from, if it is not the table of its number; else
-        nothing."""
+        """Return the table of the file from which the stratum comes, if it is not the table with the number of the
+        stratum; else nothing."""
         return self._place
 
     @property
@@ -197,7 +197,7 @@ class Stratum(Model):
         return self.residual_cohesion is not None
 
     def softened(self) -> Self:
-        """Return a copy with the strength of soil that has been sheared far, at its critical state: it does not
+        """Return a copy with the strength of soil that has been sheared far, at its critical state, so that it does not
         dilate."""
         if self.residual_cohesion is None or self.residual_friction_angle is None:
             return self
@@ -227,8 +227,8 @@ class Stratum(Model):
 
     @model_serializer(mode="wrap")
     def _as_written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Return the keys of a stratum; below water, a stratum with films of moist ground has both densities of the
-        original one.
+        """Return the keys of a stratum. A stratum below water that contains films of moist ground has both densities of
+        the original stratum.
         """
         data: dict[str, Any] = handler(self)
         if self.density in (None, self.density_ordinary):
@@ -265,7 +265,8 @@ class Stratum(Model):
             yield "residual_cohesion above cohesion: expected at most the cohesion"
 
     def _weigh(self) -> list[str]:
-        """Set both densities to the one that was given, if one was; return a sentence for each problem of them."""
+        """Set both densities to the given density, if there is one, and return a sentence for each problem of the
+        densities."""
         pair = {name: getattr(self, name) for name in PAPER_DENSITIES}
         missing = [name for name, value in pair.items() if value == MISSING]
         whole = self.density_saturated if self.density is None and len(missing) == 2 else self.density

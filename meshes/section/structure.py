@@ -1,4 +1,4 @@
-"""Structures of a section, a table [[structures]] each: where a failure matters."""
+"""Describes structures of a section, each a table [[structures]], at which a failure matters."""
 
 from collections.abc import Sequence
 from typing import Literal

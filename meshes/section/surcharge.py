@@ -1,4 +1,4 @@
-"""Loads on the ground: a table [[surcharges]] for each, vertical and per metre of horizontal distance."""
+"""Describes loads on the ground, each a table [[surcharges]], vertical and per metre of horizontal distance."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -66,9 +66,9 @@ class Surcharge(Model):
     def below(self, x: float, depth: float) -> float:
         """Return the vertical stress (Pa) that the load adds at x (m), ``depth`` (m) below the level of the load.
 
-        A strip load on an elastic half-plane (Flamant's line load 2 p z³/(π r⁴), integrated; Poulos & Davis 1974,
-        section 3.1): Δσ = (p(x) [θ + sin θ cos θ] + p' z [sin² θ])/π between the angles θ to either end, counted
-        from the vertical. Nothing above that level.
+        The load is a strip load on an elastic half-plane (Flamant's line load 2 p z³/(π r⁴), integrated; Poulos & Davis
+        1974, section 3.1): Δσ = (p(x) [θ + sin θ cos θ] + p' z [sin² θ])/π between the angles θ to either end, measured
+        from the vertical. Above the level of the load the stress is zero.
         """
         if depth <= 0.0:
             return 0.0
@@ -86,10 +86,11 @@ WESTERGAARD = 7.0 / 8.0
 
 @dataclass(frozen=True)
 class SurfaceLoads:
-    """Return the tractions (n, 2) in Pa at ``points`` (n, 2) in m of the ground surface, whose outward ``normal`` is
-    (n, 2).
+    """Computes the tractions on the ground surface by loads other than static water.
 
-    ``near`` (n, 2) is a point on the same straight stretch of the ground, such as the middle of an edge of a mesh.
+    ``points`` (n, 2) in m lie on the ground surface, whose outward unit normal is ``normal`` (n, 2); ``near`` (n, 2)
+    are points on the same straight stretch of the ground, such as the middle of an edge of a mesh. Tractions are (n, 2)
+    in Pa.
     """
 
     surcharges: Sequence[Surcharge]
@@ -118,11 +119,12 @@ class SurfaceLoads:
         """Return the tractions by Kh = 1; the inertia force on the ground acts to the right (``sign`` 1) or to the left
         (-1).
 
-        Surcharges push with the share of their mass that shakes. Ground that shakes away from water draws on it, and
-        presses on it in the other direction, by 7/8 γw sqrt(H y) Kh on a wall at a depth y in water that is H deep
-        (Westergaard 1933); a face that is not upright takes the part of it that its horizontal normal is.
-        ``points``, ``near`` (n, 2): on the ground, and inside it beside them (m); ``normal`` (n, 2): unit normal of the
-        ground, outwards. Returns tractions (n, 2) in Pa.
+        Surcharges act with the share of their mass that shakes. Ground that moves away from water reduces the pressure
+        of the water on it, and ground that moves towards water increases it, by 7/8 γw sqrt(H y) Kh on a wall at a
+        depth y in water of depth H (Westergaard 1933). On an inclined face this pressure is multiplied by the
+        horizontal component of the unit normal. ``points``, ``near`` (n, 2): points on the ground, and points inside
+        the ground beside them (m); ``normal`` (n, 2): outward unit normal of the ground. Returns tractions (n, 2) in
+        Pa.
         """
         load = sum((s.seismic_share * s.at(points[:, 0], near[:, 0]) for s in self.surcharges), np.zeros(len(points)))
         traction = np.column_stack([sign * load * np.abs(normal[:, 1]), np.zeros(len(points))])
@@ -134,7 +136,7 @@ class SurfaceLoads:
 
     @property
     def notices(self) -> list[tuple[int, str]]:
-        """Return notices on surcharges: the number of each surcharge, and a sentence."""
+        """Return notices on surcharges, as pairs of the number of the surcharge and a sentence."""
         return [
             (
                 number,
@@ -147,8 +149,8 @@ class SurfaceLoads:
     def bare_ends(self) -> Iterator[tuple[int, float, str]]:
         """Return number, x (m) and stratum of every end of a surcharge with a pressure on ground without cohesion.
 
-        Such sand has no bearing capacity next to bare ground, where the overburden term of its bearing capacity is
-        zero.
+        Such sand has no bearing capacity next to bare ground, since the overburden term of its bearing capacity is zero
+        there.
         """
         layers = self.water.layers
         for number, load in enumerate(self.surcharges, start=1):

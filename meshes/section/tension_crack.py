@@ -1,11 +1,12 @@
-"""The table [tension_crack] of an input: vertical cracks down to a line, and the water in them.
+"""Describes the table [tension_crack] of an input: vertical cracks down to a line, and the water in them.
 
-Slip circles end at a crack that is there before (Terzaghi 1943, art. 57). Elements, strict bounds and material points
-have ground without tensile strength above that line, which cracks where a mechanism opens it (the truncated envelope of
-Michalowski 2013, Géotechnique 63, 1187): what shears beside an opening crack resists there, so that steep slopes bear
-more than beside a crack that is there before. The water of a crack that opens presses on its faces with u: the total
-major stress is at most -u. That is a cut-off of the effective stress at zero with u as the pore pressure, and in ground
-without friction changes nothing else; where there is friction it would take strength away, and is left out.
+Slip circles end at a crack that exists beforehand (Terzaghi 1943, art. 57). In elements, strict bounds and material
+points, the ground above the line has no tensile strength, and cracks where a mechanism opens it (the truncated envelope
+of Michalowski 2013, Géotechnique 63, 1187). The ground that shears beside an opening crack still resists, so that steep
+slopes resist more than beside a crack that exists beforehand. The water in a crack that opens presses on its faces with
+u: the total major stress is at most -u. This is a cut-off of the effective stress at zero with u as the pore pressure,
+which in ground without friction has no other effect. In ground with friction the pore pressure would reduce the
+strength, and is left out.
 """
 
 from collections.abc import Iterator
@@ -33,8 +34,8 @@ def _read_water(value: Any) -> str | float:
 
 
 class TensionCrack(Model):
-    """Holds a tension crack: slip circles end at its bottom, where the tensile strength ends; its water presses on the
-    sliding ground."""
+    """Holds a tension crack. Slip circles end at its bottom, above which the ground has no tensile strength, and its
+    water presses on the sliding ground."""
 
     bottom: ElevationOrLine | None = Field(
         default=None,
@@ -74,8 +75,8 @@ class TensionCrack(Model):
             )
 
     def _below_the_slope(self, section: Section, bottom: Line) -> Iterator[str]:
-        """Yield a sentence where a crack is deeper than the highest slope of the section, whose toe then lies
-        above it."""
+        """Yield a sentence if a crack is deeper than the highest slope of the section, so that the toe of the slope
+        lies above the bottom of the crack."""
         line = section.ground
         x = np.unique(np.concatenate([line[:, 0], section.elevations_of(bottom)[:, 0]]))
         depth, height = self.depth(section, x[(x >= line[0, 0]) & (x <= line[-1, 0])]), np.ptp(line[:, 1])
@@ -107,8 +108,8 @@ class TensionCrack(Model):
         return depth if self.water == "full" else np.minimum(0.0 if self.water == "dry" else float(self.water), depth)
 
     def cut(self, section: Section) -> Section:
-        """Return the section with strata divided at the bottom of the cracks; the parts above have no tensile strength,
-        and the pressure of the water in the cracks if they have no friction."""
+        """Return the section with strata divided at the bottom of the cracks. The parts above have no tensile strength
+        and, if they have no friction, the pressure of the water in the cracks."""
         if self.bottom is None:
             return section
         bottom = _without_faces(section.elevations_of(self.bottom))
@@ -128,10 +129,11 @@ class TensionCrack(Model):
         return section.with_strata(strata)
 
     def _water_level(self, section: Section, bottom: np.ndarray, ground_level: np.ndarray | None) -> np.ndarray:
-        """Return the level (n, 2) of the water in cracks, or the ``own`` one of the ground where that is higher.
+        """Return the level (n, 2) of the water in cracks, or the level of the water in the ground (``own``) where that
+        is higher.
 
-        Water stands in a crack no higher than the lowest ground within the depth of the deepest crack to either side,
-        where it would run out.
+        Water in a crack stands no higher than the lowest ground within the depth of the deepest crack to either side,
+        since it would run out there.
         """
         ground, depth = section.ground, float(self.depth(section, np.unique(bottom[:, 0])).max())
         bends = np.concatenate([ground[:, 0], bottom[:, 0], *([] if ground_level is None else [ground_level[:, 0]])])
@@ -152,8 +154,8 @@ class TensionCrack(Model):
 
 
 def _without_faces(line: np.ndarray) -> np.ndarray:
-    """Return a line (n, 2) that steps where it is steeper than ``STEEP``, at the lower end: cracks beside a face that
-    is nearly upright reach down from the ground above it, not from the face."""
+    """Return a line (n, 2) that steps, at the lower end, where it is steeper than ``STEEP``. Cracks beside a nearly
+    vertical face reach down from the ground above the face, not from the face."""
     width, rise = np.diff(line, axis=0).T
     steep = np.flatnonzero((np.abs(rise) > STEEP * width) & (width > 0.0))
     lower = steep + (rise[steep] < 0.0)
@@ -162,8 +164,8 @@ def _without_faces(line: np.ndarray) -> np.ndarray:
 
 
 def _without_steps(level: np.ndarray) -> np.ndarray:
-    """Return the highest level (k, 2) nowhere above ``level`` (n, 2) and nowhere steeper than ``STEEP``: a level of
-    water may not step."""
+    """Return the highest level (k, 2) that is nowhere above ``level`` (n, 2) and nowhere steeper than ``STEEP``, since
+    a level of water may not step."""
     width, rise = np.diff(level, axis=0).T
     steep = np.flatnonzero(np.abs(rise) > STEEP * width)
     foot = level[steep + (rise[steep] < 0.0), 0] + rise[steep] / STEEP

@@ -1,9 +1,10 @@
-"""Where the pore pressure in the ground exceeds the weight of all that lies above: there it lifts the ground.
+"""Finds the place where the pore pressure in the ground exceeds the weight of everything above, so that the ground is
+lifted.
 
-At a depth the total vertical stress σv, of soil, water that stands on it and loads, has to bear the pore pressure u;
-where u > σv the effective stress would be tension, and what lies above is lifted (a blow-out, or hydraulic heave, of an
+The total vertical stress σv at a depth, of soil, water on the ground and loads, has to balance the pore pressure u. If
+u > σv the effective stress would be tension, and the ground above is lifted (a blow-out, or hydraulic heave, of an
 excavation above an aquifer), unless its strength holds it down. The factor against uplift is σv / u: EN 1997-1, 10.2,
-sets the weight, and the resistance beside it, against the pressure below.
+compares the weight, and the resistance beside it, with the pressure below.
 """
 
 from dataclasses import dataclass, replace
@@ -70,11 +71,12 @@ class Uplift:
 
 
 def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -> Uplift | None:
-    """Find where a static pore pressure exceeds the total vertical stress by most; return None if it does nowhere.
+    """Find the place where a static pore pressure exceeds the total vertical stress by most; return None if there is
+    none.
 
-    Both are linear within a stratum between breakpoints and the kinks of the water, so that the ends of these are
-    looked at; where water flows, at depths within the stratum too. A surcharge counts by its weight on the ground
-    above.
+    Both stresses are linear within a stratum between breakpoints and the kinks of the water, so that the ends of these
+    stretches are checked; where water flows, also depths within the stratum. A surcharge counts with its weight on the
+    ground above.
     """
     water = loads.water
     if not water.still:
@@ -105,9 +107,9 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
 def _along(
     layers: Layering, loads: SurfaceLoads, x: np.ndarray, k: int, share: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return points (n, 2 ends, 2) at a share of the thickness of stratum k at both ends of the stretches between x (n
-    + 1,), and pore pressure and total vertical stress (n, 2) there, 0 in a stretch without the stratum. Where the
-    stratum pinches out at one end of a stretch, they are those of its tip.
+    """Return points (n, 2 ends, 2) at a share of the thickness of stratum k, at both ends of the stretches between x (n
+    + 1,), and pore pressure and total vertical stress (n, 2) at these points; no points where the stratum has no
+    thickness.
     """
     middle = np.repeat(0.5 * (x[1:] + x[:-1]), 2)
     ends = np.column_stack([x[:-1], x[1:]]).ravel()
@@ -124,6 +126,7 @@ def _along(
 
 
 def _positive(x: np.ndarray, excess: np.ndarray) -> tuple[float, float]:
-    """Between which x a function is positive that is linear between two x, and positive at one of them."""
+    """Return the two x between which a function is positive that is linear between two given x, and positive at one of
+    them."""
     zero = float(x[0] + (x[1] - x[0]) * excess[0] / (excess[0] - excess[1])) if excess.min() < 0.0 else 0.0
     return float(x[0]) if excess[0] >= 0.0 else zero, float(x[1]) if excess[1] >= 0.0 else zero

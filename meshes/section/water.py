@@ -1,4 +1,4 @@
-"""The table [water] of an input: where water stands, in the ground and on it, and its unit weight."""
+"""Describes the table [water] of an input: where water stands, in the ground and on it, and its unit weight."""
 
 from typing import Literal, Self
 
@@ -23,8 +23,8 @@ class Cutoff(Model):
 class Water(Model):
     """Describes where water stands in the ground and on it.
 
-    Below the table the pores are full and the pressure in them is hydrostatic; above it there is none: capillary water
-    is left out. Where the table lies above the ground, water stands on the ground and presses on it.
+    Below the water table the pores are full and their pressure is hydrostatic. Above it there is no pressure: capillary
+    water is left out. Where the table lies above the ground, water stands on the ground and presses on it.
     """
 
     table: ElevationOrLine | None = Field(

@@ -1,10 +1,10 @@
-"""The pressure of water in the pores of a section and on its ground: the one field that every analysis takes.
+"""Computes the pressure of water in the pores of a section and on its ground, the one field that all analyses use.
 
-Total stress σ = σ' - u (tension positive, u a pressure), so that what acts on the skeleton is the total weight and
--grad u, buoyancy and seepage together, and on the ground u less the pressure of the water that stands on it.
-Points are (n, 2), x and elevation in m; pressures are in Pa. The fields are linear between breakpoints within a stratum
-and may jump from one to the next, so a point comes with its stratum and with another point ``near`` it that says on
-which side of a jump it is meant, such as the middle of its cell.
+Total stress is σ = σ' - u (tension positive, u a pressure). So the total weight and -grad u (buoyancy and seepage
+together) act on the skeleton, and on the ground surface u less the pressure of the water on the ground. Points are (n,
+2), x and elevation in m; pressures are in Pa. The fields are linear between breakpoints within a stratum, and may jump
+from one stratum to the next. So a point is given with its stratum, and with another point ``near`` it, such as the
+middle of its cell, which tells on which side of a jump it lies.
 """
 
 from dataclasses import dataclass
@@ -37,11 +37,11 @@ class WaterPressure:
     levels : tuple of (n, 2) or None
         Level (m) to which water rises from each stratum before a drawdown.
     before, after : (n, 2) or None
-        The water table that stands on the ground before and after a drawdown; the same without one.
+        Water table on the ground before and after a drawdown; both are the same without a drawdown.
     normal : bool
         Whether the head is measured perpendicular to the flow: times cos² of the slope of the level.
     moves : bool
-        Whether water on the ground presses with its own inertia when the ground shakes.
+        Whether the inertia of water on the ground acts on the ground when it shakes.
     flow : Seepage or None
         Steady seepage whose pore pressure replaces the hydrostatic pressure below levels.
     """
@@ -94,7 +94,8 @@ class WaterPressure:
         """Return the excess pore pressure (n,) by shaking: the excess ratio times the vertical effective stress before
         shaking.
 
-        This stress is the weight of the column of soil above, and of the water on it, less the pore pressure.
+        The vertical effective stress is the weight of the column of soil above, and of the water on it, less the pore
+        pressure.
         """
         ratio = np.array([s.excess_pore_pressure_ratio for s in self.strata])[stratum]
         if not ratio.any():
@@ -110,10 +111,10 @@ class WaterPressure:
         load: np.ndarray | float = 0.0,
         pressure: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Return the vertical effective stress (n,) without shaking, never negative: the weight of the soil above, of
-        the water on it and of a ``load`` (n,) in Pa on the ground, less the static pore pressure, or the ``pressure``
-        (n,) in Pa in its place. Ground above the line ``top`` (k, 2) does not count. ``points``, ``near``, ``stratum``:
-        as in ``at_rest``.
+        """Return the vertical effective stress (n,) without shaking, never negative. It is the weight of the soil
+        above, of the water on it and of a ``load`` (n,) in Pa on the ground, less the static pore pressure, or less the
+        ``pressure`` (n,) in Pa if that is given. Ground above the line ``top`` (k, 2) does not count. ``points``,
+        ``near``, ``stratum``: as in ``at_rest``.
         """
         ground = self._top(points, near, top)
         if top is not None:
@@ -147,9 +148,9 @@ class WaterPressure:
         """Return the x (m), inside the section, between which all pressures just below the ground, and along any
         vertical line, follow one linear rule in every stratum.
 
-        Levels bend there or go through the ground. Where a pore pressure follows from the weight of the ground above,
-        or a drawdown takes off what stood on the ground, all breakpoints of the layers are among them. Where water
-        flows they are the ends of seepage faces and of free water, and walls that it does not cross.
+        At these x water levels bend or cross the ground. If a pore pressure follows from the weight of the ground
+        above, or a drawdown removes water from the ground, all breakpoints of the layers are among them. Where water
+        flows, they include the ends of seepage faces and of free water, and walls that no water crosses.
         """
         levels = self.levels if self.flow is None else ()
         lines = [level for level in (*levels, self.before, self.after) if level is not None]
@@ -206,23 +207,23 @@ class WaterPressure:
         return self.hydrostatic(level, self._top(points, near), near)
 
     def _top(self, points: np.ndarray, near: np.ndarray, line: np.ndarray | None = None) -> np.ndarray:
-        """Return the ground (n, 2) above points, or a ``line`` (k, 2) where that is lower."""
+        """Return the ground surface (n, 2) above points, or the ``line`` (k, 2) where the line is lower."""
         ground = self.layers.interfaces(points[:, 0], near=near[:, 0])[:, 0]
         if line is not None:
             ground = np.minimum(ground, level_at(line, points[:, 0], near[:, 0]))
         return np.column_stack([points[:, 0], ground])
 
     def _taken_off(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Return the reduction of the pore pressure of ground that does not drain by a drawdown: the reduction of the
-        water pressure on the ground above.
+        """Return the reduction of the pore pressure, by a drawdown, in ground that does not drain, which is the
+        reduction of the water pressure on the ground above.
 
-        Saturated ground that cannot drain bears no change of its mean stress (Skempton's B of 1), and the water above
-        weighs the same on it as in it (Morgenstern 1963).
+        The effective mean stress of saturated ground that cannot drain does not change (Skempton's B of 1), and the
+        water above has the same effect on the stress on the ground and in it (Morgenstern 1963).
         """
         return self.ponded(self.before, points, near) - self.ponded(self.after, points, near)
 
     def hydrostatic(self, level: np.ndarray, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Return the pressure (n,) below a water level (k, 2), as its head is measured."""
+        """Return the pressure (n,) below a water level (k, 2), by the rule in which its head is measured."""
         head = np.maximum(level_at(level, points[:, 0], near[:, 0]) - points[:, 1], 0.0)
         if self.normal:
             stretch = np.clip(np.searchsorted(level[:, 0], near[:, 0]) - 1, 0, len(level) - 2)
@@ -232,7 +233,7 @@ class WaterPressure:
 
 
 def crossings(x: np.ndarray, first: np.ndarray, last: np.ndarray, least: float) -> np.ndarray:
-    """Return the x (m) where two lines cross, whose distances at the ends of the intervals of ``x`` (n,) are ``first``
-    and ``last`` (n - 1,); lines nearer than ``least`` at an end do not count as crossing there."""
+    """Return the x (m) where two lines cross. Their distances at the ends of the intervals of ``x`` (n,) are ``first``
+    and ``last`` (n - 1,). Lines nearer than ``least`` at an end do not count as crossing there."""
     i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > least))
     return np.asarray(x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i]))

@@ -1,4 +1,4 @@
-"""What is wrong with the water and the loads of a section whose geometry is sound, one sentence each."""
+"""Finds problems of the water and the loads of a section whose geometry is sound, one sentence each."""
 
 from collections.abc import Iterator, Sequence
 
@@ -13,7 +13,7 @@ from meshes.section.water import Cutoff, Water
 
 
 def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Stratum]) -> Iterator[str]:
-    """Return problems of the table [water] and of strata with water, a sentence each; ``drawn`` is a water table that
+    """Return problems of the table [water] and of strata with water, one sentence each. ``drawn`` is a water table that
     is only drawn."""
     table = None if water is None else water.table
     if water is not None and drawn is not None:

@@ -1,4 +1,4 @@
-"""Zones of a section, a table [[zones]] each: ground of any outline, in place of the strata there."""
+"""Describes zones of a section, each a table [[zones]]: ground of any outline, which replaces the strata there."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -35,7 +35,8 @@ def read_outline(value: Any) -> Points:
 
 
 def _crossing(points: np.ndarray) -> np.ndarray | None:
-    """Where an edge of a closed polygon (n, 2) meets one that is not its neighbour, or turns back on its neighbour."""
+    """Return the point where an edge of a closed polygon (n, 2) meets an edge that is not its neighbour, or turns back
+    on its neighbour; None without such a point."""
     start, run = points, np.roll(points, -1, axis=0) - points
     count, along = len(points), np.roll(run, -1, axis=0)
     back = (np.abs(_cross(run, along)) <= 1e-12 * np.abs(run * along).sum(axis=1)) & ((run * along).sum(axis=1) < 0.0)
@@ -87,8 +88,8 @@ MISSED, NOTABLE = 1e-6, 1e-3
 
 
 class Zone(Stratum):
-    """A zone of ground of any outline: a core, a key, a trench, a lens, a berm; its soil is that of a stratum, or its
-    own.
+    """Holds a zone of ground of any outline: a core, a key, a trench, a lens, a berm. Its soil is that of a stratum, or
+    a soil of its own.
 
     A zone above the ground surface raises the surface. Parts of a zone below the base or beyond the sides are left out.
     """
@@ -159,7 +160,7 @@ class Zoned:
 
 
 def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequence[Zone]) -> Zoned:
-    """Put the zones in place of the ground there.
+    """Replace the ground by the zones, within their outlines.
 
     Parameters
     ----------
@@ -211,7 +212,7 @@ def with_elevations(ground: np.ndarray, model: AnyModel, keys: Sequence[str]) ->
 
 
 def _below(layers: Layering, zones: Sequence[Zone]) -> np.ndarray:
-    """Return the outline of what lies below the base, as far down as any zone."""
+    """Return the outline of the region below the base, as far down as any zone reaches."""
     x, floor = np.repeat(layers.x, 2)[1:-1], np.column_stack([layers.left[:, -1], layers.right[:, -1]]).ravel()
     deepest = min(float(floor.min()), *(z for zone in zones for _, z in zone.points)) - 1.0
     return np.vstack([np.column_stack([x, floor]), [[x[-1], deepest], [x[0], deepest]]])
@@ -223,7 +224,7 @@ def _of_zones(
     """Return the faults of zones, which are outlines 1 to n of the ``tally``, and notices on parts of them that are
     left out.
 
-    ``inside`` are their outlines between the sides.
+    ``inside`` are the outlines of the zones between the sides of the section.
     """
     called = {k: f'zones {k} "{zone.name}"' for k, zone in enumerate(zones, start=1)}
     problems, notices = [], []
@@ -248,14 +249,14 @@ def _of_zones(
 
 
 def _ground_at(layers: Layering, x: np.ndarray) -> np.ndarray:
-    """Return the ground (columns, 2) at both ends of columns between the x, as it is without zones."""
+    """Return the ground (columns, 2) without zones, at both ends of columns between the x."""
     middle = 0.5 * (x[1:] + x[:-1])
     return np.column_stack([layers.interfaces(end, near=middle)[:, 0] for end in (x[:-1], x[1:])])
 
 
 def _strata(columns: Columns, bottoms: np.ndarray, strata: Sequence[Stratum], zones: Sequence[Zone]) -> list[Stratum]:
-    """Return the strata of the columns, from the top down, with the ``bottoms`` (strata, columns, 2); all know their
-    places in the file."""
+    """Return the strata of the columns, from the top down, with the ``bottoms`` (strata, columns, 2). Every stratum
+    stores its place in the file."""
     soils = {stratum.name: stratum.placed(f"strata {number}") for number, stratum in enumerate(strata, start=1)}
     soils |= {zone.name: zone.soil.placed(f"zones {number}") for number, zone in enumerate(zones, start=1)
               if zone.material is None}  # fmt: skip
@@ -282,8 +283,8 @@ def _parted(columns: Columns, present: Sequence[Stratum], strata: Sequence[Strat
 
 
 def _thick(ground: np.ndarray, base: Line, parts: Sequence[Stratum]) -> tuple[Stratum, ...]:
-    """Return the strata that are thicker somewhere than the smallest distance of points; the lowest one reaches down to
-    the base.
+    """Return the strata that are thicker somewhere than the smallest distance of points. The lowest stratum reaches
+    down to the base.
     """
     areas = layering(ground, base, [stratum.bottom for stratum in parts]).layering.areas()
     present = [stratum for stratum, area in zip(parts, areas, strict=True) if area > 0.0]
