@@ -14,19 +14,27 @@ BoundsVerdict = Literal["bracketed", "wide", "no bracket", "unstable"]
 class StressResiduals(Part):
     """Holds the residuals of the lower bound: imbalance of the stress, and its distance to the yield surface."""
 
-    imbalance: float = Field(description="largest body force left over in a cell times its size, over the stress")
-    traction_jump: float = Field(description="largest difference of traction across an edge, over the stress")
-    yield_slack: float = Field(description="smallest distance of a corner to the yield surface, negative past it")
+    imbalance: float = Field(
+        description="largest unbalanced body force of a cell times the size of the cell, over the largest stress"
+    )
+    traction_jump: float = Field(description="largest jump of the traction across an edge, over the largest stress")
+    yield_slack: float = Field(
+        description="smallest distance of the stress at a corner to the yield surface, negative beyond the surface"
+    )
 
 
 class VelocityResiduals(Part):
     """Holds the residuals of the upper bound: how far the velocities violate flow rule and boundary conditions."""
 
-    multiplier: float = Field(description="the bound, computed from the velocities alone")
-    flow_slack: float = Field(description="smallest volume rate beyond what the flow rule asks for, where φ > 0")
-    volume: float = Field(description="largest volume rate where φ = 0, over the strain rate")
-    boundary: float = Field(description="largest velocity of a component that is held, over the largest velocity")
-    jump: float = Field(description="largest difference of velocity at a common node, over the largest velocity")
+    multiplier: float = Field(description="the upper bound, computed from the velocities alone")
+    flow_slack: float = Field(
+        description="smallest excess of the volumetric strain rate over the rate of the flow rule, where φ > 0"
+    )
+    volume: float = Field(description="largest volumetric strain rate where φ = 0, over the largest strain rate")
+    boundary: float = Field(description="largest velocity of a fixed component, over the largest velocity")
+    jump: float = Field(
+        description="largest difference of the velocities of two cells at a common node, over the largest velocity"
+    )
 
 
 class Residuals(Part):
@@ -43,9 +51,11 @@ class BoundsRound(Part):
     lower: float | None
     upper: float | None
     notes: tuple[str, ...]
-    work: float = Field(description="counted, in seconds of a reference machine")
+    work: float = Field(
+        description="computing work on this mesh, from the number of iterations, in seconds of a reference machine"
+    )
     fallback: tuple[Literal["lower", "upper"], ...] = Field(
-        default=(), description="bounds found by Clarabel, since the program's own solver broke down"
+        default=(), description="bounds found by Clarabel because the built-in solver broke down"
     )
 
 
@@ -53,11 +63,11 @@ class DirectionPart(Part):
     """Holds the bounds of Kh in one direction of the seismic force."""
 
     direction: Direction
-    towards: Literal["left", "right"] = Field(description="the side of the section towards which it acts")
+    towards: Literal["left", "right"] = Field(description="side of the section towards which the seismic force acts")
     lower: float | None
     upper: float | None
     leaves: tuple[Literal["left", "right"], ...] = Field(
-        description="sides, where the section was cut off, at which the ground slides out"
+        description="sides of the section through which the failing ground slides out"
     )
     history: tuple[BoundsRound, ...]
 
@@ -85,19 +95,19 @@ class DirectionPart(Part):
 class BracketPart(Part):
     """Holds both bounds for one flow rule, with their residuals and the bounds on every mesh."""
 
-    lower: float | None = Field(description="the section stands at every Kh below this one, in every direction")
-    upper: float | None = Field(description="the section fails at every Kh above this one, in one direction")
+    lower: float | None = Field(description="lower bound: the section stands at every smaller Kh, in every direction")
+    upper: float | None = Field(description="upper bound: the section fails at every larger Kh, in one direction")
     direction: Direction = Field(description="direction of the seismic force with the smallest bounds")
     directions: tuple[DirectionPart, ...] = Field(
-        description="each direction that was asked for, the one that fails first in front"
+        description="bounds of every requested direction; the direction that fails first is the first"
     )
-    gap: float | None = Field(description="(upper - lower) over their mean")
+    gap: float | None = Field(description="gap of the bounds, (upper - lower) over their mean")
     verdict: BoundsVerdict
     reason: str
-    words: str = Field(description="the bracket as a person reads it")
-    cells: int = Field(description="triangles of the last mesh")
+    words: str = Field(description="the bounds in words")
+    cells: int = Field(description="number of triangles of the last mesh")
     residuals: Residuals
-    history: tuple[BoundsRound, ...] = Field(description="of the direction that fails first")
+    history: tuple[BoundsRound, ...] = Field(description="bounds on every mesh, for the direction that fails first")
 
     def towards(self, direction: Direction) -> DirectionPart | None:
         """Return the bounds in one direction; None if there are none."""
@@ -108,9 +118,9 @@ class ShallowBoundPart(Part):
     """Holds a cohesionless face that fails at a smaller Kh than the whole slope."""
 
     stratum: str
-    start: float = Field(description="x of its left end (m)")
-    end: float = Field(description="x of its right end (m)")
-    kh: float = Field(description="seismic coefficient of the shallow failure")
+    start: float = Field(description="x of the left end of the face (m)")
+    end: float = Field(description="x of the right end of the face (m)")
+    kh: float = Field(description="critical Kh of the shallow failure of the face")
 
     def is_edge(self, least_depth: float) -> bool:
         """Return whether the face is only the edge of an outcropping layer, narrower than the least depth (m) of
@@ -122,17 +132,21 @@ class SafetyPart(Part):
     """Holds the strict bounds of the factor of safety at one Kh, ψ = φ."""
 
     kh: float
-    lower: float | None = Field(description="the section stands with its strength divided by this")
-    upper: float | None = Field(description="the section fails with its strength divided by this")
-    cells: int = Field(description="triangles of the last mesh")
+    lower: float | None = Field(description="lower bound: the section stands if its strength is divided by this factor")
+    upper: float | None = Field(description="upper bound: the section fails if its strength is divided by this factor")
+    cells: int = Field(description="number of triangles of the last mesh")
     shallow_failure: float | None = Field(
         default=None,
-        description="factor at which at most a face, or shallow ground where two meet, fails; the bounds are of "
-        "the slope as a whole",
+        description=(
+            "factor at which a cohesionless face, or shallow ground where two faces meet, fails at the "
+            "latest; the bounds are those of the whole slope"
+        ),
     )
-    direction: Direction | None = Field(default=None, description="of the seismic force with which it fails")
-    reason: str = Field(default="", description="why the bounds are no closer, if less close than asked for")
-    work: float = Field(default=0.0, description="counted, in seconds of a reference machine")
+    direction: Direction | None = Field(default=None, description="direction of the seismic force at failure")
+    reason: str = Field(default="", description="reason why the gap of the bounds is larger than required")
+    work: float = Field(
+        default=0.0, description="computing work, from the number of iterations, in seconds of a reference machine"
+    )
 
     @property
     def words(self) -> str:
@@ -156,22 +170,26 @@ class BoundsAnswer(BracketPart, Answer):
     FILE: ClassVar[str] = "fem/bounds.json"
 
     section: SectionLabel
-    flow: str = Field(description="which flow rule the bounds are for, in words")
-    substitute: BracketPart | None = Field(description="bounds with Davis's reduced strength, where ψ < φ")
-    safety: tuple[SafetyPart, ...] = Field(default=(), description="factors of safety, where they were asked for")
+    flow: str = Field(description="flow rule of the bounds, in words")
+    substitute: BracketPart | None = Field(description="bounds with Davis's reduced strength, if ψ < φ")
+    safety: tuple[SafetyPart, ...] = Field(
+        default=(), description="bounds of the factors of safety, if they were requested"
+    )
     shallow_failures: tuple[ShallowBoundPart, ...] = Field(
-        description="faces that fail first; the bounds are of the slope as a whole"
+        description="cohesionless faces that fail first; the bounds are those of the whole slope"
     )
     shallow: float | None = Field(
-        default=None, description="Kh at which ground above that depth slips at the latest, where two such faces meet"
+        default=None, description="Kh at which ground above the least depth slips at the latest, if two such faces meet"
     )
     load_ends: tuple[float, ...] = Field(
-        default=(), description="x of ends of loads on bare sand (m), where the ground was given a cohesion"
+        default=(), description="x of ends of loads on bare sand (m), at which the ground was given a cohesion"
     )
-    least_depth: float = Field(description="how deep failures of such faces, and at such ends, are left out (m)")
+    least_depth: float = Field(
+        description="depth (m) up to which failures of cohesionless faces, and at ends of loads, are disregarded"
+    )
     sides: Sides
     vertical: float = Field(description="vertical seismic coefficient, positive upwards")
-    seconds: float = Field(description="computing time")
+    seconds: float = Field(description="computing time (s)")
     settings: BoundsSettings
 
     @property

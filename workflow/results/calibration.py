@@ -23,7 +23,7 @@ class SearchBracket(Part):
     kc_upper: float | None
     verdict: SearchVerdict
     reason: str
-    seconds: float = Field(description="time of the model, all trials together")
+    seconds: float = Field(description="model time of all trials together (s)")
 
 
 class FactorTrial(SearchBracket):
@@ -54,11 +54,11 @@ class AssemblyProperties(Part):
     nu: Known
     c_Pa: Known
     phi_deg: Known
-    c_last_Pa: Known = Field(description="at the end of the test, past the peak")
+    c_last_Pa: Known = Field(description="cohesion at the end of the tests, after the peak")
     phi_last_deg: Known
     dilation_deg: Known
     G_Pa: Known
-    c_shear_Pa: Known = Field(description="in simple shear")
+    c_shear_Pa: Known = Field(description="cohesion from the tests in simple shear")
     phi_shear_deg: Known
     E_2d_Pa: Known
     nu_2d: Known
@@ -97,7 +97,7 @@ class ElementTestQuality(Part):
     unbalanced_median: Known
     inertial_number_largest: Known
     rate_per_s_largest: Known
-    pressure_error_rms: Known = Field(description="error of the pressure that was kept, as a share")
+    pressure_error_rms: Known = Field(description="root mean square of the relative error of the confining pressure")
 
 
 class LayerTest(Part):
@@ -109,9 +109,9 @@ class LayerTest(Part):
     soil: SoilProperties | None
     assembly: AssemblyProperties | None
     tests: tuple[PressureAnswer, ...] | None = None
-    verdicts: tuple[str, ...] | None = Field(default=None, description="what keeps a strength from being a peak")
+    verdicts: tuple[str, ...] | None = Field(default=None, description="sentences on strengths that are not a peak")
     quality: ElementTestQuality | None = None
-    reason: str | None = Field(default=None, description="why the test could not be done")
+    reason: str | None = Field(default=None, description="reason why the test could not be done")
 
 
 class CalibrationAnswer(Answer):
@@ -119,7 +119,9 @@ class CalibrationAnswer(Answer):
 
     FILE: ClassVar[str] = "dem/calibration.json"
 
-    target_kc: float | None = Field(description="the critical Kh that was asked for; None where none was")
+    target_kc: float | None = Field(
+        description="the critical Kh to which the discs were calibrated; None without a target"
+    )
     tolerance: float
     parameter: str
     value: float
@@ -132,13 +134,17 @@ class CalibrationAnswer(Answer):
     sensitivity: tuple[Sensitivity, ...]
     trials: tuple[FactorTrial, ...]
     element_tests: tuple[LayerTest, ...] = ()
-    layers: tuple[LayerCheck, ...] = Field(default=(), description="soil discs: every stratum beside its discs")
-    predicted_kc: float | None = Field(default=None, description="soil discs: the critical Kh, uncalibrated")
+    layers: tuple[LayerCheck, ...] = Field(
+        default=(), description="soil discs: comparison of every stratum with its discs"
+    )
+    predicted_kc: float | None = Field(default=None, description="soil discs: the uncalibrated critical Kh")
     predicted_ratio: float | None = Field(
-        default=None, description="uncalibrated critical Kh over the lower end of that of the FEM with the same sides"
+        default=None,
+        description="uncalibrated critical Kh over the lower end of the critical Kh of the FEM with the same sides",
     )
     continuum_kc: tuple[float, float] | None = Field(
-        default=None, description="soil discs: between which the continuum's lies; what was asked for is the nearest"
+        default=None,
+        description="soil discs: range of the critical Kh of the continuum; the target is the nearest value in it",
     )
 
     @property

@@ -29,52 +29,56 @@ class CaseNumbers(Part):
     """Holds one case of liquefaction in numbers. Lengths are in m, positive downhill and down."""
 
     stiffness: float = Field(description="factor on the stiffness of the layers that liquefied")
-    settlement_uphill_m: float = Field(description="mean over the uphill third of the surface")
+    settlement_uphill_m: float = Field(description="mean settlement of the uphill third of the surface")
     settlement_middle_m: float
     settlement_downhill_m: float
-    slide_uphill_m: float = Field(description="mean over the uphill third of the surface")
+    slide_uphill_m: float = Field(description="mean slide of the uphill third of the surface")
     slide_middle_m: float
     slide_downhill_m: float
     slide_max_m: float = Field(description="largest slide of the surface")
-    slide_max_at_x_m: float = Field(description="where that is")
-    crack_opening_m: float = Field(description="widest gap between neighbours of the surface")
+    slide_max_at_x_m: float = Field(description="x of the largest slide")
+    crack_opening_m: float = Field(description="widest gap between neighbouring discs of the surface")
     settled: bool = Field(description="whether the ground has come to rest")
     reason: str
-    escaped: int = Field(description="discs that left the section")
+    escaped: int = Field(description="number of discs that left the section")
     loose_share: float = Field(default=0.0, description="share of the mass that has left the connected ground")
     cracked_pore_springs: int
-    seconds_simulated: float = Field(description="since the onset")
-    moved_lately_m: float | None = Field(default=None, description="how much its largest slide moved in its last 10 s")
-    step_share: float = Field(description="time step over the stable one")
-    overlap: float = Field(description="deepest overlap of two discs, over their mean radius")
-    area_lost_share: float = Field(description="share of the ground's area that is gone beyond what drained")
-    notes: tuple[str, ...] = Field(description="what a reader must know to believe these numbers")
+    seconds_simulated: float = Field(description="model time since the onset of liquefaction (s)")
+    moved_lately_m: float | None = Field(default=None, description="movement of the largest slide in its last 10 s")
+    step_share: float = Field(description="time step over the largest stable time step")
+    overlap: float = Field(description="largest overlap of two discs, over their mean radius")
+    area_lost_share: float = Field(description="share of the area of the ground that was lost beyond drainage")
+    notes: tuple[str, ...] = Field(description="notes that a reader needs to judge these numbers")
     slides_over_share: float = Field(description="share of the surface that slides, 0 to 1")
-    slides_over_share_uphill: float = Field(description="the same of its uphill half")
-    slides_over_share_downhill: float = Field(description="the same of its downhill half")
-    slide_by_weight_m: float | None = Field(
-        default=None, description="its largest slide in 20 s without any shaking, where that was looked at"
+    slides_over_share_uphill: float = Field(description="share of the uphill half of the surface that slides, 0 to 1")
+    slides_over_share_downhill: float = Field(
+        description="share of the downhill half of the surface that slides, 0 to 1"
     )
-    flows: bool | None = Field(default=None, description="whether that is a flow failure, of the weight alone")
+    slide_by_weight_m: float | None = Field(
+        default=None, description="largest slide of the same case in 20 s without any shaking, if it was computed"
+    )
+    flows: bool | None = Field(default=None, description="whether the slide without shaking is a flow failure")
     stopped_by: Literal["left", "right"] | None = Field(
-        default=None, description="the side of the disc model that stopped the slide"
+        default=None, description="side of the disc model that stopped the slide"
     )
 
 
 class CaseSummary(CaseNumbers):
     """Holds the numbers of a case and, if several random packings were computed, the interval of its largest slide."""
 
-    seeds: int = Field(default=1, description="packings that were computed")
+    seeds: int = Field(default=1, description="number of packings that were computed")
     slide_max_m_mean: float | None = None
-    slide_max_m_ci95: tuple[float, float] | None = Field(default=None, description="of the mean, by Student")
+    slide_max_m_ci95: tuple[float, float] | None = Field(
+        default=None, description="95 % confidence interval of the mean, by Student's distribution"
+    )
 
 
 class MovedSurface(Part):
     """Holds the surface of the ground before and after a slide."""
 
-    surface_before: Line = Field(description="points [x, elevation] (m)")
-    surface_after: Line = Field(description="points [x, elevation] (m)")
-    slide_along: Line = Field(default=(), description="points [x, slide] of the surface as it was before (m)")
+    surface_before: Line = Field(description="points [x, elevation] of the surface before the slide (m)")
+    surface_after: Line = Field(description="points [x, elevation] of the surface after the slide (m)")
+    slide_along: Line = Field(default=(), description="slide along the surface: points [x before the slide, slide] (m)")
 
     def slide_at(self, x: float) -> float | None:
         """Return the slide (m) of the surface that was at x (m) before the slide; None beyond the ends of the surface,
@@ -135,13 +139,13 @@ class Spread(Part):
     """
 
     mean: float | None
-    spread: float | None = Field(description="standard deviation of a sample")
-    values: tuple[float, ...] = Field(description="one by one")
+    spread: float | None = Field(description="standard deviation over the packings")
+    values: tuple[float, ...] = Field(description="the value of every packing")
     median: float | None = None
-    low: float | None = Field(default=None, description="5 % of all packings are expected below, by the sample")
-    high: float | None = Field(default=None, description="5 % of all packings are expected above")
+    low: float | None = Field(default=None, description="estimated 5 % quantile over all packings")
+    high: float | None = Field(default=None, description="estimated 95 % quantile over all packings")
     mean_ci95: tuple[float, float] | None = Field(
-        default=None, description="in which the mean of all packings lies with 95 %, by Student's distribution"
+        default=None, description="95 % confidence interval of the mean over all packings, by Student's distribution"
     )
 
     @classmethod
@@ -176,10 +180,14 @@ class Profile(Part):
     """Holds the surface over all packings, before and after the slide; x from left to right and elevations (m)."""
 
     x: tuple[float, ...]
-    before: tuple[float, ...] = Field(description="median of all packings, as all that follow")
+    before: tuple[float, ...] = Field(description="elevations before the slide, median over all packings")
     after: tuple[float, ...]
-    after_low: tuple[float, ...] = Field(description="5 % of all packings are expected below, by the sample")
-    after_high: tuple[float, ...] = Field(description="5 % of all packings are expected above")
+    after_low: tuple[float, ...] = Field(
+        description="elevations after the slide, estimated 5 % quantile over all packings"
+    )
+    after_high: tuple[float, ...] = Field(
+        description="elevations after the slide, estimated 95 % quantile over all packings"
+    )
 
     @classmethod
     def of(cls, surfaces: Sequence[tuple[Line, Line]], points: int = 201) -> Self:

@@ -22,7 +22,7 @@ class MeshCount(Part):
 
     quadrilaterals: int
     nodes: int
-    method: str = Field(description='"mapped", "free", or "given" where the mesh came from elsewhere')
+    method: str = Field(description='method of the mesh: "mapped", "free", or "given" if the mesh was read from a file')
 
     @classmethod
     def of(cls, mesh: "QuadMesh") -> Self:
@@ -33,8 +33,8 @@ class MeshCount(Part):
 class Gravity(Part):
     """Holds numbers of the equilibrium under gravity, before the seismic force acts."""
 
-    iterations: int = Field(description="Newton iterations")
-    plastic_share: float = Field(description="share of the points that yield under the weight alone, 0 to 1")
+    iterations: int = Field(description="number of Newton iterations")
+    plastic_share: float = Field(description="share of the quadrature points that yield under the weight alone, 0 to 1")
 
 
 class StoredState(Part):
@@ -43,8 +43,10 @@ class StoredState(Part):
     label: str
     kh: float
     past_equilibrium: bool = Field(description="whether there is no equilibrium at this Kh")
-    largest_displacement_m: float = Field(description="since gravity")
-    failed_share_by_stratum: dict[str, float] = Field(description="share of the cells at failure, 0 to 1")
+    largest_displacement_m: float = Field(description="largest displacement since the equilibrium under gravity")
+    failed_share_by_stratum: dict[str, float] = Field(
+        description="share of the cells of each stratum at failure, 0 to 1"
+    )
     slip_surface: Line = Field(description="points [x, elevation] of the slip surface (m)")
 
 
@@ -52,19 +54,23 @@ class FactorOfSafety(Part):
     """Holds the factor of safety at one Kh: the divisor of c and tan φ at which the section fails."""
 
     kh: float
-    factor: float = Field(description="the largest divisor at which an equilibrium was found")
+    factor: float = Field(description="largest divisor of the strength at which an equilibrium was found")
     upper: float = Field(description="upper end of the bracket on this mesh")
     verdict: PathVerdict
     reason: str
     curve: tuple[PathStep, ...]
     shallow_failure: float | None = Field(
-        description="the factor of a shallow failure of a cohesionless face, if there is one"
+        description="factor of safety against the shallow failure of a cohesionless face, if there is one"
     )
     davis: float | None = Field(
-        default=None, description="Davis's estimate where ψ = φ is the flow, a low one and no bound"
+        default=None, description="Davis's estimate (low, no bound) if the factor is with ψ = φ"
     )
-    associated: float | None = Field(default=None, description="with ψ = φ, where Davis's estimate is the flow")
-    rest: float | None = Field(default=None, description="share of the factor that its mesh may still be off by")
+    associated: float | None = Field(
+        default=None, description="factor of safety with ψ = φ, if the factor is Davis's estimate"
+    )
+    rest: float | None = Field(
+        default=None, description="remaining discretisation error of the factor, as a share of the factor"
+    )
     slip_surface: Line = Field(default=(), description="points [x, elevation] of the slip surface (m)")
 
 
@@ -76,18 +82,18 @@ class OtherWay(Part):
     verdict: PathVerdict
     reason: str
     direction: Direction
-    at_sides: tuple[str, ...] = Field(description="sides, left or right, that the ground that fails reaches")
+    at_sides: tuple[str, ...] = Field(description="sides, left or right, that the failing ground reaches")
 
 
 class OwnDilationPart(Part):
     """Holds an approximate critical Kh of ground that flows with the ψ of the strata. It depends on element and mesh by
     5 to 15 %."""
 
-    kc: float | None = Field(description="on the last of three meshes; null where the iteration has no answer")
-    low: float | None = Field(description="smallest of the three meshes")
-    high: float | None = Field(description="largest of the three meshes")
-    cells: tuple[int, ...] = Field(description="cells of the meshes")
-    reason: str = Field(description="why there is none")
+    kc: float | None = Field(description="critical Kh on the last of three meshes; null if the iteration has no answer")
+    low: float | None = Field(description="smallest critical Kh of the three meshes")
+    high: float | None = Field(description="largest critical Kh of the three meshes")
+    cells: tuple[int, ...] = Field(description="number of cells of each mesh")
+    reason: str = Field(description="reason why there is no critical Kh")
 
 
 class ShallowFailurePart(Part):
@@ -97,7 +103,7 @@ class ShallowFailurePart(Part):
     start_x_m: float
     end_x_m: float
     angle_deg: float
-    kh: float = Field(description="Kh at which they do; below 0 if they do by their own weight")
+    kh: float = Field(description="Kh at which the face fails; below 0 if it fails under its own weight")
 
     def is_edge(self, least_depth: float) -> bool:
         """Return whether the face is only the edge of an outcropping layer, narrower than the least depth (m) of
@@ -137,38 +143,43 @@ class FemAnswer(Answer):
     VERSION: ClassVar[int] = 5
 
     section: SectionLabel
-    kc: float = Field(description="the largest Kh at which an equilibrium was found")
-    kc_lower: float = Field(description="the largest Kh on the path")
+    kc: float = Field(description="critical Kh: the largest Kh at which an equilibrium was found")
+    kc_lower: float = Field(description="largest Kh in equilibrium on the path")
     kc_upper: float = Field(description="upper end of the bracket on this mesh; no bound of the section")
     verdict: PathVerdict
     reason: str
-    remedy: str = Field(description="what to try for a better answer; empty where there is nothing to say")
-    judgement: Literal["sound", "doubtful"] = Field(description="doubtful where a warning contradicts the answer")
+    remedy: str = Field(description="advice on how to get a better answer; empty if there is none")
+    judgement: Literal["sound", "doubtful"] = Field(description='"doubtful" if a warning contradicts the answer')
     warnings: tuple[ResultWarning, ...]
-    direction: Direction = Field(description="where the ground fails, by the ends of its surface")
+    direction: Direction = Field(description="direction of the seismic force at failure, by the ends of the surface")
     towards: Literal["left", "right"]
-    at_sides: tuple[str, ...] = Field(
-        default=(), description="sides, left or right, that the ground that fails reaches"
-    )
+    at_sides: tuple[str, ...] = Field(default=(), description="sides, left or right, that the failing ground reaches")
     opposite: OtherWay | None = Field(
-        description="the same for a seismic force in the other direction, where both were computed"
+        description="critical Kh for a seismic force in the opposite direction, if both were computed"
     )
-    associated: OtherWay | None = Field(description="the same with ψ = φ, where that is something else")
+    associated: OtherWay | None = Field(description="critical Kh with ψ = φ, if the answer has another flow rule")
     davis: OtherWay | None = Field(
-        default=None, description="Davis's estimate, a low one and no bound, where the flow is ψ = φ and ψ is not"
+        default=None,
+        description=(
+            "Davis's estimate of the critical Kh (low, no bound), if the answer is with ψ = φ and ψ is smaller"
+        ),
     )
     own_dilation: OwnDilationPart | None = Field(
-        default=None, description="about the same with ψ of the strata, where fem.own_dilation = true"
+        default=None, description="approximate critical Kh for the ψ of the strata, if fem.own_dilation = true"
     )
     shallow_failures: tuple[ShallowFailurePart, ...]
     flow: Flow
     element: Element
     settings: FemSettings
-    dilation_deg: dict[str, float] = Field(description="ψ by stratum as given, 0 where it is not (degrees)")
+    dilation_deg: dict[str, float] = Field(description="dilation angle ψ by stratum (degrees), 0 if it is not given")
     mesh: MeshCount
-    meshes: tuple[MeshStep, ...] = Field(description="adapted to the mechanism one after the other; empty if none was")
-    meshes_ended: str = Field(description="why there was no finer mesh")
-    kc_limit: float | None = Field(description="what the sequence of meshes tends to, as far as two of them can tell")
+    meshes: tuple[MeshStep, ...] = Field(
+        description="answers on the sequence of meshes that were adapted to the mechanism; empty if there were none"
+    )
+    meshes_ended: str = Field(description="reason why there was no finer mesh")
+    kc_limit: float | None = Field(
+        description="limit of the critical Kh for infinitely small cells, extrapolated from two meshes"
+    )
     gravity: Gravity
     linear_solves: int
     curve: tuple[PathStep, ...]
@@ -211,15 +222,15 @@ class Variant(Part):
     """Holds one change of the assumptions, and the critical Kh with this change (None without an answer)."""
 
     name: str
-    change: str = Field(description="what is changed, in words")
+    change: str = Field(description="changed assumption, in words")
     kc: float | None
     kc_upper: float | None
     verdict: PathVerdict | Literal["no answer"]
     reason: str
-    seconds: float = Field(description="computing time")
+    seconds: float = Field(description="computing time (s)")
     kc_without: float | None = Field(
         default=None,
-        description="the critical Kh without the change, where both were computed on a coarser mesh than the answer",
+        description="critical Kh without the change, if both were computed on a coarser mesh than the answer",
     )
 
     def of(self, kc: float) -> float | None:

@@ -20,19 +20,23 @@ class DemCounterpart(Answer):
 
     FILE: ClassVar[str] = "dem/continuum.json"
 
-    kc: float = Field(description="the largest Kh at which an equilibrium was found")
-    kc_upper: float = Field(description="upper end of the bracket on this mesh, no more than with ψ = φ")
+    kc: float = Field(description="critical Kh: the largest Kh at which an equilibrium was found")
+    kc_upper: float = Field(description="upper end of the bracket on this mesh, not above the critical Kh with ψ = φ")
     verdict: PathVerdict
     reason: str
     sides: Sides
-    flow: Flow = Field(description='"section": ψ as given, by a non-associated path')
+    flow: Flow = Field(description='flow rule; "section" is a non-associated path with the given ψ')
     deeper_than_m: float | None = Field(
-        default=None, description="where cohesionless faces fail before: failures less deep, such as discs cannot show"
+        default=None,
+        description=(
+            "depth below which failures count, if cohesionless faces fail before; discs cannot resolve "
+            "shallower failures"
+        ),
     )
-    instead: str = Field(description="why ψ is not as given; empty where it is")
-    yielding_m: float = Field(description="mean displacement at which it has come to 0.99 of its critical Kh")
+    instead: str = Field(description="reason why ψ is not the given one; empty if it is")
+    yielding_m: float = Field(description="mean displacement at which the path reaches 0.99 of its critical Kh")
     curve: tuple[PathStep, ...]
-    slip_surface: Line = Field(description="points [x, elevation] in m")
+    slip_surface: Line = Field(description="points [x, elevation] of the slip surface (m)")
 
     @classmethod
     def of(cls, fem: FemAnswer) -> Self:

@@ -15,24 +15,32 @@ SETS: dict[SetOfSprings, str] = {"before": "before calibration", "after": "calib
 class DiscModelAnswer(Part):
     """Holds the discs at rest under their weight."""
 
-    discs: DiscModelName = Field(description="soil discs, or the paper's own")
+    discs: DiscModelName = Field(description="kind of the discs: soil discs, or the discs of the paper")
     packing: str
     rows: int
     radius_m: float
-    elements: int = Field(description="discs that can move")
-    boundary_elements: int = Field(description="discs that cannot")
-    tilt_deg: float = Field(description="by which gravity is tilted, the mean slope of the ground with its sign")
-    seed: int | None = Field(description="of a random packing")
-    porosity: float = Field(description="voids over the area of the section")
+    elements: int = Field(description="number of discs that can move")
+    boundary_elements: int = Field(description="number of discs that cannot move")
+    tilt_deg: float = Field(
+        description=(
+            "angle by which gravity is tilted in the frame of the discs: the mean slope of the ground with its sign"
+        )
+    )
+    seed: int | None = Field(description="seed of a random packing")
+    porosity: float = Field(description="area of the voids over the area of the section")
     unbalanced_ratio: float = Field(description="mean unbalanced force over mean contact force")
-    settling_seconds: float = Field(description="time of the model")
+    settling_seconds: float = Field(description="model time of settling (s)")
     pore_springs: int
     surface_off_mean_m: float | None = Field(
         default=None,
-        description="how far their surface, as the slides start from it, lies from the section's: mean of columns of "
-        "two diameters",
+        description=(
+            "distance of the surface of the discs at rest from the surface of the section: mean over columns "
+            "of two diameters"
+        ),
     )
-    surface_off_worst_m: float | None = Field(default=None, description="the same in the worst column")
+    surface_off_worst_m: float | None = Field(
+        default=None, description="the same distance in the column with the largest distance"
+    )
 
 
 class Parameters(Part):
@@ -56,49 +64,62 @@ class KhTrial(Part):
     verdict: TrialVerdict
     reason: str
     unbalanced_ratio: Known = Field(description="mean unbalanced force over mean contact force")
-    kinetic_ratio: Known = Field(description="kinetic over stored energy")
+    kinetic_ratio: Known = Field(description="kinetic energy over stored energy")
     displacement_m: float = Field(description="mean displacement downhill, weighted by mass")
-    elastic_displacement_m: Known = Field(description="what it would be if the ground were elastic")
-    seconds: float = Field(description="time of the model")
+    elastic_displacement_m: Known = Field(description="mean displacement downhill of elastic ground at the same Kh")
+    seconds: float = Field(description="model time of the trial (s)")
 
 
 class DiscSearch(Part):
     """Holds the bracket of the critical Kh of the discs, and all trials of the search."""
 
-    parameters: Parameters | None = Field(default=None, description="the springs it was found with")
-    kc: float | None = Field(description="the middle of the bracket; None without one")
-    kc_lower: float = Field(description="the largest Kh at which they stood")
-    kc_upper: float | None = Field(description="the least Kh at which they did not")
+    parameters: Parameters | None = Field(default=None, description="springs of the discs in this search")
+    kc: float | None = Field(description="critical Kh: the middle of the bracket; None without a bracket")
+    kc_lower: float = Field(description="largest Kh at which the discs stood")
+    kc_upper: float | None = Field(description="smallest Kh at which the discs did not stand")
     verdict: SearchVerdict
     reason: str
     flexibility_m: float = Field(description="elastic displacement over Kh")
     trials: tuple[KhTrial, ...]
-    curve: tuple[Point, ...] = Field(description="[Kh, displacement in m] of the states that stood")
+    curve: tuple[Point, ...] = Field(
+        description="points [Kh, displacement in m] of the states in which the discs stood"
+    )
 
 
 class RecordedDiscs(KhTrial):
     """Names the stored state of the discs at one Kh, before or after calibration."""
 
     set: SetOfSprings
-    file: str = Field(description="the discs, within the folder of the run")
-    cracked_share_by_stratum: dict[str, float] = Field(description="share of the pore springs that are cracked")
+    file: str = Field(description="file of the discs, within the folder of the run")
+    cracked_share_by_stratum: dict[str, float] = Field(
+        description=(
+            "share of the pore springs (breakable springs between discs that stand for pore water) that are "
+            "cracked, by stratum"
+        )
+    )
     slip_surface: Line = Field(description="points [x, elevation] of the slip surface (m)")
-    largest_displacement_m: float = Field(description="of any disc, since rest under its weight")
+    largest_displacement_m: float = Field(description="largest displacement of a disc since rest under its weight")
 
 
 class SlipSurfaces(Part):
     """Holds the slip surfaces at the upper end of each bracket, points [x, elevation] in m, and their distance."""
 
-    dem: Line = Field(description="calibrated discs")
-    dem_before: Line = Field(description="discs before calibration")
-    fem: Line = Field(description="the continuum that the discs are compared with")
-    mean_distance_m: float | None = Field(description="mean vertical distance of calibrated discs and continuum")
-    same_stratum_share: float | None = Field(description="share of the length along which they lie in one stratum")
-    columns: int | None = Field(default=None, description="columns of discs that were compared")
+    dem: Line = Field(description="slip surface of the calibrated discs")
+    dem_before: Line = Field(description="slip surface of the discs before calibration")
+    fem: Line = Field(description="slip surface of the continuum that the discs are compared with")
+    mean_distance_m: float | None = Field(
+        description="mean vertical distance between the slip surfaces of calibrated discs and continuum"
+    )
+    same_stratum_share: float | None = Field(
+        description="share of the length along which both slip surfaces lie in the same stratum"
+    )
+    columns: int | None = Field(default=None, description="number of columns of discs that were compared")
     excess_above: float | None = Field(
         default=None,
-        description="where that of the discs is the higher one: by which share the continuum bears more Kh if it may "
-        "fail no deeper than that",
+        description=(
+            "if the slip surface of the discs is the higher one: relative increase of the critical Kh of the "
+            "continuum if it cannot fail below that surface"
+        ),
     )
 
 
@@ -120,7 +141,7 @@ class DiscsAnswer(Answer):
     after: DiscSearch
     states: tuple[RecordedDiscs, ...]
     slip_surface: SlipSurfaces
-    paper: PaperDiscs | None = Field(default=None, description="the paper's own discs, unchanged")
+    paper: PaperDiscs | None = Field(default=None, description="the discs of the paper, unchanged")
 
     @property
     def kc_table2(self) -> float | None:

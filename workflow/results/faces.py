@@ -10,20 +10,22 @@ from workflow.results.answer import Answer, Known, Line, Part, SectionLabel
 class StrongZonePart(Part):
     """Holds a zone along the ground in which nothing fails, so that an earlier failure elsewhere is excluded."""
 
-    start: float = Field(description="x of its left end (m)")
-    end: float = Field(description="x of its right end (m)")
-    depth: float = Field(description="below the ground (m); 1e6 down to the base")
+    start: float = Field(description="x of the left end of the zone (m)")
+    end: float = Field(description="x of the right end of the zone (m)")
+    depth: float = Field(description="depth of the zone below the ground (m); 1e6 if it reaches down to the base")
 
 
 class FaceValue(Part):
     """Holds a critical Kh or factor of safety of one face."""
 
-    value: float = Field(description="by finite elements with ψ = φ")
-    davis: float | None = Field(default=None, description="Davis's estimate, a low one and no bound; null without any")
-    lower: Known = Field(default=None, description="strict lower bound with ψ = φ, where it was computed for the face")
-    upper: Known = Field(default=None, description="strict upper bound with ψ = φ")
+    value: float = Field(description="value by finite elements with ψ = φ")
+    davis: float | None = Field(default=None, description="Davis's estimate (low, no bound); null if there is none")
+    lower: Known = Field(default=None, description="strict lower bound with ψ = φ, if it was computed for the face")
+    upper: Known = Field(default=None, description="strict upper bound with ψ = φ, if it was computed for the face")
     slip_surface: Line = Field(default=(), description="points [x, elevation] of the slip surface (m)")
-    held: tuple[StrongZonePart, ...] = Field(default=(), description="strong zones; none where the face fails first")
+    held: tuple[StrongZonePart, ...] = Field(
+        default=(), description="strong zones in which nothing fails; empty if the face fails first without them"
+    )
     reaches_crest: bool = Field(default=True, description="whether a part of the crest slides")
 
 
@@ -31,10 +33,10 @@ class FaceStrength(Part):
     """Holds one face of a structure by finite elements."""
 
     structure: str
-    towards: Literal["left", "right"] = Field(description="the side to which the face slides")
-    critical: FaceValue | None = Field(description="critical Kh; null without an answer")
-    safety: FaceValue | None = Field(description="factor of safety without shaking; null without an answer")
-    reasons: tuple[str, ...] = Field(default=(), description="why an answer is missing, one sentence each")
+    towards: Literal["left", "right"] = Field(description="side to which the face slides")
+    critical: FaceValue | None = Field(description="critical Kh of the face; null without an answer")
+    safety: FaceValue | None = Field(description="factor of safety of the face without shaking; null without an answer")
+    reasons: tuple[str, ...] = Field(default=(), description="reasons why an answer is missing, one sentence each")
 
 
 class FacesAnswer(Answer):

@@ -14,17 +14,28 @@ WARNING = "Warning: "  # how a note begins that warns
 class PointCase(MovedSurface):
     """Holds one case by material points. Lengths are in m, positive downslope and down."""
 
-    slide_max_m: float = Field(description="largest slide of the surface, with velocities given up at 10 1/s")
-    slide_max_low_m: float = Field(description="smallest of it, and of what finer cells and a decay of 1 1/s come to")
-    slide_max_high_m: float = Field(description="largest of the three; that is the method's interval")
-    slide_max_at_x_m: float = Field(description="where the surface slides furthest")
-    slide_uphill_m: float = Field(description="median over the uphill third of the surface")
+    slide_max_m: float = Field(
+        description=(
+            "largest slide of the surface, with a damping rate of 10 1/s of velocities that the grid cannot resolve"
+        )
+    )
+    slide_max_low_m: float = Field(
+        description=(
+            "lower end of the numerical interval: the smallest of this slide, the slide extrapolated to fine "
+            "cells, and the slide with a damping rate of 1 1/s"
+        )
+    )
+    slide_max_high_m: float = Field(
+        description="upper end of the numerical interval: the largest of the same three slides"
+    )
+    slide_max_at_x_m: float = Field(description="x of the largest slide of the surface")
+    slide_uphill_m: float = Field(description="median slide of the uphill third of the surface")
     slide_middle_m: float
     slide_downhill_m: float
-    settlement_uphill_m: float = Field(description="median over the uphill third of the surface")
+    settlement_uphill_m: float = Field(description="median settlement of the uphill third of the surface")
     settlement_middle_m: float
     settlement_downhill_m: float
-    settlement_crest_m: float = Field(description="how much lower the highest point of the ground is")
+    settlement_crest_m: float = Field(description="settlement of the highest point of the ground")
     settled: bool = Field(description="whether the surface came to rest")
     reason: str
     seconds_simulated: float
@@ -32,10 +43,12 @@ class PointCase(MovedSurface):
         description="energy lost between points and grid, over the total energy exchanged"
     )
     energy_lost_share: float = Field(
-        description="energy out of balance over the total energy exchanged; negative: created"
+        description="energy that is unaccounted for, over the total energy exchanged; negative if energy was created"
     )
-    stopped_by: str | None = Field(default=None, description="the side that the slide ran up against, or out of")
-    notes: tuple[str, ...] = Field(description="what a reader must know to believe these numbers")
+    stopped_by: str | None = Field(
+        default=None, description="side at which the slide was stopped, or through which it left the section"
+    )
+    notes: tuple[str, ...] = Field(description="notes that a reader needs to judge these numbers")
 
 
 class PointSlidesAnswer(Answer):
@@ -44,12 +57,14 @@ class PointSlidesAnswer(Answer):
     FILE: ClassVar[str] = "mpm/slides.json"
 
     section: SectionLabel
-    points: int = Field(default=0, description="material points of the ground")
+    points: int = Field(default=0, description="number of material points of the ground")
     cell_m: float = Field(default=0.0, description="side of a cell of the background grid")
-    settled_by_m: float = Field(default=0.0, description="how far the ground moved to equilibrium under its weight")
-    softened: tuple[str, ...] = Field(
-        default=(), description="strata that were made less stiff, so that longer time steps are stable"
+    settled_by_m: float = Field(
+        default=0.0, description="displacement of the ground until it was in equilibrium under its weight"
     )
-    sides: Sides = Field(default="fixed", description="what the sides did")
+    softened: tuple[str, ...] = Field(
+        default=(), description="strata whose stiffness was reduced, so that longer time steps are stable"
+    )
+    sides: Sides = Field(default="fixed", description="boundary condition of the sides")
     cases: dict[int, PointCase] = Field(default={})
-    not_possible: str = Field(default="", description="why there are no slides by material points, if there are none")
+    not_possible: str = Field(default="", description="reason why there are no slides by material points")

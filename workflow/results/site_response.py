@@ -13,13 +13,15 @@ class ResponseLayer(Part):
     stratum: str
     top_m: float
     bottom_m: float
-    velocity_m_s: float = Field(description="V_s at small strains")
-    acceleration_gal: float = Field(description="at its top")
-    strain: float = Field(description="shear strain in its middle")
-    stress_kPa: float = Field(description="shear stress at its bottom")  # noqa: N815
-    stiffness: float = Field(description="G over that of small strains")
+    velocity_m_s: float = Field(description="shear wave velocity V_s at small strains")
+    acceleration_gal: float = Field(description="peak acceleration at the top of the layer")
+    strain: float = Field(description="peak shear strain in the middle of the layer")
+    stress_kPa: float = Field(description="peak shear stress at the bottom of the layer")  # noqa: N815
+    stiffness: float = Field(description="shear modulus G over that at small strains")
     damping: float
-    k_max: float = Field(description="average acceleration over g of all that lies above its bottom")
+    k_max: float = Field(
+        description="peak of the average acceleration over g of all ground above the bottom of the layer"
+    )
 
 
 class SiteResponseAnswer(Answer):
@@ -32,9 +34,9 @@ class SiteResponseAnswer(Answer):
     record: str
     peak_rock_gal: float
     peak_surface_gal: float
-    rounds: int = Field(description="in which stiffness and damping came to rest")
-    change: float = Field(description="largest change of a stiffness or a damping that one more round would make")
-    warning: str = Field(description="what is to be doubted of it by its strains; empty where nothing is")
+    rounds: int = Field(description="number of iterations until stiffness and damping no longer changed")
+    change: float = Field(description="largest relative change of a stiffness or a damping by one more iteration")
+    warning: str = Field(description="warning about large strains; empty if there is none")
     layers: tuple[ResponseLayer, ...]
     source: str
-    average_source: str = Field(description="of the average acceleration")
+    average_source: str = Field(description="source of the average acceleration")

@@ -11,26 +11,33 @@ from workflow.results.answer import Answer, Line, Part, Point, SectionLabel
 class LongerCircle(Part):
     """Holds the critical slip circle of a section whose ground continues level past both sides."""
 
-    side: Literal["left", "right"] = Field(description="the side of the section at which the shorter circle ends")
-    past_m: float = Field(description="how far past that side the circle reaches")
-    beyond_m: float = Field(description="how far the ground was continued")
+    side: Literal["left", "right"] = Field(
+        description="side of the section at which the circle of the given section ends"
+    )
+    past_m: float = Field(description="distance by which the longer circle reaches past this side")
+    beyond_m: float = Field(description="length over which the ground was continued beyond the section")
     bishop: float = Field(description="critical Kh by Bishop's simplified method")
 
 
 class CirclePart(Part):
     """Holds a critical slip circle."""
 
-    towards: Literal["left", "right"] = Field(description="the side of the section to which it slides")
+    towards: Literal["left", "right"] = Field(description="side of the section to which the circle slides")
     centre_m: Point
     radius_m: float
     surface_m: Line = Field(description="points of the slip surface, from left to right")
-    bishop: float = Field(description="by Bishop's simplified method")
-    spencer: float | None = Field(description="by Spencer's method on the same circle; null without a balance")
+    bishop: float = Field(description="factor of safety or critical Kh by Bishop's simplified method")
+    spencer: float | None = Field(
+        description=(
+            "factor of safety or critical Kh by Spencer's method on the same circle; null if forces and "
+            "moments do not balance"
+        )
+    )
     strengthened: bool = Field(
         default=False, description="whether cohesionless faces, which fail first, were given a cohesion"
     )
     longer: LongerCircle | None = Field(
-        default=None, description="the critical circle where the section is longer; None unless this one ends at a side"
+        default=None, description="critical circle of a longer section; None unless this circle ends at a side"
     )
 
 
@@ -44,21 +51,21 @@ class FactorCircles(Part):
 class FacePart(Part):
     """Holds one face of a structure, and the slip circles with which a part of its crest slides."""
 
-    structure: str = Field(description="its name")
+    structure: str = Field(description="name of the structure")
     kind: Kind
-    start_m: float = Field(description="x of its left foot")
-    end_m: float = Field(description="x of its right foot")
-    crest_m: tuple[float, float] = Field(description="x of the ends of its crest")
-    towards: Literal["left", "right"] = Field(description="the side to which the face slides")
+    start_m: float = Field(description="x of the left foot of the structure")
+    end_m: float = Field(description="x of the right foot of the structure")
+    crest_m: tuple[float, float] = Field(description="x of both ends of the crest")
+    towards: Literal["left", "right"] = Field(description="side to which the face slides")
     factors: tuple[FactorCircles, ...] = Field(description="factors of safety, at most one circle for each Kh")
     critical: CirclePart | None = Field(description="circle with the least critical Kh")
     davis_factor: CirclePart | None = Field(
-        default=None, description="the least factor of safety without shaking with Davis's reduced strength, if ψ < φ"
+        default=None, description="least factor of safety without shaking with Davis's reduced strength, if ψ < φ"
     )
     davis_critical: CirclePart | None = Field(
-        default=None, description="the least critical Kh with Davis's reduced strength, if ψ < φ"
+        default=None, description="least critical Kh with Davis's reduced strength, if ψ < φ"
     )
-    reason: str = Field(default="", description="why no circle slides with it; empty where one does")
+    reason: str = Field(default="", description="reason why no circle slides with the crest; empty if one does")
 
     def factor(self, kh: float) -> float | None:
         """Return the least factor of safety at one Kh; None if no circle slides or it was not computed."""
@@ -75,8 +82,8 @@ class SlicesAnswer(Answer):
     factors: tuple[FactorCircles, ...] = Field(description="factors of safety, one entry for each Kh")
     critical: tuple[CirclePart, ...] = Field(description="circles with the least critical Kh, the least first")
     faces: tuple[FacePart, ...] = Field(description="the faces of structures, towards the left and the right")
-    least_depth: float = Field(description="shallower circles are left out (m)")
-    reason: str = Field(description="why there is no circle; empty where there are some")
+    least_depth: float = Field(description="depth (m) below which circles count; shallower ones are left out")
+    reason: str = Field(description="reason why there is no circle; empty if there is one")
     weak_layers: tuple[str, ...] = Field(default=(), description="thin, weak layers that circles cannot follow")
     source: str
 

@@ -16,18 +16,24 @@ Stands = Literal["stands", "flows"]
 class Bearing(Part):
     """Holds whether the ground stands, its factor of safety and its critical Kh."""
 
-    stands: Stands = Field(description="without shaking: by strict bounds where they decide, else by the elements")
+    stands: Stands = Field(
+        description=(
+            "whether the ground stands without shaking: by strict bounds if they decide it, else by finite elements"
+        )
+    )
     reason: str
-    kc: float | None = Field(description="critical Kh by finite elements; None: it fails under its weight")
+    kc: float | None = Field(description="critical Kh by finite elements; None if the ground fails under its weight")
     direction: Direction | None = Field(
         default=None, description="direction of the seismic force with the smallest critical Kh"
     )
-    kc_lower: float | None = Field(description="strict bounds of that Kh, ψ = φ; None where they were not found")
+    kc_lower: float | None = Field(description="strict lower bound of the critical Kh, ψ = φ; None without a bound")
     kc_upper: float | None
     factor: float | None = Field(description="factor of safety at Kh = 0 by finite elements, sides held horizontally")
-    factor_lower: float | None = Field(description="strict bounds of that factor, with the sides of [fem], ψ = φ")
+    factor_lower: float | None = Field(
+        description="strict lower bound of the factor of safety at Kh = 0, with the sides of [fem], ψ = φ"
+    )
     factor_upper: float | None
-    notes: tuple[str, ...] = Field(description="what could not be found, and why")
+    notes: tuple[str, ...] = Field(description="results that could not be computed, and the reasons")
 
 
 ResidualVerdict = Literal["stands", "would continue", "fails", "undecided"]
@@ -45,8 +51,12 @@ class AlongSurface(Part):
     """Holds the factors of safety by Spencer's method, on the slip surface of the ground with peak strength."""
 
     surface_m: Line = Field(description="points [x, elevation] of the slip surface (m)")
-    peak: float | None = Field(description="with peak strength; None where forces and moments do not balance")
-    residual: float | None = Field(description="with residual strength, once the ground has slid along it")
+    peak: float | None = Field(
+        description="factor of safety with peak strength; None if forces and moments do not balance"
+    )
+    residual: float | None = Field(
+        description="factor of safety with residual strength, after the ground has slid along the surface"
+    )
 
 
 class TwoSteps(Part):
@@ -54,13 +64,22 @@ class TwoSteps(Part):
 
     strata: tuple[SoftenedStratum, ...]
     verdict: ResidualVerdict = Field(
-        description="stands: with residual strength, too; would continue: with peak strength alone; undecided: not "
-        "with residual strength, and peak strength has no answer"
+        description=(
+            '"stands": the ground stands even with residual strength; "would continue": it stands only with '
+            'peak strength; "undecided": it fails with residual strength, and there is no answer with peak '
+            "strength"
+        )
     )
     peak: float | None = Field(description="factor of safety at Kh = 0 with peak strength, by finite elements")
-    along: AlongSurface | None = Field(description="None where the elements have no slip surface")
-    everywhere: Bearing = Field(description="of the ground with residual strength wherever there is one")
-    notes: tuple[str, ...] = Field(default=(), description="what could not be found with peak strength, and why")
+    along: AlongSurface | None = Field(
+        description="factors of safety along the slip surface; None if the finite elements have no slip surface"
+    )
+    everywhere: Bearing = Field(
+        description="stability of the ground if all strata with a residual strength have it everywhere"
+    )
+    notes: tuple[str, ...] = Field(
+        default=(), description="results with peak strength that could not be computed, and the reasons"
+    )
 
 
 class ResidualAnswer(Answer):
@@ -79,14 +98,14 @@ class LiquefiedStratum(Part):
     name: str
     cohesion_kPa: float  # noqa: N815
     friction_deg: float
-    over_effective: float = Field(description="the cohesion over the mean vertical effective stress")
+    over_effective: float = Field(description="residual strength over the mean vertical effective stress")
 
 
 class LiquefiedCase(Bearing):
     """Holds cases with equal residual strengths: their numbers, and the stability of the ground."""
 
     cases: tuple[int, ...]
-    names: tuple[str, ...] = Field(description="what these cases are called; empty for those without a name")
+    names: tuple[str, ...] = Field(description="names of these cases; empty for cases without a name")
     strata: tuple[LiquefiedStratum, ...]
 
 

@@ -25,14 +25,18 @@ class Effect(Part):
 
     path: str
     correlation: float | None = Field(
-        description="Spearman's rank correlation, -1 to 1; for words the root of the share of variance between them"
+        description=(
+            "Spearman's rank correlation, -1 to 1; for words the root of the share of variance between categories"
+        )
     )
     first: float | None = Field(
-        default=None, description="Sobol' index of first order: its share of the variance alone"
+        default=None, description="Sobol' index of first order: share of the variance by this number alone"
     )
-    first_ci95: tuple[float, float] | None = Field(default=None, description="by bootstrap")
-    total: float | None = Field(default=None, description="total Sobol' index: with all it does together with others")
-    total_ci95: tuple[float, float] | None = Field(default=None, description="by bootstrap")
+    first_ci95: tuple[float, float] | None = Field(default=None, description="95 % confidence interval by bootstrap")
+    total: float | None = Field(
+        default=None, description="total Sobol' index: share of the variance by this number and its interactions"
+    )
+    total_ci95: tuple[float, float] | None = Field(default=None, description="95 % confidence interval by bootstrap")
 
 
 class ProbabilityCurve(Part):
@@ -42,7 +46,7 @@ class ProbabilityCurve(Part):
     over: tuple[float, ...]
     chance: tuple[float, ...]
     low: tuple[float, ...] = Field(
-        description="95 % interval by Wilson (1927), of independent samples; of a fit by bootstrap"
+        description="lower end of the 95 % interval, by Wilson (1927) for independent samples, by bootstrap for a fit"
     )
     high: tuple[float, ...]
 
@@ -60,10 +64,14 @@ class Result(Part):
     """Holds one result over all samples that have a value of it."""
 
     name: str
-    samples: int = Field(description="that have it")
-    spread: Spread = Field(description="without the single values, which stand in samples.csv")
-    effects: tuple[Effect, ...] = Field(description="the strongest first")
-    groups: tuple[Group, ...] = Field(description="the same for each value of every word, such as the sides")
+    samples: int = Field(description="number of samples that have this result")
+    spread: Spread = Field(
+        description="distribution of the result, without the single values, which are in samples.csv"
+    )
+    effects: tuple[Effect, ...] = Field(description="effects of the uncertain numbers, the strongest first")
+    groups: tuple[Group, ...] = Field(
+        description="the same result for each value of every uncertain word, such as the sides"
+    )
 
     @property
     def title(self) -> str:
@@ -109,12 +117,16 @@ class StudyAnswer(Answer):
     samples: int
     failed: int
     failures: tuple[Failure, ...]
-    without: tuple[str, ...] = Field(default=(), description="requested parts that have no answer in any sample")
+    without: tuple[str, ...] = Field(
+        default=(), description="requested parts of the study that have no answer in any sample"
+    )
     results: tuple[Result, ...]
-    fails: ProbabilityCurve | None = Field(description="probability that the critical Kh is below a Kh")
+    fails: ProbabilityCurve | None = Field(description="probability that the critical Kh is below a given Kh")
     fragility: tuple[ProbabilityCurve, ...] = Field(
-        description="probability that a slide exceeds a length: of the block over Kh or peak acceleration, of the "
-        "discs over the length, and over what shakes them where that is drawn"
+        description=(
+            "probability that a slide exceeds a length: of the block over Kh or peak acceleration, of the "
+            "discs over the length, and over their shaking if it is uncertain"
+        )
     )
 
 
@@ -123,12 +135,12 @@ class Series(Part):
 
     name: str
     over: Literal["radius", "step"]
-    sizes: tuple[float, ...] = Field(description="radius (m), or step over the stable one")
-    values: tuple[float, ...] = Field(description="means over the packings")
+    sizes: tuple[float, ...] = Field(description="radius of the discs (m), or time step over the stable time step")
+    values: tuple[float, ...] = Field(description="mean over the packings at each size")
     half_ci95: tuple[float | None, ...] = Field(description="half of the 95 % interval of each mean")
-    limit: float = Field(description="what the values tend to")
-    order: float | None = Field(description="power of the size; None where a straight line was fitted")
-    left: Known = Field(description="what may be left of the error of the last value, as a share of the limit")
+    limit: float = Field(description="extrapolated limit of the values at size zero")
+    order: float | None = Field(description="order of convergence in the size; None if a straight line was fitted")
+    left: Known = Field(description="estimated remaining error of the last value, as a share of the limit")
     converged: bool
     verdict: str
 
@@ -139,7 +151,7 @@ class ConvergenceAnswer(Answer):
     FILE: ClassVar[str] = "converge.json"
 
     section: SectionLabel
-    within: float = Field(description="share that was asked for")
+    within: float = Field(description="largest remaining error of a converged number, as a share")
     converged: bool
-    missing: tuple[str, ...] = Field(description="runs without an answer, and why")
+    missing: tuple[str, ...] = Field(description="runs without an answer, and the reasons")
     series: tuple[Series, ...]

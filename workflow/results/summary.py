@@ -25,8 +25,8 @@ class SafetySummary(Part):
 
     kh: float
     factor: float
-    davis: float | None = Field(description="Davis's estimate where the factor is with ψ = φ, a low one and no bound")
-    associated: float | None = Field(description="with ψ = φ, where the factor is by Davis's estimate")
+    davis: float | None = Field(description="Davis's estimate (low, no bound) if the factor is with ψ = φ")
+    associated: float | None = Field(description="factor of safety with ψ = φ, if the factor is Davis's estimate")
 
 
 class FemSummary(Part):
@@ -39,11 +39,13 @@ class FemSummary(Part):
     verdict: PathVerdict
     reason: str
     dilation: dict[str, float] | str = Field(description='"psi = phi", or the dilation angle by stratum (degrees)')
-    flow: Flow = Field(description='the flow rule of kc: "associated" is ψ = φ, "davis" Davis\'s estimate, no bound')
-    kc_davis: float | None = Field(
-        description="Davis's estimate where kc is with ψ = φ: a low one, no bound; 0 where such ground fails by itself"
+    flow: Flow = Field(
+        description='flow rule of kc: "associated" is ψ = φ, "davis" is Davis\'s estimate, which is no bound'
     )
-    kc_associated: float | None = Field(description="with ψ = φ, where kc is not")
+    kc_davis: float | None = Field(
+        description="Davis's estimate (low, no bound) if kc is with ψ = φ; 0 if such ground fails under its weight"
+    )
+    kc_associated: float | None = Field(description="critical Kh with ψ = φ, if kc has another flow rule")
     safety_factors: tuple[SafetySummary, ...]
     sides: Sides
     element: Element
@@ -72,7 +74,7 @@ class CircleSummary(Part):
     """Holds the result of limit equilibrium of slices on a critical slip circle: a factor of safety at ``kh``, or a
     critical Kh."""
 
-    kh: float | None = Field(description="of a factor of safety; null where both numbers are critical Kh")
+    kh: float | None = Field(description="Kh of the factor of safety; null if both numbers are critical Kh")
     towards: Literal["left", "right"]
     bishop: float
     spencer: float | None
@@ -93,8 +95,14 @@ class FaceSummary(Part):
     towards: Literal["left", "right"]
     factors: dict[float, float] = Field(description="least factors of safety by Bishop's method, by Kh")
     kc: float | None = Field(description="least critical Kh by Bishop's method")
-    block_slide_m: tuple[float, float] | None = Field(description="by both ways of the record, or under Kh")
-    elements: FaceStrength | None = Field(default=None, description="by finite elements and bounds, where computed")
+    block_slide_m: tuple[float, float] | None = Field(
+        description=(
+            "slide of a rigid block with the critical Kh of the face: in both directions of the record, or under Kh"
+        )
+    )
+    elements: FaceStrength | None = Field(
+        default=None, description="results by finite elements and bounds, if they were computed"
+    )
 
 
 class Factor(Part):
@@ -107,18 +115,18 @@ class Factor(Part):
 class DemSummary(Part):
     """Holds the results of the discs."""
 
-    model: str = Field(description='"soil" or "paper"')
+    model: str = Field(description='contact law of the discs: "soil" or "paper"')
     elements: int
     boundary_elements: int
-    sides: str = Field(description="of the continuum that the discs are compared with")
-    kc_uncalibrated: float | None = Field(description="soil discs: the uncalibrated prediction")
+    sides: str = Field(description="sides of the continuum that the discs are compared with")
+    kc_uncalibrated: float | None = Field(description="soil discs: the uncalibrated critical Kh, which is a prediction")
     kc_target: float | None = Field(
-        description="target of the calibration: the nearest value within the range of the continuum"
+        description="target of the calibration: the nearest value within the range of the critical Kh of the continuum"
     )
-    strength_factor: float | None = Field(description="factor on friction and cohesion alike")
+    strength_factor: float | None = Field(description="factor on both friction and cohesion of the contacts")
     slip_surface_distance_m: float | None
     layers: tuple[LayerCheck, ...]
-    kc_table2: float | None = Field(description="critical Kh with the springs of the paper's Table 2 as printed")
+    kc_table2: float | None = Field(description="critical Kh with the springs of Table 2 of the paper as printed")
     kc: float | None
     kc_lower: float
     kc_upper: float | None
@@ -178,10 +186,10 @@ class Summary(Answer):
 
     FILE: ClassVar[str] = "summary.json"
 
-    headlines: tuple[HeadlinePart, ...] = Field(description="the numbers of the report's first page")
-    in_short: tuple[str, ...] = Field(description="the conclusions of the first page, a sentence each")
-    findings: tuple[str, ...] = Field(description="the results in sentences, a paragraph each")
-    warnings: tuple[WarningPart, ...] = Field(description="the weightiest first")
+    headlines: tuple[HeadlinePart, ...] = Field(description="the numbers of the first page of the report")
+    in_short: tuple[str, ...] = Field(description="the conclusions of the first page, one sentence each")
+    findings: tuple[str, ...] = Field(description="the results in sentences, one paragraph each")
+    warnings: tuple[WarningPart, ...] = Field(description="warnings, the most important first")
     section: SectionLabel
     mesh: MeshCount | None
     fem: FemSummary | None
@@ -190,23 +198,27 @@ class Summary(Answer):
     slices: tuple[CircleSummary, ...] | None = None
     structures: tuple[FaceSummary, ...] | None = Field(default=None, description="the faces of structures")
     crests: tuple[CrestPart, ...] | None = Field(default=None, description="crests of structures after every slide")
-    criteria: tuple[VerdictPart, ...] | None = Field(default=None, description="what has a limit, and the verdict")
+    criteria: tuple[VerdictPart, ...] | None = Field(
+        default=None, description="verdicts on quantities that have a limit"
+    )
     dem: DemSummary | None = None
-    cases: dict[int, CaseSummary] | None = Field(default=None, description="the cases on the springs that count")
-    cases_springs: str | None = Field(default=None, description="which springs those are")
+    cases: dict[int, CaseSummary] | None = Field(default=None, description="cases on the governing set of springs")
+    cases_springs: str | None = Field(default=None, description="name of the governing set of springs")
     cases_table2: dict[int, CaseNumbers] | None = None
-    paper_model: PaperModel | None = Field(default=None, description="the paper's own discs, where they were asked for")
+    paper_model: PaperModel | None = Field(
+        default=None, description="results of the discs of the paper, if they were requested"
+    )
     cases_random: RandomPackings | None = None
     cases_mpm: dict[int, PointCase] | None = Field(
-        default=None, description="the cases by the material point method, where it was asked for"
+        default=None, description="cases by the material point method, if it was requested"
     )
     comparison: tuple[EstimateSummary, ...]
-    triggering: tuple[StratumPart, ...] | None = Field(default=None, description="which strata liquefy, by blow counts")
+    triggering: tuple[StratumPart, ...] | None = Field(default=None, description="strata that liquefy, by blow counts")
     residual: TwoSteps | None = Field(default=None, description="stability with residual strength")
     liquefied: tuple[LiquefiedCase, ...] | None = Field(default=None, description="stability after liquefaction")
     paper: tuple[PaperRow, ...] | None = None
     no_answer: dict[str, NoAnswer]
-    seconds: dict[str, float] = Field(description="computing time of every stage")
+    seconds: dict[str, float] = Field(description="computing time of every stage (s)")
     made_with: MadeWith
 
     @model_validator(mode="before")

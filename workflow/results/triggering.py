@@ -26,7 +26,11 @@ class MotionPart(Part):
     median_gal: float
     low_gal: float
     high_gal: float
-    sigma: float = Field(description="standard deviation of the common logarithm; 0 of an acceleration as given")
+    sigma: float = Field(
+        description=(
+            "standard deviation of the common logarithm of the peak acceleration; 0 if the acceleration is given"
+        )
+    )
     relation: str
     source: str
     validity: str
@@ -40,20 +44,24 @@ class TestPart(Part):
     boring: str
     x_m: float
     depth_m: float
-    top_m: float = Field(description="depth from which on the test stands for its stratum")
-    bottom_m: float = Field(description="depth to which it does")
+    top_m: float = Field(description="upper end of the range of depth that the test represents")
+    bottom_m: float = Field(description="lower end of the range of depth that the test represents")
     stratum: str
-    N: float | None = Field(description="the blow count; None of a cone")
-    qc_Pa: float | None = Field(default=None, description="the cone resistance; None of a blow count")  # noqa: N815
-    fines_percent: float | None = Field(description="None: not known, taken as clean sand")
-    total_Pa: float = Field(description="of the ground, without water that stands on it")  # noqa: N815
+    N: float | None = Field(description="blow count; None for a cone test")
+    qc_Pa: float | None = Field(default=None, description="cone resistance; None for a blow count")  # noqa: N815
+    fines_percent: float | None = Field(
+        description="fines content; None if it is not known, which counts as clean sand"
+    )
+    total_Pa: float = Field(description="total vertical stress of the ground, without water that stands on it")  # noqa: N815
     effective_Pa: float  # noqa: N815
-    normalised: Known = Field(description="(N1)60, N1 or qc1N")
-    corrected: Known = Field(description="(N1)60cs, Na or qc1Ncs")
+    normalised: Known = Field(description="normalised resistance: (N1)60, N1 or qc1N")
+    corrected: Known = Field(description="normalised resistance with correction for fines: (N1)60cs, Na or qc1Ncs")
     load: Known = Field(description="cyclic stress ratio of the earthquake")
-    resistance: Known = Field(description="cyclic stress ratio that the soil bears; None: more than is known")
-    factor: Known = Field(description="F_L, at most 2")
-    reason: str = Field(description="why it was not judged")
+    resistance: Known = Field(
+        description="cyclic resistance ratio of the soil; None if it is beyond the range of the method"
+    )
+    factor: Known = Field(description="factor against liquefaction F_L, at most 2")
+    reason: str = Field(description="reason why the test was not assessed")
 
     @classmethod
     def of(cls, test: Judged, stratum: str) -> Self:
@@ -82,11 +90,11 @@ class StratumPart(Part):
 
     name: str
     tests: int
-    judged: int = Field(description="how many of the tests have an F_L")
-    share: float | None = Field(description="share of it in which F_L is below 1")
+    judged: int = Field(description="number of the tests that have an F_L")
+    share: float | None = Field(description="share of the stratum in which F_L is below 1")
     lowest_factor: float | None
     liquefies: bool
-    reason: str = Field(description="why it, or tests of it, were not judged")
+    reason: str = Field(description="reason why the stratum, or some of its tests, were not assessed")
     pore_pressure: float = Field(description="mean excess pore pressure over the vertical effective stress")
 
     @property
@@ -102,7 +110,7 @@ class BoringPart(Part):
     """Holds the liquefaction potential of a boring (Iwasaki et al. 1978), and the risk in words (1982)."""
 
     name: str
-    potential: float = Field(description="P_L, from 0 to 100")
+    potential: float = Field(description="liquefaction potential P_L, from 0 to 100")
     risk: str
 
 
@@ -111,9 +119,11 @@ class LeftPart(Part):
 
     stratum: str
     residual: dict[str, float] = Field(description="residual strength over the vertical effective stress, by relation")
-    strength_Pa: dict[str, float] = Field(description="residual strength where it was tested, by relation")  # noqa: N815
-    volumetric_strain: float = Field(description="what drains away after the earthquake")
-    strain_potential: float = Field(default=0.0, description="shear strain that it goes through before it holds")
+    strength_Pa: dict[str, float] = Field(description="residual strength at the places of the tests, by relation")  # noqa: N815
+    volumetric_strain: float = Field(description="volumetric strain by drainage after the earthquake")
+    strain_potential: float = Field(
+        default=0.0, description="shear strain that the soil undergoes before it regains strength"
+    )
 
 
 class RelationPart(Part):
@@ -136,12 +146,14 @@ class TriggeringAnswer(Answer):
     source: str
     validity: str
     potential_source: str = SOURCE
-    share: float = Field(description="of a stratum, in which F_L is below 1, so that it counts as liquefied")
+    share: float = Field(description="share of a stratum with F_L below 1 from which the stratum counts as liquefied")
     strata: tuple[StratumPart, ...]
     borings: tuple[BoringPart, ...]
     tests: tuple[TestPart, ...]
     left: tuple[LeftPart, ...]
-    relations: tuple[RelationPart, ...] = Field(description="of residual strength, volumetric strain, pore pressure")
+    relations: tuple[RelationPart, ...] = Field(
+        description="relations used for residual strength, volumetric strain and pore pressure"
+    )
 
     @classmethod
     def of(cls, config: Config, assessment: TriggeringAssessment) -> Self:

@@ -14,9 +14,9 @@ Weight = Literal[1, 2, 3]
 class WarningPart(Part):
     """Holds a warning, and its remedy."""
 
-    weight: Weight = Field(description="1: contradicts an answer, 2: changes an answer, 3: a note")
+    weight: Weight = Field(description="importance: 1 contradicts an answer, 2 changes an answer, 3 is a note")
     what: str
-    remedy: str = Field(description="empty where the warning says it")
+    remedy: str = Field(description="advice on what to do; empty if the warning itself says it")
 
 
 class HeadlinePart(Part):
@@ -36,27 +36,35 @@ class CrestPart(Part):
     """
 
     structure: str
-    by: str = Field(description="what computed it, such as discs, case 1")
-    settlement_m: float = Field(description="of the highest ground as wide as the crest, with reconsolidation")
-    settlement_low_m: float = Field(description="5 % of all packings are expected below; the same without packings")
-    settlement_high_m: float = Field(description="5 % of all packings are expected above")
-    reconsolidation_m: float | None = Field(description="of what liquefied below the crest; null where not known")
+    by: str = Field(description='method that computed the slide, such as "discs, case 1"')
+    settlement_m: float = Field(
+        description="settlement of the highest ground as wide as the crest, with reconsolidation"
+    )
+    settlement_low_m: float = Field(
+        description="estimated 5 % quantile of the settlement over all packings; equal to it without packings"
+    )
+    settlement_high_m: float = Field(description="estimated 95 % quantile of the settlement over all packings")
+    reconsolidation_m: float | None = Field(
+        description="settlement by reconsolidation of the liquefied ground below the crest; null if it is not known"
+    )
     freeboard_m: float | None = Field(description="height of the crest above the water; null without water")
     freeboard_low_m: float | None
     freeboard_high_m: float | None
     water_m: float | None = Field(description="elevation of the water beside the structure")
-    at_rest: bool = Field(description="whether the slide came to rest: otherwise the crest settles further")
+    at_rest: bool = Field(description="whether the slide came to rest; if not, the crest settles further")
 
 
 class VerdictPart(Part):
     """Holds the verdict on one quantity and its limit."""
 
     criterion: Criterion
-    of: str = Field(description="the structure or face, and what computed it")
-    low: float | None = Field(description="ends of the interval in which the quantity lies (m, or without a unit)")
-    high: float | None = Field(description="null without an answer, and where a slide is not at rest")
+    of: str = Field(description="structure or face, and the method")
+    low: float | None = Field(description="lower end of the interval in which the quantity lies (m, or without a unit)")
+    high: float | None = Field(
+        description="upper end of the interval; null without an answer, and if a slide is not at rest"
+    )
     limit: float
-    kh: float | None = Field(default=None, description="at which a factor of safety is asked for")
-    source: str = Field(description="where the limit stands; empty where the file does not say")
+    kh: float | None = Field(default=None, description="Kh at which the factor of safety is required")
+    source: str = Field(description="source of the limit; empty if the file does not state one")
     verdict: CriterionVerdict
-    reason: str = Field(default="", description="why it is not decided")
+    reason: str = Field(default="", description="reason why the verdict is not decided")
