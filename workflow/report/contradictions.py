@@ -192,7 +192,7 @@ def is_weaker(case: Case, other: Case, strata: Sequence[str], of_other: Sequence
 def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "discs") -> Iterator[str]:
     """Warn of surfaces that fall much further at one place than the reported settlement (m) of the case.
 
-    The reported settlement is the mean of the uphill third for discs, and that of the highest point for material
+    The reported settlement is the median of the uphill third for discs, and that of the highest point for material
     points.
     """
     falls = {number: surface.largest_fall for number, (surface, _) in cases.items()}

@@ -110,7 +110,7 @@ class SectionLabel(Part):
     """Names the section to which an answer belongs."""
 
     name: str
-    sha256: str = Field(description="fingerprint of the section (without its title) and of the settings")
+    sha256: str = Field(description="fingerprint of the section, without its title")
     reconstruction: bool = Field(description="whether the section is a reconstruction of ground that was not surveyed")
 
     @classmethod

@@ -29,10 +29,10 @@ class CaseNumbers(Part):
     """Holds one case of liquefaction in numbers. Lengths are in m, positive downhill and down."""
 
     stiffness: float = Field(description="factor on the stiffness of the layers that liquefied")
-    settlement_uphill_m: float = Field(description="mean settlement of the uphill third of the surface")
+    settlement_uphill_m: float = Field(description="median settlement of the uphill third of the surface")
     settlement_middle_m: float
     settlement_downhill_m: float
-    slide_uphill_m: float = Field(description="mean slide of the uphill third of the surface")
+    slide_uphill_m: float = Field(description="median slide of the uphill third of the surface")
     slide_middle_m: float
     slide_downhill_m: float
     slide_max_m: float = Field(description="largest slide of the surface")
