@@ -2,7 +2,7 @@
 
 A polygon is given by its corners (n, 2) in m, counter-clockwise, as by `Section.outline`; edges that run from right to
 left are the free surface, all others are walls. Boundary discs are outside the walls and touch them; rigid lines touch
-the outer rims of the boundary discs.
+the boundary discs on the outside.
 """
 
 from collections.abc import Callable

@@ -1,18 +1,28 @@
-"""Checks the docstrings of what the packages export, in the form of numpydoc: `python docs/docstrings.py`.
+"""Checks docstrings: `python docs/docstrings.py`.
 
-A function names each of its parameters under Parameters, and has Returns unless it returns nothing; a class names its
-attributes or parameters, or has a description for every field where it holds settings.
+An exported function names each of its parameters under Parameters, and has Returns unless it returns nothing; an
+exported class names its attributes or parameters, or has a description for every field if it holds settings (numpydoc).
+The docstring of every function and class begins with a verb, such as "Return" or "Holds": it does not begin as a noun
+phrase or as a question. The docstring of an error is a sentence on what happened.
 """
 
+import ast
 import importlib
 import inspect
 import re
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 from pydantic import BaseModel
 
+TOP = Path(__file__).resolve().parent.parent
 PACKAGES = ("meshes", "fem", "dem")
+ALL_PACKAGES = (*PACKAGES, "workflow")
+# First words of docstrings that have no verb in front.
+NO_VERB = re.compile(
+    r"(The|An?|This|These|Such|All|Every|Each|Both|One|Two|Some|Whether|What|Which|Where|Who|How|Why)\b"
+)
 
 
 def exported(package: str) -> Iterator[tuple[str, object]]:
@@ -55,6 +65,15 @@ def faults(what: object) -> Iterator[str]:
             yield "no Returns"
 
 
+def without_verb(source: str) -> Iterator[tuple[int, str]]:
+    """Line and beginning of every docstring of a function or class that begins without a verb."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.endswith("Error"):
+            text = ast.get_docstring(node) or ""
+            if NO_VERB.match(text):
+                yield node.body[0].lineno, text.partition("\n")[0]
+
+
 def main() -> int:
     """Prints the faults; 1 if there are any."""
     messages = [
@@ -62,6 +81,12 @@ def main() -> int:
         for package in PACKAGES
         for name, what in exported(package)
         for fault in faults(what)
+    ]
+    messages += [
+        f"{path.relative_to(TOP)}:{line}: begins without a verb: {text}"
+        for package in ALL_PACKAGES
+        for path in sorted((TOP / package).rglob("*.py"))
+        for line, text in without_verb(path.read_text(encoding="utf-8"))
     ]
     print("\n".join(messages) or "docstrings: every exported name is documented")
     return 1 if messages else 0

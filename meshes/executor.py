@@ -288,7 +288,9 @@ class Processes(Executor):
             if kind == DONE:
                 return value
             raise value
-        raise LostError(f"its worker died, and so did the next that tried ({self.tries} tries)")
+        raise LostError(
+            f"the worker process ended, and so did every other worker that tried the task ({self.tries} tries)"
+        )
 
     def _worker(self) -> Worker:
         with self._lock:

@@ -70,8 +70,8 @@ def check_overlap(model: DiscModel, checkpoint_note: str) -> None:
 
 
 def line_gaps(model: DiscModel) -> tuple[np.ndarray, np.ndarray]:
-    """Return the gap (m) between rigid lines and the rims of nearby discs, and the position (m) of each disc along the
-    line.
+    """Return the gap (m) between rigid lines and the circumference of nearby discs, and the position (m) of each disc
+    along the line.
     """
     line = model.lines[model.line_id]
     px, pz = model.x[model.line_disc] - line[:, 0], model.z[model.line_disc] - line[:, 1]

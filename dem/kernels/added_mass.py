@@ -7,7 +7,7 @@ from dem.kernels.layout import INVMASS, PULL_X, PULL_Z, VX, VZ, Layout, entry, p
 
 @device_function(nogil=True)
 def pull_added_mass(p: int, layout: Layout, level: float) -> None:
-    """Add the inertia force of added mass to the discs of slice p, at a horizontal acceleration (m/s2)."""
+    """Add the inertia force of added mass to the 64 discs of slice p, at a horizontal acceleration (m/s2)."""
     for k in range(layout.added_mass_start[p], layout.added_mass_start[p + 1]):
         disc = layout.added_mass_disc[k]
         layout.discs[place(disc, PULL_X)] = layout.added_mass[k, 0] + layout.added_mass[k, 2] * level

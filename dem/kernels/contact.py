@@ -2,9 +2,9 @@
 variables.
 
 Signs everywhere in `dem`: an overlap and a compressive normal force are positive; `vn` is the speed of separation; `vt`
-is the speed at which the rim of disc j slips over that of disc i along t = (-nz, nx), n pointing from i to j. The
-tangential force opposes slip. Exchanging i and j changes neither overlap, vn, vt nor the stored forces, so the order of
-the two discs does not matter; only rolling changes its sign. Units are SI, forces per metre out of plane.
+is the speed at which the circumference of disc j slips over that of disc i along t = (-nz, nx), n pointing from i to j.
+The tangential force opposes slip. Exchanging i and j changes neither overlap, vn, vt nor the stored forces, so the
+order of the two discs does not matter; only rolling changes its sign. Units are SI, forces per metre out of plane.
 """
 
 from dem.kernels.device_function import device_function

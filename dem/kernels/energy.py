@@ -90,11 +90,12 @@ def slice_energy(
     p: int, layout: Layout, springs: Springs, buffer: np.ndarray, slip_time: float, law: Law, force: np.ndarray,
     out: np.ndarray,
 ) -> None:  # fmt: skip
-    """Add the energies of all contacts that slice p owns to `out`, and the forces and rim forces of these contacts to
-    those on the discs.
+    """Add the energies of all contacts that slice p owns to `out`, and the forces and moments (over the radius) of
+    these contacts to those on the discs.
 
     layout: discs and contacts; springs: constants; buffer: rows to work in; slip_time: length of the last step (s);
-    law: law of the contacts; force: (3, discs) force along x, z and at the rim (N); out: energies (ENERGIES,) in J.
+    law: law of the contacts; force: (3, discs) force along x and z, and moment over the radius (N); out: energies
+    (ENERGIES,) in J.
     """
     state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
     load_own(p, layout.shared, buffer)
@@ -124,8 +125,8 @@ def line_energy(
 ) -> tuple[float, float, float]:
     """Add the energies of the contact e of a disc with a rigid line to `out`.
 
-    layout, springs, slip_time, law, out: as in `slice_energy`. Returns the force along x and z and the rim force on the
-    disc (N).
+    layout, springs, slip_time, law, out: as in `slice_energy`. Returns the force along x and z, and the moment over the
+    radius, on the disc (N).
     """
     at, w = line_lane(e, layout)
     m, now = at_line(e, at, w, layout, springs, slip_time, law)

@@ -153,8 +153,8 @@ def rolling_motion(q: int, buffer: np.ndarray, share: float, slip_time: float) -
     """Return R times the rotation of j less that of i since the last step (m), and the speed of this difference at the
     end of the step (m/s).
 
-    q: lane of the contact; buffer: rows that `load_geometry` filled; slip_time: length of the last step (s);
-    share: r_i/(r_i + r_j). With rim speeds r_i w_i, R (w_j - w_i) is share (r_i w_i + r_j w_j) - r_i w_i.
+    q: lane of the contact; buffer: rows that `load_geometry` filled; slip_time: length of the last step (s); share:
+    r_i/(r_i + r_j). With the circumferential speeds r_i w_i, R (w_j - w_i) is share (r_i w_i + r_j w_j) - r_i w_i.
     """
     rim, rim_end = buffer[OWNED_DISCS + field.VR + q], buffer[OWNED_DISCS + field.VRS + q]
     roll = slip_time * (share * (rim + buffer[field.VR + q]) - rim)

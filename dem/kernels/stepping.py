@@ -54,8 +54,8 @@ OWN_LINES = (
 
 @device_function(nogil=True, _nrt=False, forceinline=True)
 def sum_forces(p: int, layout: Layout, buffer: np.ndarray) -> None:
-    """Sum the forces and rim forces on the 64 discs of slice p, first from the contacts they own, then from all other
-    contacts."""
+    """Sum the forces and moments (over the radius) on the 64 discs of slice p, first from contacts that these discs
+    own, then from all other contacts."""
     wide_vectors()
     links = layout.links
     first = np.uint64(layout.chunk_start[p])

@@ -247,7 +247,7 @@ def random_patch(
     seed: int = 0,
     law: Law = "paper",
 ) -> Patch:
-    """Arrange the discs of `random_packing` in the space of the lattice. Discs at the rim of the patch, within the
+    """Arrange the discs of `random_packing` in the space of the lattice. Discs at the edge of the patch, within the
     reach of pore springs, are the frame.
 
     layer: springs of the layer; radius: mean radius of the discs (m); size: half width and half height in radii and

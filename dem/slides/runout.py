@@ -28,11 +28,11 @@ class RunOut:
     Attributes
     ----------
     front : float
-        Furthest rim of the connected deposit along x (m).
+        Farthest point of the discs of the connected deposit along x (m).
     x98 : float
         Horizontal position to the left of which 98 % of the mass lies (m).
     height : float
-        Top of the connected deposit over the lowest rim (m).
+        Height of the top of the connected deposit above its lowest point (m).
     loose : float
         Share of the mass that has left the connected ground.
     """
@@ -136,8 +136,8 @@ def deposit_profile(model: DiscModel, width: float | None = None) -> np.ndarray:
     Returns
     -------
     (k, 2)
-        Middle of each column and highest rim in the column (m), from the left to the last column that contains at least
-        half a row of discs; empty columns in between are left out.
+        Middle of each column and highest point of its discs (m), from the left to the last column that contains at
+        least half a row of discs; empty columns in between are left out.
     """
     chosen = connected_ground(model)
     x, z, r = model.x[chosen], model.z[chosen], model.radius[chosen]

@@ -89,8 +89,8 @@ class DirectionGround:
 
     ``shallow_failures`` are the faces that may fail at a smaller Kh than the whole slope. ``as_given`` is an upper
     bound, on coarse triangles, of Kh of the section without strengthening (inf if there are no such faces). ``section``
-    is the ground with these faces strengthened. ``work`` is the computing work of the coarse bounds (s of the reference
-    machine).
+    is the ground with these faces strengthened. ``work`` is the computing work of the coarse bounds (computing seconds
+    of the reference machine).
     """
 
     fem: FemSettings
@@ -239,8 +239,8 @@ def as_analysed(section: Section, fem: FemSettings) -> Section:
 
 
 def _coarse_upper_bound(section: Section, fem: FemSettings) -> tuple[float, float]:
-    """Return an upper bound of Kh on one coarse mesh (inf if there is none), and its computing work (s of the reference
-    machine)."""
+    """Return an upper bound of Kh on one coarse mesh (inf if there is none), and its computing work (computing seconds
+    of the reference machine)."""
     ground = as_analysed(section, fem)
     mesh = first_mesh(ground, COARSE_CELLS, fem.sides)
     body = body_of(ground, mesh, fem)

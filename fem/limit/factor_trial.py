@@ -43,8 +43,8 @@ class TrialStart:
 
 @dataclass
 class FactorWork:
-    """Holds the computing work allowed and spent (s of the reference machine), and whether the search ended because no
-    work was left."""
+    """Holds the computing work allowed and spent (computing seconds of the reference machine), and whether the search
+    ended because no work was left."""
 
     allowed: float
     spent: float = 0.0

@@ -67,8 +67,8 @@ def upper_bound(
 
     ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is a distance to the limit of the flow rule beyond the usual
     margin. Cells of ``rigid`` (m,), a mask, are held: the result is still an upper bound, though a larger one. After
-    ``most_work`` (s of the reference machine) the solver returns its last iterate; ``start`` is the iterate at which it
-    begins.
+    ``most_work`` (computing seconds of the reference machine) the solver returns its last iterate; ``start`` is the
+    iterate at which it begins.
 
     ``fem.limit.bound_checks`` checks whether its multiplier is a strict bound.
     ``problem``: triangles, strength and loads.

@@ -73,8 +73,8 @@ def nonassociated_limit_load(
 
     ``problem``: the elements of ``mesh`` with ψ = φ and with the fixed components, on one MPI rank; ``associated``:
     mean stress of every cell (cells, [xx, yy, ...]) in Pa at the limit load with ψ = φ, from which the iteration starts
-    a second time; without it the iteration starts from rest only. No program is begun after ``most_work`` (s of the
-    reference machine).
+    a second time; without it the iteration starts from rest only. No program is begun after ``most_work`` (computing
+    seconds of the reference machine).
     """
     ground = gathered(problem, mesh, dead, live)
     step = _Step(problem, ground)

@@ -173,9 +173,9 @@ class AdaptiveSearch:
     ) -> AdaptiveResult[LimitLoadResult]:
         """Find the limit load with ``other`` settings under the same forces, on the mesh of ``base``.
 
-        Where this mesh does not resolve the mechanism, another mesh of as many cells is made that does, and the smaller
-        limit load counts; both are in the sequence. Raises NoAnswerError if the solver has no answer on the mesh of
-        ``base``.
+        Where this mesh does not resolve the mechanism, another mesh with as many cells is made that resolves it, and
+        the smaller limit load counts; both are in the sequence. Raises NoAnswerError if the solver has no answer on the
+        mesh of ``base``.
         """
         self.tell(f"limit load of {len(base.mesh.cells)} cells")
         same = with_other_flow(base.result, self.section, base.mesh, other)
@@ -255,9 +255,9 @@ class AdaptiveSearch:
 
     def safety_by_other_rule(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
         """Find the factor of safety by the flow rule of ``other`` settings on the mesh of ``base``. If this mesh does
-        not resolve the mechanism, another mesh of as many cells is made that does, and the smaller factor counts.
-        Davis's estimate is not above the factor with ψ = φ, since ground of higher strength resists every load that
-        weaker ground resists.
+        not resolve the mechanism, another mesh with as many cells is made that resolves it, and the smaller factor
+        counts. Davis's estimate is not above the factor with ψ = φ, since ground of higher strength resists every load
+        that weaker ground resists.
 
         Raises what ``limit_load_safety_factor`` does.
         """

@@ -177,9 +177,9 @@ def solve(
 
     Where Clarabel ends without an answer, or almost meets its tolerances but with large residuals, it is called again
     with the next of the ``regularisations``. The forces that Clarabel gets are multiplied by ``magnified``, since
-    Clarabel takes residuals below one as absolute. After ``most_work`` (s of the reference machine) both methods end
-    with their last iterate. The built-in interior-point method begins at a ``start`` that suits the program, which
-    changes only its computing time.
+    Clarabel takes residuals below one as absolute. After ``most_work`` (computing seconds of the reference machine)
+    both methods end with their last iterate. The built-in interior-point method begins at a ``start`` that suits the
+    program, which changes only its computing time.
     """
     feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
     ask = partial(_by_clarabel, regularisations, feasibility)
@@ -305,8 +305,8 @@ def _by_interior_point(
 
 
 def iterations_within(most_work: float, cost: float, most: int) -> int:
-    """Return the number of iterations, each of ``cost`` (s of the reference machine), within ``most_work``, from 1 to
-    ``most``."""
+    """Return the number of iterations, each of ``cost`` (computing seconds of the reference machine), within
+    ``most_work``, from 1 to ``most``."""
     return most if most_work >= most * cost else max(1, int(most_work / cost))
 
 

@@ -122,12 +122,13 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
     """
     groups, columns = read_groups(path), columns or {}
     naming = (columns["layer"],) if "layer" in columns else ("GEOL_GEOL", "GEOL_LEG")
-    problems = [f"--columns {key}={name}: AGS4 has its own names of columns; expected layer alone, as --layers says"
+    problems = [f"--columns {key}={name}: the names of columns in an AGS4 file are fixed; expected only layer, which "
+                "--layers sets"
                 for key, name in columns.items() if key != "layer"]  # fmt: skip
     if not groups.rows.get("LOCA"):
-        problems.append("group LOCA: missing; expected the borings")
+        problems.append("group LOCA: missing; expected the list of borings")
     if not groups.rows.get("GEOL") and not groups.rows.get("SCPT"):
-        problems.append("group GEOL: missing; expected the layers of the borings, or SCPT, their cones")
+        problems.append("group GEOL: missing; expected the layers of the borings, or their cone readings in SCPT")
     of_layers = [name for name in groups.headings.get("GEOL", ()) if name.startswith("GEOL_")]
     if "layer" in columns and of_layers and naming[0] not in of_layers:
         problems.append(f"--layers {naming[0]}: group GEOL has no such column; expected one of {', '.join(of_layers)}")
@@ -144,7 +145,8 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
         if lost := [name or "without a name" for name in strangers if name not in known]:
             more = f" and {len(lost) - 3} more" if len(lost) > 3 else ""
             groups.notices.append(
-                f"group {group}, borings {', '.join(lost[:3])}{more}: not used, as LOCA has none of them"
+                f"group {group}, borings {', '.join(lost[:3])}{more}: not used, since group LOCA does not list "
+                "these borings"
             )
     logs = [log for row in borings if (log := _log(row, axes, naming, groups)) is not None]
     left_out, too_many = unread_counts(groups.unread, sum(len(log.samples) for log in logs))
@@ -152,12 +154,14 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
         raise InputError(str(path), [*folded(groups.problems), *too_many])
     groups.notices.extend(f"{path.name}, {text}" for text in left_out)
     if not logs and not groups.problems:
-        groups.problems.append("no boring of LOCA has layers in GEOL, or a cone in SCPT")
+        groups.problems.append("no boring of group LOCA has layers in GEOL or cone readings in SCPT")
     if groups.problems and sum(bool(log.layers) for log in logs) < 2:
         raise InputError(str(path), folded(groups.problems))
     groups.notices.extend(f"a boring is left out: {text}" for text in folded(groups.problems))
     if groups.rows.get("MOND"):
-        groups.notices.append("readings of piezometers, MOND, are not used: the water table is that struck in borings")
+        groups.notices.append(
+            "piezometer readings (group MOND) are not used: the water table is that of the water struck in borings"
+        )
     return BoringFile(logs, [*folded(groups.notices), *refusal_notices(logs)])
 
 
@@ -178,8 +182,8 @@ def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Group
         label = next((group_row[key] for key in naming if group_row.get(key, "").lower() not in NOT_MEASURED), "")
         if not label:
             groups.problems.append(
-                f"boring {name}: the layer at {group_row.get('GEOL_TOP', '?')} m has no {naming[0]}, no name; "
-                "--layers GEOL_DESC takes another column"
+                f"boring {name}: the layer at {group_row.get('GEOL_TOP', '?')} m has no name ({naming[0]}); "
+                "--layers GEOL_DESC takes the names from another column"
             )
         top, bottom = _number(group_row, "GEOL_TOP", name, groups), _number(group_row, "GEOL_BASE", name, groups)
         layers.append(LogLayer(groups.meaning(label), top, bottom, "", group_row.get("GEOL_DESC", "")))
@@ -216,7 +220,7 @@ def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
         other = samples.setdefault(depth, sample)
         if other is not sample:
             samples[depth] = min(sample, other, key=lambda candidate: candidate.N)
-            groups.notices.append(f"{where}: N = {other.N:g} and {sample.N:g}; the smaller one is taken")
+            groups.notices.append(f"{where}: N = {other.N:g} and {sample.N:g}; the smaller value is used")
     return tuple(samples[depth] for depth in sorted(samples))
 
 
@@ -263,7 +267,7 @@ def _water_level(name: str, ground: float, groups: Groups) -> float | None:
     keys = [(row, key) for row in rows for key in ("WSTG_DPTH", "WSTD_POST") if row.get(key)]
     dry = [row[key] for row, key in keys if row[key].lower() in DRY]
     if dry:
-        groups.notices.append(f'boring {name}: water "{dry[0]}" is none that was struck')
+        groups.notices.append(f'boring {name}: water "{dry[0]}" means that no water was struck')
     depths = [_number(row, key, name, groups) for row, key in keys if row[key].lower() not in DRY]
     return ground - min(depths) if depths else None
 

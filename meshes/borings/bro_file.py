@@ -45,7 +45,7 @@ def read_bro(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     """
     text = path.read_bytes()
     if b"<!ENTITY" in text:
-        raise InputError(str(path), [f"{EXPECTED}; it defines entities, which the registry does not"])
+        raise InputError(str(path), [f"{EXPECTED}; the file defines XML entities, which the registry does not use"])
     try:
         root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:

@@ -18,7 +18,7 @@ def unread_counts(unread: Sequence[str], read: int) -> tuple[list[str], list[str
     read : number of blow counts that could be read
     """
     if len(unread) > MOST_UNREAD * (len(unread) + read):
-        return [], folded([f"{text}; {len(unread)} of {len(unread) + read} blow counts are not understood"
+        return [], folded([f"{text}; {len(unread)} of {len(unread) + read} blow counts cannot be read"
                            for text in unread])  # fmt: skip
     return folded([f"{text}; this blow count is left out" for text in unread]), []
 

@@ -14,7 +14,7 @@ from meshes.borings.log import Log, LogLayer, joined
 from meshes.errors import InputError
 from meshes.section.numbering import Piece, Stack, stacked
 
-REMEDY = "--borings names those of the section"
+REMEDY = "--borings selects the borings of the section"
 WATER_ABOVE = 0.1  # m, by which water is told to stand above the ground
 OFF_LINE = 20.0  # m, beside the line, beyond which a boring does not belong to the section
 
@@ -60,13 +60,13 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
     beyond the borings.
     """
     names = [log.name for log in logs]
-    problems = [f"boring {name}: there are {names.count(name)} of this name" for name in dict.fromkeys(names)
+    problems = [f"boring {name}: {names.count(name)} borings have this name" for name in dict.fromkeys(names)
                 if names.count(name) > 1]  # fmt: skip
     along = [math.isnan(log.place[1]) for log in logs]
     if any(along) and not all(along):
-        problems.append("some borings have an x, others easting and northing; expected the same of all")
+        problems.append("some borings have an x, others easting and northing; expected the same coordinates for all")
     if sum(bool(log.layers) for log in logs) < 2:
-        problems.append("fewer than two borings have layers; expected them from one end of the section to the other")
+        problems.append("fewer than two borings have layers; expected borings with layers at both ends of the section")
     if problems:
         raise InputError("borings", problems)
     if all(along):
@@ -183,7 +183,7 @@ def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
         for log in logs
     ]
     several = [list(dict.fromkeys(names)) for names in spellings.values() if len(set(names)) > 1]
-    notices = [f'{" and ".join(json.dumps(name, ensure_ascii=False) for name in names)} are taken for one stratum, '
+    notices = [f'{" and ".join(json.dumps(name, ensure_ascii=False) for name in names)} are read as one stratum, '
                f'"{names[0]}"' for names in several]  # fmt: skip
     return unified, notices
 

@@ -116,7 +116,7 @@ def _contradictions(name: str, lines: Sequence[tuple[int, Mapping[str, str]]]) -
     """Return lines that give a boring another place, ground level or water level than the first line of the boring
     does."""
     number, first = lines[0]
-    return [f"line {other}, {key} = {cells[key]!r}: line {number} says {first[key]!r} of the same boring {name}"
+    return [f"line {other}, {key} = {cells[key]!r}: line {number} gives {first[key]!r} for the same boring {name}"
             for other, cells in lines[1:] for key in OF_A_BORING
             if cells.get(key) and first.get(key) and not _same(cells[key], first[key])]  # fmt: skip
 

@@ -59,7 +59,7 @@ def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     except InputError:
         raise
     except (IndexError, ValueError) as error:
-        raise InputError(str(path), [f"its header is not understood: {error}"]) from None
+        raise InputError(str(path), [f"the header of the file cannot be read: {error}"]) from None
     return sounding_file(path, log, [text.notice] if text.notice else [])
 
 
@@ -114,7 +114,7 @@ def cones_of(path: Path, readings: Iterable[Mapping[int, float]], area: float) -
             problems = [f"reading {count}: {text}" for text in sentences(error, reading, Cone)]
             raise InputError(str(path), problems) from None
     if not cones:
-        raise InputError(str(path), ["it has no reading with a depth, a resistance and a sleeve friction"])
+        raise InputError(str(path), ["the file has no reading with a depth, a resistance and a sleeve friction"])
     return tuple(cones[depth] for depth in sorted(cones))
 
 

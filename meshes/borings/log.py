@@ -72,7 +72,7 @@ def refusal_notices(logs: Sequence[Log]) -> list[str]:
     if not notices:
         return []
     more = f" and {len(notices) - 3} more" if len(notices) > 3 else ""
-    return [f"refusals count as the least that N can be: {'; '.join(notices[:3])}{more}"]
+    return [f"a refusal counts as the smallest possible N: {'; '.join(notices[:3])}{more}"]
 
 
 def layer_problems(name: str, layers: list[LogLayer]) -> list[str]:

@@ -50,7 +50,10 @@ def shares_for_percent(samples: Sequence[Sample]) -> list[str]:
     for key, what in (("fines", "fines contents"), ("plasticity", "plasticity indices")):
         values = [value for sample in samples if (value := getattr(sample, key)) is not None]
         if values and 0.0 < max(values) < 1.0:
-            sentences.append(f"the {what} are {max(values):g} % at most: shares of one? expected percent, 15 for 15 %")
+            sentences.append(
+                f"the {what} are {max(values):g} % at most: these may be fractions; expected percent, "
+                "such as 15 for 15 %"
+            )
     return sentences
 
 
@@ -72,5 +75,5 @@ def implausible_cones(where: str, cones: Sequence[Cone], remedy: str = "", with_
     if ratios and not wrong and (ratio := ratios[len(ratios) // 2]) > FRICTION_RATIO:
         yield (
             f"{where}fs: half of the readings are above {100.0 * ratio:.3g} % of qc; expected a friction ratio below "
-            f"{100.0 * FRICTION_RATIO:g} %: look at the units of both{remedy}"
+            f"{100.0 * FRICTION_RATIO:g} %: check the units of both{remedy}"
         )

@@ -95,7 +95,7 @@ def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns:
     problems = _unknown(sheet, columns, known, needed)
     problems += [text for name, unit in sheet.heads if (text := _unit_problem(name, unit))]
     problems += [f"line {number}: has {len(row)} cells where the heading has {len(names)}; expected numbers with a "
-                 "decimal point, or cells parted by semicolons"
+                 "decimal point, or cells separated by semicolons"
                  for number, row in sheet.rows[1:] if any(row[len(names):])]  # fmt: skip
     if problems:
         raise InputError(str(path), folded(problems))
@@ -118,7 +118,7 @@ def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], ne
     not in the file."""
     names = [name for name, _ in sheet.heads]
     written = [_split(cell)[0] for cell in sheet.rows[0][1]]
-    problems = [f"--columns {key}={name}: expected our name of a column, one of {', '.join(known)}"
+    problems = [f"--columns {key}={name}: expected a column name of noshiro, one of {', '.join(known)}"
                 for key, name in columns.items() if key not in known]  # fmt: skip
     problems += [f"--columns {key}={name}: there is no column {name!r}; expected one of {', '.join(written)}"
                  for key, name in columns.items() if key in known and key not in names]  # fmt: skip
@@ -127,9 +127,9 @@ def _unknown(sheet: _Sheet, columns: Mapping[str, str], known: Sequence[str], ne
     unread = [] if columns or not (lacking or placeless) else [repr(name) for name in names if name not in known]
     if others := unread:
         message = (
-            f"expected {'some' if len(others) > 1 else 'one'} of {', '.join(known)}; --columns says which is which"
+            f"expected {'some' if len(others) > 1 else 'one'} of {', '.join(known)}; --columns layer=Stratum names the "
+            "column in the file, and columns that it does not name are left out"
         )
-        message += ", --columns layer=Stratum, and leaves out what it does not name"
         problems.append(f"column{'s' * (len(others) > 1)} {', '.join(others)}: {message}")
     problems += [f"column {name}: missing" for name in lacking]
     problems += [f"column {name}: there are {names.count(name)}" for name in dict.fromkeys(names)
@@ -178,9 +178,7 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
         heads = [(name, unit or below) for (name, unit), below in zip(heads, rows.pop(1)[1], strict=False)]
     notices = [notice] if notice else []
     if any(line.strip(" \t\r\n,;") for line in lines[:first]):
-        notices.append(
-            f"{path.name}: the heading is taken to stand in line {first + 1}; the lines above it are not read"
-        )
+        notices.append(f"{path.name}: the heading is read from line {first + 1}; the lines above it are not read")
     return _Sheet(rows, heads, notices)
 
 

@@ -38,9 +38,7 @@ def read_text(path: Path) -> Text:
         return Text(data.decode("utf-8"), "")
     except UnicodeDecodeError:
         encoding = "cp932" if _is_japanese(data) else "cp1252"
-        message = (
-            f"{path.name} is no UTF-8 text and is read as {encoding}: look at the names with other letters than a to z"
-        )
+        message = f"{path.name} is not UTF-8 text and is read as {encoding}: check names with letters other than a to z"
         return Text(data.decode(encoding, errors="replace"), message)
 
 

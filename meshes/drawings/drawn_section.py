@@ -106,13 +106,13 @@ def _questions(outlines: Sequence[Shape]) -> list[str]:
     layers = {outline.layer for outline in outlines}
     questions = []
     if len(layers) == 1 < len(outlines):
-        questions.append(f'all {len(outlines)} outlines are on layer "{outlines[0].layer}", and make one stratum')
+        questions.append(f'all {len(outlines)} outlines are on layer "{outlines[0].layer}", and become one stratum')
     for outline in outlines:
         low, high = outline.points.min(axis=0), outline.points.max(axis=0)
         others = [other.points for other in outlines if other.layer != outline.layer]
         if others and all((points > low + JOINED).all() and (points < high - JOINED).all() for points in others):
-            questions.append(f'the outline on layer "{outline.layer}" lies round all others: if it is the frame of the '
-                          "sheet, turn its layer off in the drawing")  # fmt: skip
+            questions.append(f'the outline on layer "{outline.layer}" surrounds all others: if it is '
+                          "the frame of the sheet, turn its layer off in the drawing")  # fmt: skip
     return questions
 
 
@@ -123,11 +123,11 @@ def _unused(lines: Sequence[Shape]) -> list[str]:
     for layer in dict.fromkeys(line.layer for line in lines):
         of_layer = [line for line in lines if line.layer == layer]
         if len(of_layer) > MOST_ALIKE:
-            sentences.append(f'not used: {len(of_layer)} lines on layer "{layer}": they close no outline, and are no '
-                             "water table")  # fmt: skip
+            sentences.append(f'not used: {len(of_layer)} lines on layer "{layer}": these lines are neither '
+                             "closed nor a water table")  # fmt: skip
         else:
-            sentences += [f'not used: a {line.kind} on layer "{layer}", {line.span}: it closes no outline, and is no '
-                          "water table" for line in of_layer]  # fmt: skip
+            sentences += [f'not used: a {line.kind} on layer "{layer}", {line.span}: this line is neither '
+                          "closed nor a water table" for line in of_layer]  # fmt: skip
     return sentences
 
 
@@ -146,14 +146,18 @@ def _of_lines(
         raise InputError(str(path), [f"holds no closed polylines; {expected}", *notices])
     (top, ground), *below = _from_the_ground_down(lines, notices := list(notices))
     table, remarks = water_table(lines_of_water, float(ground[0, 0]), float(ground[-1, 0]))
-    has = "the drawing has no outlines" if not outlines else "lines of the drawing go on past its outlines, its zones"
+    has = (
+        "the drawing has no outlines"
+        if not outlines
+        else "lines of the drawing continue beyond its outlines, which are zones"
+    )
     notices = [
         *notices,
-        f'{has}: the highest line, on layer "{top}", is the ground, and each other one the bottom of the stratum of '
-        "its layer",
+        f'{has}: the highest line, on layer "{top}", is the ground surface, and each other line is the bottom of '
+        "the stratum named by its drawing layer",
         *(
-            f'the name of layer "{layer}" says top, and its line is taken for a bottom: if it is the top of that soil, '
-            "give the line the name of the soil above it"
+            f'the name of layer "{layer}" contains the word top, and its line is read as a bottom: if the line is '
+            "the top of this soil, name its layer after the soil above"
             for layer in dict.fromkeys(layer for layer, _ in below if TOP.search(layer))
         ),
         *remarks,
@@ -162,7 +166,9 @@ def _of_lines(
     names = numbered_names(layers)
     for layer in dict.fromkeys(layer for layer in layers if layers.count(layer) > 1):
         several = [f'"{new}"' for old, new in zip(layers, names, strict=True) if old == layer]
-        notices.append(f'layer "{layer}" has several lines or outlines: they are {" and ".join(several)}')
+        notices.append(
+            f'layer "{layer}" has several lines or outlines, which become the strata {" and ".join(several)}'
+        )
     strata = [(stratum, _thinned(points)) for stratum, (_, points) in zip(names, below, strict=False)]
     zones = [(zone, outline.points) for zone, outline in zip(names[len(below) :], outlines, strict=True)]
     return Drawn(_text(name, notices, _thinned(ground), strata[-1][1], table, strata, zones), notices)
@@ -185,7 +191,10 @@ def _from_the_ground_down(lines: Sequence[Shape], notices: list[str]) -> list[tu
     for layer, points in below:
         first, last = max(left, points[0, 0]), min(right, points[-1, 0])
         if first >= last:
-            notices.append(f'not used: the line on layer "{layer}", which lies beside the ground on layer "{top}"')
+            notices.append(
+                f'not used: the line on layer "{layer}", which lies outside the x of the ground surface on '
+                f'layer "{top}"'
+            )
             continue
         ends = np.array([(x, np.interp(x, *points.T)) for x in (left, right)])
         loose = [f"x = {x:.6g} m" for x in (first, last) if left + JOINED < x < right - JOINED

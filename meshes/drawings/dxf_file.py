@@ -53,7 +53,7 @@ def write_dxf(section: Section, path: Path) -> list[str]:
         drawing.layers.add(WATER, color=5)
         space.add_lwpolyline([(float(x), float(z)) for x, z in water], dxfattribs={"layer": WATER})
     drawing.saveas(path)
-    notices = [f'stratum "{name}" is on layer "{layer}": a layer cannot have its name'
+    notices = [f'stratum "{name}" is on layer "{layer}": a drawing layer cannot have the name of the stratum'
             for name, layer in zip(names, layers, strict=True) if layer != name]  # fmt: skip
     lines = [stratum.name.removesuffix(BELOW_WATER) for stratum in section.strata
              if stratum.piezometric_level is not None]  # fmt: skip

@@ -104,7 +104,7 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
     )
     if shapes and not 1.0 <= width <= WIDEST:
         wide = f"{width:.3g}" if width < WIDEST else f"{width:,.0f}"
-        notices.append(f"the drawing is {wide} m wide, its unit {size:g} m: --unit says if it is another")
+        notices.append(f"the drawing is {wide} m wide, its unit {size:g} m: --unit gives another unit")
     shapes = _once(shapes, unused)
     joined = [item for layer in dict.fromkeys(shape.layer for shape in shapes)
               for item in _joined([shape for shape in shapes if shape.layer == layer])]  # fmt: skip
@@ -116,8 +116,8 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
             continue
         if not shape.closed and not _across(shape.points):
             gap = float(np.hypot(*(shape.points[0] - shape.points[-1])))
-            notices.append(f'the {shape.kind} on layer "{shape.layer}", {shape.span}, is open: it is closed by a '
-                           f"straight line of {gap:.3g} m")  # fmt: skip
+            notices.append(f'the {shape.kind} on layer "{shape.layer}", {shape.span}, is open, and is '
+                           f"closed by a straight line of {gap:.3g} m")  # fmt: skip
             shape = replace(shape, closed=True)
         (outlines if shape.closed else lines).append(shape)
     notices += [f"not used: {count} {what}" for what, count in sorted(unused.items())]
@@ -135,11 +135,13 @@ def _unit(drawing: Any, notices: list[str]) -> float:
     """Return the length (m) of one unit of a drawing by its $INSUNITS, and a sentence if the unit is not the metre."""
     number = int(drawing.header.get("$INSUNITS", 0))
     if number not in UNITS:
-        notices.append("the drawing does not say its unit ($INSUNITS): 1 unit is taken for 1 m; --unit says another")
+        notices.append(
+            "the drawing does not say its unit ($INSUNITS): 1 unit is read as 1 m; --unit gives another unit"
+        )
         return 1.0
     size = UNITS[number]
     if number != METRE:
-        notices.append(f"1 unit of the drawing is {size:.6g} m, as its $INSUNITS = {number} says; --unit says another")
+        notices.append(f"1 unit of the drawing is {size:.6g} m, by its $INSUNITS = {number}; --unit gives another unit")
     return size
 
 
@@ -259,7 +261,7 @@ def _once(shapes: Sequence[Shape], unused: Counter[str]) -> list[Shape]:
     for shape in shapes:
         ways = [(shape.layer, (points.round(6) + 0.0).tobytes()) for points in (shape.points, shape.points[::-1])]
         if not shape.closed and ways[0] in seen:
-            unused[f"{shape.kind} on layer {shape.layer} that lies on another"] += 1
+            unused[f"{shape.kind} on layer {shape.layer} that lies on another one"] += 1
             continue
         seen.update(ways)
         joined.append(shape)
@@ -303,7 +305,7 @@ def _without_holes(shapes: Sequence[Shape], notices: list[str]) -> list[Shape]:
         if any(other.layer == shape.layer and _lies_in(shape.points[0], other.points) for other in filled)
     ]
     notices += [
-        f'the {hole.kind} on layer "{hole.layer}" has a hole, {hole.span}: what no other outline takes there is '
+        f'the {hole.kind} on layer "{hole.layer}" has a hole, {hole.span}: ground there that is in no other outline is '
         f'"{hole.layer}"'
         for hole in holes
     ]

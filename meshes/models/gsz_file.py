@@ -77,7 +77,9 @@ def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
     analyses = [node for node in root.iterfind("./Analyses/Analysis") if "SLOPE" in _text(node, "Kind").upper()]
     if not analyses:
         kinds = dict.fromkeys(_text(node, "Kind") for node in root.iterfind("./Analyses/Analysis"))
-        raise InputError(str(path), [f"{EXPECTED}; those in it are of {', '.join(filter(None, kinds)) or 'no kind'}"])
+        raise InputError(
+            str(path), [f"{EXPECTED}; the analyses in it are of {', '.join(filter(None, kinds)) or 'no kind'}"]
+        )
     names = [_text(node, "Name") for node in analyses]
     if wanted is not None and wanted not in names:
         raise InputError("--part", [f'"{wanted}": expected an analysis of {path}, one of {", ".join(names)}'])
@@ -85,7 +87,7 @@ def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
     number = _text(analysis, "ID")
     notices = [f'analysis "{_text(analysis, "Name")}"']
     others = [name for name in names if name != _text(analysis, "Name")]
-    notices += [f"not taken: analyses {', '.join(others)} (--part names one)"] if others else []
+    notices += [f"not read: analyses {', '.join(others)} (--part names one)"] if others else []
     system = root.find("./Coordinates/EngCoords")
     word = system.get("UnitSystem", "metric") if system is not None else "metric"
     if word.lower() not in ("metric", "imperial"):
@@ -142,7 +144,7 @@ def _regions(
     materials = {m[1]: node.get("Entry") for node in pairs if (m := REGION.fullmatch(node.get("ID", "")))}
     for region in geometry.iterfind("./Regions/Region"):
         if (material := materials.get(_text(region, "ID"))) is None:
-            notices.append(f"not taken: region {_text(region, 'ID')}, which has no material in this analysis")
+            notices.append(f"not read: region {_text(region, 'ID')}, which has no material in this analysis")
         else:
             yield material, corners([points[key.strip()] for key in _text(region, "PointIDs").split(",")])
 
@@ -152,13 +154,13 @@ def _strength(material: Element, units: GeoStudioUnits, notices: list[str]) -> d
     model, name = _text(material, "SlopeModel"), _text(material, "Name")
     cohesion, friction = (_number(material, f"StressStrain/{key}") for key in ("CohesionPrime", "PhiPrime"))
     if model == "Bedrock":
-        notices.append(f'"{name}" is bedrock: a cohesion of {BEDROCK} keeps slips out of it')
+        notices.append(f'"{name}" is bedrock: a cohesion of {BEDROCK} prevents that slip surfaces enter it')
         return {"cohesion": BEDROCK, "friction_angle": "0 deg"}
     if model == "UndrainedPhiZero":
         cohesion, friction = _number(material, "StressStrain/Cohesion") or cohesion, 0.0
     elif model != "MohrCoulomb":
         notices.append(
-            f'not taken: the strength of "{name}" by {model or "no model"}; it has c and φ as far as they are given'
+            f'not read: the strength of "{name}" by {model or "no model"}; c and φ are read if the model gives them'
         )
     if not cohesion and not friction:  # a section without them asks for them
         return {}
@@ -175,13 +177,13 @@ def _not_taken(entry: Element, water: Element | None) -> Iterator[str]:
         if count := len(entry.findall(items)):
             yield f"not taken: {what}, {count}"
     if entry.find("./TensionCrack/TensionOption") is not None:
-        yield "not taken: the tension crack; see [tension_crack]"
+        yield "not read: the tension crack; see [tension_crack]"
     seismic = entry.find("Seismic")
     if seismic is not None and float(seismic.get("Horizontal") or 0.0):
         yield f"not taken: the earthquake, Kh = {seismic.get('Horizontal')}; see safety_factor_at in [fem]"
     option = "" if water is None else _text(water, "Entry/ResultInputInfo/Option")
     if option and option.lower() != "none":
-        yield f"not taken: pore pressure by {option}"
+        yield f"not read: pore pressure by {option}"
 
 
 def _place(point: Element, units: GeoStudioUnits) -> tuple[float, float]:

@@ -80,17 +80,18 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
     ]
     notices = [f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"']
     others = [item for item in labels if item != scenario["Label"]]
-    notices += [f"not taken: scenarios {', '.join(others)} (--part names one)"] if others else []
+    notices += [f"not read: scenarios {', '.join(others)} (--part names one)"] if others else []
     if len(scenario["Stages"]) > 1:
         notices.append(
-            "not taken: the stages before it, but for preconsolidation, as pressure over the stress in this one"
+            "not read: earlier stages, except preconsolidation, which is stored as the difference to the stress in "
+            "this stage"
         )
     table = _table(water)
     layers: list[ForeignLayer] = []
     outlines = part("geometries", "GeometryId")["Layers"]
     if not outlines:
         where = f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"'
-        raise InputError(str(path), [f"{where}: it has no layers; expected one at least"])
+        raise InputError(str(path), [f"{where}: the stage has no layers; expected at least one"])
     for item in outlines:
         points, soil = corners(_pairs(item["Points"])), of_layer[item["Id"]]
         level, of_level = _head(water, points, table)
@@ -166,7 +167,7 @@ def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
             "ocr_exponent": parameters["StrengthIncreaseExponent"],
         }
     else:
-        notices.append(f'not taken: the strength of "{soil["Name"]}" by {model}')
+        notices.append(f'not read: the strength of "{soil["Name"]}" by {model}')
     return keys
 
 
@@ -185,7 +186,7 @@ def _head(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[di
     if under is not None and (over or water["PhreaticLineId"]) != under:
         chosen = over
         notices.append(
-            "not taken: pore pressure that changes with depth between two head lines; it has that of the upper"
+            "not read: pore pressure that varies with depth between two head lines; that of the upper line is used"
         )
     if chosen is None or chosen == water["PhreaticLineId"] or table is None:
         return {}, notices
@@ -223,7 +224,7 @@ def _holds(outline: np.ndarray, point: np.ndarray) -> bool:
 def _state(states: Json, layer: str, points: np.ndarray, soil: str, notices: list[str]) -> dict[str, Any]:
     """Return the preconsolidation of a layer, given by a state point in it or by a state line along its edge. Other
     states are reported in a notice."""
-    more = f'not taken: preconsolidation that changes within "{soil}"; it has that of one point'
+    more = f'not read: preconsolidation that varies within "{soil}"; the value of one point is used'
     if inside := [point for point in states["StatePoints"] if point["LayerId"] == layer]:
         notices += [more] if len(inside) > 1 else []
         return {**inside[0]["Stress"], "At": inside[0]["Point"]}
@@ -263,7 +264,7 @@ def _consolidated(load: Json, layers: Collection[str], notices: list[str]) -> fl
     degrees = [float(pair["Degree"]) for pair in load["Consolidations"] if pair["LayerId"] in layers]
     if len(set(degrees)) > 1:
         notices.append(
-            "not taken: degrees of consolidation that differ from layer to layer; a load has the least of them"
+            "not read: degrees of consolidation that differ from layer to layer; each load has the smallest of them"
         )
     return min(degrees, default=0.0) / 100.0
 
@@ -274,10 +275,10 @@ def _not_taken(loads: Json, reinforcements: Json) -> Iterator[str]:
         if items:
             yield f"not taken: {what}, {len(items)}"
     if loads["UniformLoads"]:
-        yield "loads take all of their mass along when the ground shakes, unless seismic_share says less"
+        yield "the whole mass of loads shakes with the ground, unless seismic_share is smaller"
     partial = [pair for load in loads["LayerLoads"] for pair in load["Consolidations"] if pair["Degree"] < 100.0]
     if partial:
-        yield "not taken: degrees of consolidation of layers below 100 %; see consolidated_below"
+        yield "not read: degrees of consolidation below 100 % of layers; see consolidated_below"
     quake = loads["Earthquake"]
     if quake["IsEnabled"]:
         yield f"not taken: the earthquake, Kh = {quake['HorizontalFactor']:g}; see safety_factor_at in [fem]"

@@ -148,11 +148,9 @@ def _soil(row: dict[str, Any], units: XslopeUnits, water: bool, notices: list[st
     if pore == "none" and water:
         keys["pore_pressure_ratio"] = 0.0
     elif pore == "seep":
-        notices.append(
-            f'not taken: the seepage solution of "{name}"; the piezometric line counts, or see [water], flow'
-        )
+        notices.append(f'not read: the seepage solution of "{name}"; the piezometric line is used; see [water], flow')
     if row.get("d") or row.get("ψ"):
-        notices.append(f'not taken: the undrained strength of "{name}" after drawdown (d, ψ)')
+        notices.append(f'not read: the undrained strength of "{name}" after drawdown (d, ψ)')
     return keys
 
 
@@ -222,11 +220,11 @@ def _loads(
             x, z, normal = points.T * np.array([units.length, units.length, units.stress])[:, None]
             depth = np.interp(x, *tables[0].T) - z if tables else np.zeros(len(x))
             if not taken:
-                notices.append("not taken: distributed loads after drawdown")
+                notices.append("not read: distributed loads after drawdown")
             elif tables and np.allclose(normal, units.water * depth, rtol=0.02, atol=0.5):
-                notices.append("distributed loads that are those of free water are left to the piezometric line")
+                notices.append("distributed loads of free water are not read, since the piezometric line gives them")
             else:
-                notices.append("distributed loads press vertically, and not along the normal of the ground")
+                notices.append("distributed loads act vertically, not along the normal of the ground")
                 for i in range(len(x) - 1):
                     pressure = [f"{value:.5g} kPa" for value in normal[i : i + 2]]
                     yield {"from": float(x[i]), "to": float(x[i + 1]), "pressure": pressure}
@@ -244,11 +242,11 @@ def _tables_of_loads(rows: Rows, case: str) -> Iterator[np.ndarray]:
 def _not_taken(sheets: dict[str, Rows], second: bool) -> Iterator[str]:
     main = sheets["main"]
     if (crack := _cell_after(main, "tension crack depth")) > 0.0:
-        yield f"not taken: a tension crack {crack:g} deep; see [tension_crack]"
+        yield f"not read: a tension crack {crack:g} deep; see [tension_crack]"
     if (kh := _cell_after(main, "seismic coefficient")) != 0.0:
-        yield f"not taken: a seismic coefficient of {kh:g}; fem.safety_factor_at = [{kh:g}] has its factor of safety"
+        yield f"not read: a seismic coefficient of {kh:g}; fem.safety_factor_at = [{kh:g}] has its factor of safety"
     if second:
-        yield "not taken: the piezometric line after drawdown; see after_drawdown in [water]"
+        yield "not read: the piezometric line after drawdown; see after_drawdown in [water]"
     lines = sheets.get("reinforce", [])
     if any(sum(isinstance(cell, int | float) for cell in row[1:]) >= 5 for row in lines):
         yield "not taken: reinforcement"

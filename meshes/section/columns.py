@@ -123,8 +123,8 @@ class Tally:
 
     def sentences(self) -> list[str]:
         sentences = [
-            f'between "{above}" and "{below}" nothing is drawn, up to {height:.3g} m high from x = {start:.6g} to '
-            f'{end:.6g} m: it is taken for "{below}"'
+            f'between "{above}" and "{below}" there is a gap, up to {height:.3g} m high from x = {start:.6g} to '
+            f'{end:.6g} m: it is filled with "{below}"'
             for (above, below), (height, start, end) in self.gaps.items()
             if height > JOINED
         ]
@@ -132,8 +132,8 @@ class Tally:
             nested = area >= INSIDE * min(self.owned[owner], self.areas[other])
             if not nested and area > JOINED * (end - start):
                 sentences.append(f'"{self.names[owner]}" and "{self.names[other]}" overlap by {area:.3g} m² from x = '
-                            f'{start:.6g} to {end:.6g} m: that is taken for "{self.names[owner]}"')  # fmt: skip
-        sentences += [f'the outline on layer "{name}" is covered by others, and not used'
+                            f'{start:.6g} to {end:.6g} m: this area is given to "{self.names[owner]}"')  # fmt: skip
+        sentences += [f'the outline on layer "{name}" is covered by other outlines, and not used'
                  for name, area in zip(self.names, self.owned, strict=True) if area <= 0.0]  # fmt: skip
         sentences += [f'the outline on layer "{name}" crosses itself; expected its corners in turn'
                       for name, covered, area in zip(self.names, self.covered, self.areas, strict=True)

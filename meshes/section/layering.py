@@ -204,7 +204,7 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None], al
     stack = _snapped_z(exact.copy(), snap)
     layers = Layering(x, stack[:, 0, :], stack[:, 1, :], len(lines), snap)
     if not problems:
-        thin = f"has no thickness anywhere (less than {1000.0 * snap:.3g} mm is none)"
+        thin = f"has no thickness anywhere (less than {1000.0 * snap:.3g} mm is neglected)"
         problems = [f"stratum {k + 1} {thin}" for k in np.flatnonzero(layers.areas() <= 0.0)]
     notices = _snapping_notices(exact, stack, x, snap)
     if x_right - x_left > WIDEST:
@@ -309,7 +309,7 @@ def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what
     worst = float(excess[i, end])
     wrong = np.flatnonzero(too_much.any(axis=1))
     first, last = (_where_it_ends(excess[k], x[k : k + 2], end) for k, end in ((wrong[0], 0), (wrong[-1], 1)))
-    return [f"{what} by {worst:.3g} m at x = {x[i + end]:g} m (wrong between x = {first:.4g} and {last:.4g} m)"]
+    return [f"{what} by up to {worst:.3g} m, at x = {x[i + end]:g} m (wrong between x = {first:.4g} and {last:.4g} m)"]
 
 
 def _where_it_ends(excess: np.ndarray, x: np.ndarray, end: int) -> float:
@@ -346,7 +346,7 @@ def _snapping_notices(exact: np.ndarray, stack: np.ndarray, x: np.ndarray, snap:
         if lost[i, end, k] > 0.0:
             notices.append(
                 f"stratum {k + 1} is {1000.0 * lost[i, end, k]:.2g} mm thick at x = {x[i + end]:g} m: less than "
-                f"{1000.0 * snap:.3g} mm counts as nothing"
+                f"{1000.0 * snap:.3g} mm is neglected"
             )
     return notices
 

@@ -46,7 +46,7 @@ def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
             back = int(np.count_nonzero(np.diff(points[:, 0]) < 0.0))
             notices.append(
                 f"geometry: {_key(place)}: {counted(back, 'point', 'points')} stood left of the point before; the "
-                f"points were put in order, none moved by more than {ordered[1]:.2g} m"
+                f"points were put in order, and moved by at most {ordered[1]:.2g} m"
             )
     return data, notices
 
@@ -60,7 +60,7 @@ def _reversed_lines(data: dict[str, Any]) -> list[str]:
             table[place[-1]] = list(table[place[-1]])[::-1]
             reversed_lines.append(_key(place))
     return (
-        [f"geometry: from right to left in the file, and turned round: {'; '.join(reversed_lines)}"]
+        [f"geometry: lines that ran from right to left in the file were reversed: {'; '.join(reversed_lines)}"]
         if reversed_lines
         else []
     )

@@ -15,9 +15,9 @@ def naming_problems(names: Sequence[str]) -> Iterator[str]:
     """Return the problems of the names of strata."""
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
-            yield f'strata: {names.count(name)} of them are called "{name}"; expected every name once'
+            yield f'strata: {names.count(name)} strata are called "{name}"; expected different names'
         if name in BOUNDARIES:
-            yield f'strata: the name "{name}" is taken by a boundary of the mesh'
+            yield f'strata: the name "{name}" is the name of a boundary of the mesh'
 
 
 def group_names(names: Sequence[str]) -> list[str]:

@@ -77,7 +77,10 @@ def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
     for name in dict.fromkeys(before):
         several = [f'"{new}"' for old, new in zip(before, names, strict=True) if old == name]
         if len(several) > 1:
-            notices.append(f'"{name}" lies above and below others: from the top down it is {" and ".join(several)}')
+            notices.append(
+                f'"{name}" lies above and below other layers, and is divided: from the top down, '
+                f"{' and '.join(several)}"
+            )
     return Stack(
         tuple(before), tuple(names), [[numbers[id(member)] for member in of_column] for of_column in members], notices
     )

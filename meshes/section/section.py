@@ -283,8 +283,9 @@ class Section(Model):
         thinned._zone_notices = self._zone_notices
         thinned._line_notices = (
             *self._line_notices,
-            f"geometry: lines have more points than cells can use; those left, {len(thinned.surface)} of "
-            f"{len(self.surface)} of the ground, keep within {tolerance:.2g} m of the lines' running median",
+            f"geometry: lines have more points than cells can resolve, and were thinned: {len(thinned.surface)} "
+            f"of {len(self.surface)} points of the ground remain, within {tolerance:.2g} m of the running median "
+            "of the lines",
         )
         return thinned
 

@@ -34,7 +34,7 @@ def structure_problems(structures: Sequence[Structure], extent: tuple[float, flo
             problems.append(f"{where}: lies off the section, which reaches from {left:g} to {right:g} m")
     names = [structure.name for structure in structures]
     return problems + [
-        f'structures: {names.count(name)} of them are called "{name}"; expected every name once'
+        f'structures: {names.count(name)} structures are called "{name}"; expected different names'
         for name in dict.fromkeys(names)
         if names.count(name) > 1
     ]

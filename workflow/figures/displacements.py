@@ -116,7 +116,7 @@ def _why_not(words: str) -> str:
 def _of_cases(
     results: Results, cases: Mapping[int, CaseAnswer | PointCase], method: str, look: tuple[str, str]
 ) -> Iterator[MethodRow]:
-    """Yield the slide of each case by a method: at every place of a measurement, and the largest one."""
+    """Yield the slides of each case by one method: the slide at every place of a measurement, and the largest slide."""
     observed = dict.fromkeys(row.x for row in results.config.report.observed if row.x is not None)
     places = [x for x in observed if all(case.slide_at(x) is not None for case in cases.values())]
     for numbers, case in alike(cases).items():

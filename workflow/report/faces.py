@@ -156,7 +156,7 @@ def _of_safety(results: Results) -> tuple[float | None, float | None]:
 
 
 def _moved(results: Results) -> Iterator[tuple[str, list[MovedSurface]]]:
-    """Yield the slides of every method, over all cases."""
+    """Yield the slides by every method, over all cases of liquefaction."""
     cases, points = results.case_set()[1], results.mpm.cases if results.mpm is not None else {}
     if cases:
         yield "discs", [cases[number] for number in sorted(cases)]
@@ -165,7 +165,7 @@ def _moved(results: Results) -> Iterator[tuple[str, list[MovedSurface]]]:
 
 
 def _slides(results: Results, row: FaceRow) -> Iterator[str]:
-    """Yield the largest slide of a face towards its side, over the cases of every method."""
+    """Yield the largest slide of a face towards its side by every method, over all cases of liquefaction."""
     face = row.face
     start, end = (face.start_m, face.crest_m[0]) if face.towards == "left" else (face.crest_m[1], face.end_m)
     sign = 1.0 if _downhill(results, face.towards) else -1.0
@@ -184,7 +184,7 @@ def _downhill(results: Results, towards: Side) -> bool:
 
 
 def _settlements(results: Results, row: FaceRow) -> Iterator[str]:
-    """Yield the settlement of the half of the crest beside a face, over the cases of every method."""
+    """Yield the settlement of the half of the crest beside a face by every method, over all cases of liquefaction."""
     left, right = row.face.crest_m
     middle = 0.5 * (left + right)
     x = np.linspace(left, middle, HALF) if row.face.towards == "left" else np.linspace(middle, right, HALF)

@@ -51,7 +51,8 @@ def face_rows(config: Config, answer: SlicesAnswer | None) -> list[FaceRow]:
 
 
 def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:
-    """Yield sentences on every face, on the face that governs, and on failures away from the structures."""
+    """Yield sentences on every face of a structure, on the face that governs, and on failures away from the
+    structures."""
     rows = face_rows(config, answer)
     for row in rows:
         yield f"{row.words}."

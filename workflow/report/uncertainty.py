@@ -67,7 +67,8 @@ def _seen(variant: Variant, kc: float | None) -> str:
 
 
 def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str]]:
-    """Yield the heading and sentences of every source, with the name of its variant."""
+    """Yield heading and sentences of every source of uncertainty of the finite elements, with the name of the variant
+    that shows its influence."""
     settings, mesh = fem.settings, fem.mesh
     yield (
         "Bracket",

@@ -52,7 +52,7 @@ Sets = dict[SetOfSprings, DiscsAtRest]
 
 @dataclass(frozen=True)
 class StoredStates:
-    """Holds the stored states, and for each set of springs the slip surface (k, 2) in m."""
+    """Holds the states of the discs that are stored, and for each set of springs the slip surface (k, 2) in m."""
 
     states: tuple[RecordedDiscs, ...] = ()
     surfaces: dict[SetOfSprings, np.ndarray] = field(default_factory=dict)

@@ -64,7 +64,7 @@ class RandomPackingsWanted:
     def answer(self, job: Job, packings: list["Packed"], own_slides: dict[int, Slide]) -> RandomPackings:
         """Return the mean, standard deviation and every value of slide and settlement over the seeds, for each case.
 
-        ``packings`` are the packings that began first, ``own_slides`` the slides of the run itself.
+        ``packings`` are the packings of `first_packings`, ``own_slides`` the slides of the run itself.
         """
         if self._chooses and packings:
             seed = packings[0][0]

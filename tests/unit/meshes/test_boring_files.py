@@ -100,7 +100,7 @@ def test_counts_energy_and_water_of_an_ags4_file(tmp_path: Path) -> None:
     ]
     assert (item.water_level, two.water_level) == (9.5, None)
     notices = "\n".join(read.notices)
-    assert "B1, SPT at 4.5 m: N = 9 and 14; the smaller one is taken" in notices
+    assert "B1, SPT at 4.5 m: N = 9 and 14; the smaller value is used" in notices
     assert "B1, SPT at 8 m: has neither ISPT_NVAL nor ISPT_REP, and is not used" in notices
     assert '6.3 m "N=50 (25 for 5mm/50 for 15mm)", N = 50; B1 at 7.3 m "50/75mm", N = 50' in notices
     assert "departs from rules of AGS4, as python-ags4 counts" in notices
@@ -156,7 +156,7 @@ def test_dry_borings_and_depths_below_their_end(tmp_path: Path) -> None:
     water = ("WSTG", "LOCA_ID,WSTG_DPTH", ",m", "B1,3; B2,dry")
     read = read_ags4(written(tmp_path, ags(LOCA, GEOL, water), "dry.ags"))
     assert [log.water_level for log in read.logs] == [9.0, None]
-    assert 'boring B2: water "dry" is none that was struck' in read.notices
+    assert 'boring B2: water "dry" means that no water was struck' in read.notices
     spt = ("ISPT", "LOCA_ID,ISPT_TOP,ISPT_NVAL", ",m,", "B1,30,12; B1,x,12")
     assert message(tmp_path, ags(LOCA, GEOL, (*spt[:3], "B1,30,12")), "deep.ags") == [
         "boring B1: N = 12 at a depth of 30.3 m; the boring ends at 10 m"
@@ -173,8 +173,8 @@ def test_dry_borings_and_depths_below_their_end(tmp_path: Path) -> None:
 def test_lines_of_a_boring_that_contradict_each_other(tmp_path: Path) -> None:
     heads = "boring,x,ground_level,top,bottom,layer\n"
     assert message(tmp_path, f"{heads}A,0,1.200,0,4,Sand\nA,1,12,4,6,Clay\n", "b.csv") == [
-        "line 3, x = '1': line 2 says '0' of the same boring A",
-        "line 3, ground_level = '12': line 2 says '1.200' of the same boring A",
+        "line 3, x = '1': line 2 gives '0' for the same boring A",
+        "line 3, ground_level = '12': line 2 gives '1.200' for the same boring A",
     ]
     read_csv(written(tmp_path, f"{heads}A,0,12,0,4,Sand\nA,0.0,,4,6,Clay\n", "same.csv"))
 
@@ -222,7 +222,7 @@ def test_the_borings_of_a_section_are_chosen(tmp_path: Path, capsys: pytest.Capt
     path = written(tmp_path, ags(loca, (*GEOL[:3], GEOL[3] + "; B3,0,7,SAND,2")), "site plan.ags")
     made = tmp_path / "site plan (1).toml"
     assert command_line.run("section", path, "-o", made) == 2
-    assert "off the line of the section; --borings names those of the section" in capsys.readouterr().err
+    assert "off the line of the section; --borings selects the borings of the section" in capsys.readouterr().err
     assert command_line.run("section", path, "-o", made, "--borings", "B1,B9") == 2
     assert "there is no boring B9 that can be used; there are B1, B2, B3" in capsys.readouterr().err
     assert command_line.run("section", path, "-o", made, "--borings", "B1,B2") == 0
@@ -241,7 +241,7 @@ def test_a_blow_count_that_is_not_understood_is_left_out(tmp_path: Path) -> None
     assert text.startswith("b.csv, line 3, N = 'x7': expected the blow count for 30 cm as measured")
     assert text.endswith("; this blow count is left out")
     most = head + "".join(lines).replace(",4\n", ",?\n").replace(",5\n", ",?\n")
-    assert "3 of 4 blow counts are not understood" in message(tmp_path, most, "most.csv")[0]
+    assert "3 of 4 blow counts cannot be read" in message(tmp_path, most, "most.csv")[0]
     spt = ("ISPT", "LOCA_ID,ISPT_TOP,ISPT_NVAL", ",m,", "B1,3,12; B1,4.5,twelve; B2,3,7")
     path = written(tmp_path, "\n\n" + ags(LOCA, GEOL, spt), "b.ags")
     where = next(k for k, line in enumerate(path.read_text().splitlines(), start=1) if "twelve" in line)
@@ -296,7 +296,7 @@ def test_columns_of_other_names(tmp_path: Path, capsys: pytest.CaptureFixture[st
         == 2
     )
     err = capsys.readouterr().err
-    assert "--columns layers=USCS: expected our name of a column" in err
+    assert "--columns layers=USCS: expected a column name of noshiro" in err
     assert "--columns top=F: there is no column 'F'; expected one of Bore No" in err
 
 
@@ -383,7 +383,7 @@ def test_rows_of_borings_that_loca_lacks_and_depths_that_no_boring_has(tmp_path:
     lines = "B1,0,4,FILL,1; B1,4,10,SAND,2; B2,0,7,SAND,2"
     stranger = ags(LOCA, (*GEOL[:3], f"{lines}; B9,0,3,SAND,2"))
     assert (
-        "group GEOL, borings B9: not used, as LOCA has none of them"
+        "group GEOL, borings B9: not used, since group LOCA does not list these borings"
         in read_ags4(written(tmp_path, stranger, "a.ags")).notices
     )
     upper = ags(LOCA, ("GEOL", GEOL[1], ",M,FT,,", "B1,0,13.1234,FILL,1; B1,4,32.8084,SAND,2; B2,0,22.9659,SAND,2"))

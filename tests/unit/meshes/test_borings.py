@@ -172,7 +172,7 @@ def test_layers_above_and_below_others_have_numbers() -> None:
         assert sorted(made.names) == sorted(names)
         assert [name for name in made.names if name.startswith(("a 2", "a (2"))] == [n for n in names if "2" in n]
         assert len(made.notices) == 1
-        assert "from the top down it is" in made.notices[0]
+        assert "from the top down, " in made.notices[0]
         assert np.all(np.diff(np.vstack([made.ground, made.bottoms]), axis=0) <= 0.0)
 
 

@@ -52,8 +52,8 @@ def test_a_document_is_a_sounding(tmp_path: Path) -> None:
         (("</g:pos>", ""), "it cannot be read: mismatched tag"),
         (("<c:broId>CPT07</c:broId>", ""), "required parts are missing"),
         (("{rows}", "1,2,3"), "required parts are missing"),
-        (("{rows}", row(_0=1.0, _3=4.0)), "it has no reading with a depth, a resistance and a sleeve friction"),
-        (("<r:dis", '<!DOCTYPE a [<!ENTITY b "c">]><r:dis'), "it defines entities"),
+        (("{rows}", row(_0=1.0, _3=4.0)), "the file has no reading with a depth, a resistance and a sleeve friction"),
+        (("<r:dis", '<!DOCTYPE a [<!ENTITY b "c">]><r:dis'), "the file defines XML entities"),
     ],
 )
 def test_what_is_no_sounding_is_told(tmp_path: Path, change: tuple[str, str], message: str) -> None:

@@ -39,7 +39,7 @@ def problems(folder: Path, text: str) -> list[str]:
 @pytest.mark.parametrize(
     ("text", "notice"),
     [
-        (f"Project: quay;; of 2024\nBy A. Engineer\n\n{HEAD}\n{LINES}", "the heading is taken to stand in line 4"),
+        (f"Project: quay;; of 2024\nBy A. Engineer\n\n{HEAD}\n{LINES}", "the heading is read from line 4"),
         (f"{HEAD}\n,m,m,m,m,,,%,mm,m\n{LINES}".replace(" mm", ""), ""),
         ("".join(f"{line},,,\n" for line in f"{HEAD}\n{LINES}".splitlines()) + ",,,,,,,,,,,,\n", ""),
         (f"{HEAD},driller\n" + "".join(f"{line},X\n" for line in LINES.splitlines()), "not used: driller"),
@@ -65,7 +65,9 @@ def test_a_count_is_doubted_beside_a_grain_size_with_its_unit(tmp_path: Path) ->
 
 def test_shares_of_one_are_no_percent(tmp_path: Path) -> None:
     _, notices = read(tmp_path, f"{HEAD}\n{LINES.replace(',20,', ',0.2,').replace(',5,', ',0.05,')}")
-    assert notices == ["the fines contents are 0.2 % at most: shares of one? expected percent, 15 for 15 %"]
+    assert notices == [
+        "the fines contents are 0.2 % at most: these may be fractions; expected percent, such as 15 for 15 %"
+    ]
     tests = [
         {"depth": depth, "N": 10.0, "fines": fines, "plasticity": 12.0} for depth, fines in ((1.0, 0.15), (2.0, 0.9))
     ]
@@ -102,7 +104,7 @@ def test_names_that_differ_in_capitals_and_blanks_are_one_stratum(tmp_path: Path
     logs, _ = read(tmp_path, f"{HEAD}\n{LINES.replace('B2,40,12,4,9,Sand', 'B2,40,12,4,9,SAND ')}")
     result = connected(logs)
     assert result.names == ("Fill", "Sand")
-    assert result.notices == ('"Sand" and "SAND" are taken for one stratum, "Sand"',)
+    assert result.notices == ('"Sand" and "SAND" are read as one stratum, "Sand"',)
 
 
 def test_water_above_the_ground_of_a_boring_is_told(tmp_path: Path) -> None:
@@ -129,7 +131,7 @@ def test_the_drive_of_an_ags4_file_is_its_count(tmp_path: Path) -> None:
     assert [(sample.depth, float(sample.N)) for sample in logs[0].samples] == [
         (pytest.approx(1.3), 18.0), (pytest.approx(2.3), 50.0), (pytest.approx(3.3), 12.0)
     ]  # fmt: skip
-    assert any("refusals count as the least that N can be: B1 at 2.3 m" in notice for notice in notices)
+    assert any("a refusal counts as the smallest possible N: B1 at 2.3 m" in notice for notice in notices)
 
 
 def test_a_reading_that_a_logger_lost_is_no_reading(tmp_path: Path) -> None:

@@ -53,7 +53,9 @@ def test_a_lens_keeps_what_lies_above_it(tmp_path: Path) -> None:
     assert result == {"Sand": pytest.approx(600.0), "Clay 1": pytest.approx(100.0), "Lens": pytest.approx(40.0),
                      "Clay 2": pytest.approx(660.0)}  # fmt: skip
     assert made.stratum_at(np.array([50.0]), np.array([1.0]))[0] == list(result).index("Clay 1")
-    assert '"Clay" lies above and below others: from the top down it is "Clay 1" and "Clay 2"' in messages
+    assert (
+        '"Clay" lies above and below other layers, and is divided: from the top down, "Clay 1" and "Clay 2"' in messages
+    )
 
 
 def test_lenses_in_lenses_and_two_on_one_layer(tmp_path: Path) -> None:
@@ -85,12 +87,12 @@ def test_the_unit_of_a_drawing(units: int, unit: float | None, metre: float, tmp
 
     made, messages = section(drawn(tmp_path, draw, units), unit)
     assert areas(made) == {"Sand": pytest.approx(600.0, rel=1e-6), "Clay": pytest.approx(800.0, rel=1e-6)}
-    assert ("--unit says another" in messages) == (unit is None)
+    assert ("--unit gives another unit" in messages) == (unit is None)
 
 
 def test_a_drawing_of_a_size_that_no_section_has_asks_for_its_unit(tmp_path: Path) -> None:
     assert (
-        "0.1 m wide, its unit 0.001 m: --unit says if it is another"
+        "0.1 m wide, its unit 0.001 m: --unit gives another unit"
         in read_dxf(drawn(tmp_path, outlines, 4), "a").notices[1]
     )
 
@@ -135,7 +137,9 @@ def test_outlines_of_any_entities(tmp_path: Path) -> None:
     assert result["Sand"] == pytest.approx(600.0)
     for name, area in (("Spline", 4 * np.pi), ("Ellipse", 20 * np.pi), ("Open", 20.0), ("Pipe", np.pi)):
         assert result[name] == pytest.approx(area, rel=0.02)
-    assert 'the LWPOLYLINE on layer "Open", x = 70 to 80 m, is open: it is closed by a straight line of 2 m' in messages
+    assert (
+        'the LWPOLYLINE on layer "Open", x = 70 to 80 m, is open, and is closed by a straight line of 2 m' in messages
+    )
     assert "not used: 1 TEXT on layer Words" in messages
 
 
@@ -153,15 +157,15 @@ def test_gaps_overlaps_and_what_is_covered_are_told(tmp_path: Path) -> None:
     raised = [(x, 3.0 if z == 2 else z) for x, z in SAND]
     made, messages = section(drawn(tmp_path, lambda s: outlines(s, Sand=raised)))
     assert (
-        'between "Sand" and "Clay" nothing is drawn, up to 1 m high from x = 0 to 100 m: it is taken for "Clay"'
+        'between "Sand" and "Clay" there is a gap, up to 1 m high from x = 0 to 100 m: it is filled with "Clay"'
         in messages
     )
     assert areas(made) == {"Sand": pytest.approx(500.0), "Clay": pytest.approx(900.0)}
     lowered = [(x, 1.0 if z == 2 else z) for x, z in SAND]
     made, messages = section(drawn(tmp_path, lambda s: outlines(s, Sand=lowered)))
-    assert '"Sand" and "Clay" overlap by 100 m² from x = 0 to 100 m: that is taken for "Sand"' in messages
+    assert '"Sand" and "Clay" overlap by 100 m² from x = 0 to 100 m: this area is given to "Sand"' in messages
     made, messages = section(drawn(tmp_path, lambda s: outlines(s, Again=SAND)))
-    assert 'the outline on layer "Again" is covered by others, and not used' in messages
+    assert 'the outline on layer "Again" is covered by other outlines, and not used' in messages
     apart = [(0, 12), (40, 12), (40, -6), (0, -6)]
     with pytest.raises(InputError, match="nothing is drawn from x = 40 to 50 m"):
         section(drawn(tmp_path, lambda s: outlines(s, Sand=apart, Clay=[(50, 2), (100, 2), (100, -6), (50, -6)])))
@@ -184,7 +188,9 @@ def test_a_line_whose_name_says_that_it_is_a_top_is_doubted(layer: str, doubted:
             space.add_lwpolyline(points, dxfattribs={"layer": name})
 
     messages = section(drawn(tmp_path, draw))[1]
-    assert (f'the name of layer "{layer}" says top, and its line is taken for a bottom' in messages) == doubted
+    assert (
+        f'the name of layer "{layer}" contains the word top, and its line is read as a bottom' in messages
+    ) == doubted
 
 
 def test_the_longest_water_line_counts_and_others_are_told(tmp_path: Path) -> None:
@@ -199,7 +205,10 @@ def test_the_longest_water_line_counts_and_others_are_told(tmp_path: Path) -> No
     assert np.allclose(made.water_points(), [[0, 7], [10, 7], [30, 6], [100, 3]])
     assert "the water table is drawn from x = 10 to 100 m, and continues level to x = 0 m" in messages
     assert 'not used: a LWPOLYLINE on layer "water low", x = 0 to 50 m, beside the longer water table' in messages
-    assert 'not used: a LWPOLYLINE on layer "Fault", x = 0 to 50 m: it closes no outline' in messages
+    assert (
+        'not used: a LWPOLYLINE on layer "Fault", x = 0 to 50 m: this line is neither closed nor a water table'
+        in messages
+    )
 
 
 def test_a_drawing_in_millimetres_that_does_not_say_so_is_doubted(tmp_path: Path) -> None:
@@ -208,7 +217,7 @@ def test_a_drawing_in_millimetres_that_does_not_say_so_is_doubted(tmp_path: Path
             space.add_lwpolyline([(1e3 * x, 1e3 * z) for x, z in points], close=True, dxfattribs={"layer": layer})
 
     path = drawn(tmp_path, draw)
-    assert "100,000 m wide, its unit 1 m: --unit says if it is another" in section(path)[1]
+    assert "100,000 m wide, its unit 1 m: --unit gives another unit" in section(path)[1]
 
 
 NAMES = ("Sand/silt (1)", "Ton, weich – ü β/γ", "sand", "SAND", "WATER", "0", "砂／シルト", "a<b>c=d|e?f*g;h:i\\j`k")
@@ -253,7 +262,7 @@ def test_a_section_of_any_names_is_drawn_by_the_command(tmp_path: Path, capsys: 
     path.write_text('name = "slash"\nsurface = [[0.0, 12.0], [40.0, 12.0]]\nbase = { elevation = -6.0 }\n'
                     f'[[strata]]\nname = "Sand/silt (1)"\n{text}\n', encoding="utf-8")  # fmt: skip
     assert command_line.run("section", path, "-o", tmp_path / "slash.dxf") == 0
-    assert "a layer cannot have its name" in capsys.readouterr().out
+    assert "a drawing layer cannot have the name of the stratum" in capsys.readouterr().out
     assert command_line.run("section", tmp_path / "slash.dxf", "-o", tmp_path / "again.toml", "--unit", "mm") == 0
     assert "0.04 m wide, its unit 0.001 m" in capsys.readouterr().out
 
@@ -281,8 +290,8 @@ def test_lines_with_a_closed_lens_are_strata_with_a_zone(tmp_path: Path) -> None
     assert [stratum["name"] for stratum in data["strata"]] == ["0 1", "0 2"]
     assert data["zones"] == [{"name": "Lens", "points": [[30, -1], [50, 0], [70, -1], [50, -2]]}]
     text = "\n".join(read.notices)
-    assert "lines of the drawing go on past its outlines, its zones" in text
-    assert 'layer "0" has several lines or outlines: they are "0 1" and "0 2"' in text
+    assert "lines of the drawing continue beyond its outlines, which are zones" in text
+    assert 'layer "0" has several lines or outlines, which become the strata "0 1" and "0 2"' in text
     assert "not used: 1 upright LINE on layer Side" in text
 
 
@@ -295,7 +304,7 @@ def test_a_line_that_is_drawn_twice_is_one(tmp_path: Path) -> None:
 
     made, messages = section(drawn(tmp_path, draw))
     assert areas(made) == {"Sand": pytest.approx(600.0), "Clay": pytest.approx(800.0)}
-    assert "not used: 1 LWPOLYLINE on layer Ground that lies on another" in messages
+    assert "not used: 1 LWPOLYLINE on layer Ground that lies on another one" in messages
 
 
 def test_an_outline_of_groundwater_is_its_table(tmp_path: Path) -> None:
@@ -349,7 +358,7 @@ def test_a_lens_in_the_hole_of_a_hatch(tmp_path: Path) -> None:
 def test_outlines_that_are_doubted(tmp_path: Path) -> None:
     frame = [(-20, -30), (130, -30), (130, 40), (-20, 40)]
     assert (
-        '"Frame" lies round all others: if it is the frame'
+        '"Frame" surrounds all others: if it is the frame'
         in section(drawn(tmp_path, lambda s: outlines(s, Frame=frame)))[1]
     )
     bow = [(0, 12), (100, 2), (100, 12), (0, 2)]
@@ -371,7 +380,7 @@ def test_a_frame_with_a_title_block_on_its_layer_is_doubted(tmp_path: Path) -> N
         outlines(space, **{"0": [(-20, -30), (130, -30), (130, 40), (-20, 40)]})
         space.add_lwpolyline([(90, -30), (130, -30), (130, -25), (90, -25)], close=True)
 
-    assert 'the outline on layer "0" lies round all others' in section(drawn(tmp_path, draw))[1]
+    assert 'the outline on layer "0" surrounds all others' in section(drawn(tmp_path, draw))[1]
 
 
 def test_a_section_on_a_sheet_is_told(tmp_path: Path) -> None:

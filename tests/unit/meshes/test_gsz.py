@@ -82,7 +82,7 @@ def test_bad_models_are_told(tmp_path: Path) -> None:
         read_gsz(written(tmp_path), "slope", "Shaken")  # no context
     with pytest.raises(InputError, match="a point whose coordinates are not numbers"):
         read_gsz(written(tmp_path, change=('ID="1" X="0"', 'ID="1" X="nan"')), "slope")
-    with pytest.raises(InputError, match=r"those in it are of SEEP/W$"):
+    with pytest.raises(InputError, match=r"the analyses in it are of SEEP/W$"):
         read_gsz(written(tmp_path, change=("SLOPE/W", "SEEP/W")), "slope")
     path = written(tmp_path)
     path.write_bytes(path.read_bytes().replace(b"<GSIData>", b"<GSIDeta>"))
@@ -99,7 +99,7 @@ def test_bad_models_are_told(tmp_path: Path) -> None:
     ("change", "message"),
     [
         (("<Name>Clay", "<Name>Fill"), "It is sound."),
-        (('ID="Regions-2" Entry="2"', ""), "not taken: region 2, which has no material"),
+        (('ID="Regions-2" Entry="2"', ""), "not read: region 2, which has no material"),
         (("UndrainedPhiZero", "SFnDepth"), "cohesion: expected a cohesion"),
     ],
 )

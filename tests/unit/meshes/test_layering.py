@@ -103,7 +103,7 @@ def test_a_layer_of_a_fifth_of_a_millimetre_is_nothing_there_and_it_is_said() ->
     ground = section([[0.0, 20.0], [100.0, 20.0]], {"elevation": 0.0}, bottom, None)
     assert ground.layering.thickness()[0][1, 0] == 0.0
     (notice,) = ground.notices
-    assert notice.startswith("geometry: stratum 1 is 0.2 mm thick at x = 40 m: less than 10 mm counts as nothing")
+    assert notice.startswith("geometry: stratum 1 is 0.2 mm thick at x = 40 m: less than 10 mm is neglected")
 
 
 def test_a_sound_section_has_nothing_to_be_told() -> None:

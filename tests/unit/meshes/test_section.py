@@ -76,8 +76,8 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
     "stratum's name with a quote": (upper(name='a"b'), "name = 'a\"b'", "without quotation marks"),
     "stratum's name of spaces": (upper(name=" "), "name = ' '", "a name of its own"),
     "stratum's name with a null": (upper(name="a\0"), "name = 'a\\x00'", "without quotation marks"),
-    "same name twice": (upper(name="lower"), '2 of them are called "lower"', "every name once"),
-    "a boundary's name": (upper(name="base"), 'the name "base"', "taken by a boundary"),
+    "same name twice": (upper(name="lower"), '2 strata are called "lower"', "different names"),
+    "a boundary's name": (upper(name="base"), 'the name "base"', "the name of a boundary"),
     "reconstruction without a note": (whole(reconstruction=True), "reconstruction_note", "expected a sentence"),
     "reconstruction of text": (whole(reconstruction="yes"), "reconstruction = 'yes'", "true or false"),
     "outside the section": (

@@ -150,7 +150,7 @@ def test_bad_models_are_told(tmp_path: Path) -> None:
         read_stix(written(tmp_path, {"projectinfo": {}}), "dike")
     empty = model()
     empty["geometries/geometry"]["Layers"] = []
-    with pytest.raises(InputError, match="it has no layers; expected one at least"):  # as a new file has none
+    with pytest.raises(InputError, match="the stage has no layers; expected at least one"):  # as a new file has none
         read_stix(written(tmp_path, empty), "dike")
     path.write_text("no zip")
     with pytest.raises(InputError, match="cannot be read: File is not a zip file"):
@@ -193,7 +193,7 @@ def test_layers_of_one_soil_keep_their_states(tmp_path: Path, capsys: pytest.Cap
     assert run("section", written(tmp_path, data), "-o", tmp_path / "dike.toml") == 0
     out = capsys.readouterr().out
     for text in (
-        'preconsolidation that changes within "Clay"',
+        'preconsolidation that varies within "Clay"',
         'strength of "Sand" by SigmaTauTable',
         "cohesion: expected a cohesion",
     ):

@@ -107,7 +107,7 @@ def test_loads_of_free_water_are_the_water_and_others_are_surcharges(tmp_path: P
     pond = [(-40.0, 0.0, 9.81 * 12.0), (0.0, 0.0, 9.81 * 12.0), (24.0, 12.0, 0.0)]
     road = [(41.0, 20.0, 10.0), (49.0, 20.0, 20.0)]
     imported_section = read_xslope(workbook(tmp_path / "dam.xlsx", loads=[pond, road]), "read")
-    assert any("those of free water are left to the piezometric line" in text for text in imported_section.notices)
+    assert any("loads of free water are not read" in text for text in imported_section.notices)
     assert imported_section.text.count("[[surcharges]]") == 1
     assert 'pressure = [\n    "10 kPa",\n    "20 kPa",\n]' in imported_section.text
 

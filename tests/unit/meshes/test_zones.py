@@ -129,7 +129,7 @@ BAD = {
     "no point": ([zone("a", [[10.0, 3.0], [20.0, 3.0], [20.0, "x"]])], "point 3, z = 'x'"),
     "no such material": ([zone("a", material="sand")], 'zones 1 "a", material = \'sand\': expected the name of'),
     "both": ([{**zone("a", cohesion="1 kPa"), "material": "lower"}], "expected either the name of a stratum or keys"),
-    "a name twice": ([zone("lower")], '2 of them are called "lower"'),
+    "a name twice": ([zone("lower")], '2 strata are called "lower"'),
     "a bottom": ([zone("a", bottom={"depth": 3.0})], "bottom"),
     "no soil": ([{"name": "a", "points": LENS}], 'zones 1 "a", youngs_modulus: missing'),
     "no such soil": ([zone("a", youngs_modulus="90 TPa")], 'zones 1 "a", youngs_modulus'),

@@ -62,7 +62,7 @@ def test_structures_that_do_not_fit() -> None:
     assert messages == [
         'structures 1 "a", from = 10 m, to = 5 m: expected the left foot, then the right one',
         'structures 2 "b", from = 10 m, to = 200 m: lies off the section, which reaches from 0 to 140 m',
-        'structures: 2 of them are called "a"; expected every name once',
+        'structures: 2 structures are called "a"; expected different names',
     ]
 
 

@@ -64,7 +64,7 @@ def test_a_worker_that_dies_costs_its_task_a_second_try_and_no_third(tmp_path: P
     rows = Ensemble(tmp_path, 2).rows(tasks)
     assert rows[0].answer == Number(value=3.0)
     assert rows[1].answer is None
-    assert "worker died" in rows[1].reason
+    assert "worker process ended" in rows[1].reason
     assert len(list((always / "tries").iterdir())) == 2
     assert all(row.answer is not None for row in rows[2:])
 
