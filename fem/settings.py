@@ -140,9 +140,12 @@ class FemSettings(Model):
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
     flow: FlowSetting = Field(
         default="auto",
-        description='"associated" sets ψ = φ, "davis" takes Davis\'s estimate where ψ < φ (less strength, associated '
-        'flow), "section" follows the non-associated path with the ψ of the strata; "auto": "associated", or "davis" '
-        "where the strata give a dilation angle below φ. Results have the other one of the first two in the same line",
+        description=(
+            '"associated" sets ψ = φ, "davis" takes Davis\'s estimate where ψ < φ (less strength, associated '
+            'flow), "section" follows the non-associated path with the ψ of the strata; "auto": "associated", '
+            'or "davis" where the strata give a dilation angle below φ. Results by one of the first two also '
+            "state the result by the other one"
+        ),
     )
     davis: DavisForm = Field(
         default="B", description="form of Davis's reduced strength in the factor of safety: A, B or C"
@@ -194,9 +197,10 @@ class BoundsSettings(Model):
         default=60.0,
         gt=0.0,
         le=86_400.0,
-        description="largest computing work, such as 20, in seconds of a reference machine; the work is "
-        "counted and not measured, "
-        "so that a busy machine finds the same bounds",
+        description=(
+            "largest computing work, such as 20, in seconds of a reference machine; the work is computed from "
+            "the number of iterations, not measured, so that a busy machine finds the same bounds"
+        ),
     )
     safety_factor: StrictBool = Field(
         default=False,

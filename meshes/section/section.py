@@ -55,9 +55,9 @@ class Section(Model):
     reconstruction: StrictBool = Field(
         default=False, description="true or false: whether the ground was not surveyed but inferred"
     )
-    reconstruction_note: str = Field(default="", description="what the reconstruction is inferred from")
+    reconstruction_note: str = Field(default="", description="a sentence on what the reconstruction is inferred from")
     unusual: StrictBool = Field(
-        default=False, description="true if quantities beyond what soils, water and loads have are meant"
+        default=False, description="true if unusual quantities of soils, water or loads are intended"
     )
     surface: Polyline = Field(description="the ground surface, [[x, elevation], ...]")
     base: Line = Field(description="the lowest line of the section, { elevation = ... } or { depth = ... }")
@@ -69,11 +69,11 @@ class Section(Model):
         default=(), description="loads on the ground, a table [[surcharges]] each"
     )
     beyond: Length | None = Field(
-        default=None, description='how far ground, layers and water go on past both ends, a length such as "100 m"'
+        default=None, description='length over which ground and water continue beyond both ends, such as "100 m"'
     )
     beyond_slope: Slope = Field(default="level", description='"level", or "parallel" to the last stretch of the ground')
     structures: tuple[Structure, ...] = Field(
-        default=(), description="what a failure endangers, a table [[structures]] each; by default, embankments"
+        default=(), description="structures that a failure endangers, a table [[structures]] each; if none, embankments"
     )
     strata: tuple[Stratum, ...] = Field(min_length=1, description="one [[strata]] table for each layer")
     zones: tuple[Zone, ...] = Field(

@@ -70,8 +70,10 @@ class Stratum(Model):
     )
     density_saturated: Density | None = Field(
         default=None,
-        description='the density or unit weight below water, such as "20 kN/m^3"; one of the two does where all of it '
-        "lies on one side of the water",
+        description=(
+            'the density or unit weight below water, such as "20 kN/m^3"; one of the two densities suffices '
+            "if the whole stratum lies on one side of the water"
+        ),
     )
     density_ordinary: Density = Field(
         default=MISSING, description='the density that gravity acts on, buoyant below water, such as "1.0 t/m^3"'
@@ -88,7 +90,7 @@ class Stratum(Model):
         description="where cohesion_increase begins: an elevation (m), a line, or { depth = 0 } for the ground",
     )
     cohesion_minimum: Strength | None = Field(
-        default=None, description='the least cohesion where it varies, such as "5 kPa"'
+        default=None, description='the least cohesion of a cohesion that varies, such as "5 kPa"'
     )
     strength_ratio: Ratio | None = Field(
         default=None,
@@ -110,10 +112,11 @@ class Stratum(Model):
     friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
     tension: Strength | None = Field(
         default=None,
-        description='the largest tensile stress, such as "0 kPa" (a tension cut-off); c / tan φ where not given',
+        description='the largest tensile stress, such as "0 kPa" (a tension cut-off); by default c / tan φ',
     )
     dilation_angle: Angle | None = Field(
-        default=None, description='a dilation angle ψ such as "5 deg"; fem.flow says what is done where it is not given'
+        default=None,
+        description='a dilation angle ψ such as "5 deg"; fem.flow tells what applies to strata without one',
     )
     residual_cohesion: Strength | None = Field(
         default=None,
@@ -140,7 +143,7 @@ class Stratum(Model):
     )
     permeability_vertical: Permeability | None = Field(
         default=None,
-        description="permeability to vertical flow where it differs; permeability is then that to horizontal flow",
+        description="permeability to vertical flow, if it differs; permeability is then that to horizontal flow",
     )
     drains: StrictBool = Field(
         default=False,

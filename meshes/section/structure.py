@@ -16,9 +16,9 @@ class Structure(Model):
 
     model_config = ConfigDict(populate_by_name=True)
 
-    name: str = Field(min_length=1, description="what it is called, such as main levee")
-    start: Coordinate = Field(alias="from", description="x of its left foot, such as 56.0")
-    end: Coordinate = Field(alias="to", description="x of its right foot, such as 86.0")
+    name: str = Field(min_length=1, description="name of the structure, such as main levee")
+    start: Coordinate = Field(alias="from", description="x of the left foot of the structure, such as 56.0")
+    end: Coordinate = Field(alias="to", description="x of the right foot of the structure, such as 86.0")
     kind: Kind = Field(default="other", description='"levee", "quay", "bank", "building" or "other"')
 
 

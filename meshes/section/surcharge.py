@@ -33,21 +33,24 @@ class Surcharge(Model):
 
     model_config = ConfigDict(populate_by_name=True)
 
-    start: Coordinate = Field(alias="from", description="x of its left end, such as 20.0")
-    end: Coordinate = Field(alias="to", description="x of its right end, such as 28.0")
+    start: Coordinate = Field(alias="from", description="x of the left end of the load, such as 20.0")
+    end: Coordinate = Field(alias="to", description="x of the right end of the load, such as 28.0")
     pressure: Pressures = Field(description='a pressure such as "20 kPa", or one at either end')
     seismic_share: float = Field(
         default=1.0,
         ge=0.0,
         le=1.0,
-        description="the share of its mass that shakes with the ground, from 0 to 1",
+        description="the share of the mass of the load that shakes with the ground, from 0 to 1",
     )
     consolidated: float = Field(
         default=0.0,
         ge=0.0,
         le=1.0,
-        description="the share under which the ground has consolidated, from 0 (traffic, a new load) to 1 (a load of "
-        "years); it counts in the vertical effective stress that ratios of strength multiply",
+        description=(
+            "the share of the load under which the ground has consolidated, from 0 (traffic, a new load) to 1 "
+            "(a load of years); this share counts in the vertical effective stress by which strength ratios "
+            "are multiplied"
+        ),
     )
 
     @model_validator(mode="after")

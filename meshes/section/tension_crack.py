@@ -39,13 +39,16 @@ class TensionCrack(Model):
 
     bottom: ElevationOrLine | None = Field(
         default=None,
-        description="where cracks end: { depth = 2.0 } below the ground (m), an elevation (m) or a line; there is none "
-        "where that is above the ground",
+        description=(
+            "where cracks end: { depth = 2.0 } below the ground (m), an elevation (m) or a line; there is no "
+            "crack where this is above the ground"
+        ),
     )
     water: Annotated[str | float, PlainValidator(_read_water), PlainSerializer(written)] = Field(
         default="dry",
-        description='"dry", "full", or the depth of the water in it, such as "1.5 m", but full where that is '
-        "more than the crack's",
+        description=(
+            '"dry", "full", or the depth of the water in the cracks, such as "1.5 m"; a crack that is less deep is full'
+        ),
     )
 
     @model_validator(mode="after")

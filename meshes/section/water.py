@@ -16,8 +16,8 @@ class Cutoff(Model):
     """Holds a wall, such as a sheet pile, that no water crosses, from the ground surface down; it has neither strength
     nor weight."""
 
-    x: Coordinate = Field(description="where it stands (m)")
-    bottom: Coordinate = Field(description="the elevation (m) of its foot")
+    x: Coordinate = Field(description="the x of the wall (m)")
+    bottom: Coordinate = Field(description="the elevation (m) of the foot of the wall")
 
 
 class Water(Model):
@@ -32,16 +32,20 @@ class Water(Model):
     )
     flow: StrictBool = Field(
         default=False,
-        description="true if pore pressures are those of steady seepage: table gives the heads where it stands on the "
-        "ground and at both sides, and what lies between is found",
+        description=(
+            "true if pore pressures are those of steady seepage: table gives the heads where it stands on the "
+            "ground and at both sides, and the water in between is computed"
+        ),
     )
     cutoffs: tuple[Cutoff, ...] = Field(
         default=(), description="walls that seeping water does not cross, a table [[water.cutoffs]] each"
     )
     after_drawdown: ElevationOrLine | None = Field(
         default=None,
-        description="the water table after a rapid drawdown, as table is before it; strata that do not drain keep "
-        "their pore pressure, less the water that was taken off the ground above",
+        description=(
+            "the water table after a rapid drawdown; table is then the one before. Strata that do not drain "
+            "keep their pore pressure, less the weight of the water that was removed from the ground above"
+        ),
     )
     unit_weight: UnitWeight = Field(
         default=Quantity(FRESH * GRAVITY), description='the unit weight of the water, such as "9.81 kN/m^3"'
@@ -52,7 +56,8 @@ class Water(Model):
         "as in seepage parallel to it)",
     )
     westergaard: StrictBool = Field(
-        default=False, description="true if water on the ground presses with its own inertia, too (Westergaard 1933)"
+        default=False,
+        description="true if the inertia of water on the ground acts on the ground, too (Westergaard 1933)",
     )
 
     @model_validator(mode="after")

@@ -94,9 +94,9 @@ class Zone(Stratum):
     A zone above the ground surface raises the surface. Parts of a zone below the base or beyond the sides are left out.
     """
 
-    points: Outline = Field(description="the corners of its outline in turn, [[x, z], ...]")
+    points: Outline = Field(description="the corners of the outline in order, [[x, z], ...]")
     material: str | None = Field(
-        default=None, description="the name of the stratum whose soil it is, in place of keys of its own"
+        default=None, description="the name of the stratum whose soil the zone has, instead of soil keys of its own"
     )
     bottom: None = Field(default=None, description="none: a zone has points")
 
