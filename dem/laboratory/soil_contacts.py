@@ -152,7 +152,7 @@ def soil_contacts(
             f"soil contacts: expected positive stress and modulus, not {stress} Pa and {youngs_modulus} Pa"
         )
     if not (cohesion >= 0.0 and 0.0 <= friction_angle < 0.5 * np.pi and cohesion + friction_angle > 0.0):
-        raise ValueError(f"soil contacts: expected some strength, not c = {cohesion} Pa and phi = {friction_angle} rad")
+        raise ValueError(f"soil contacts: expected a strength, not c = {cohesion} Pa and phi = {friction_angle} rad")
     turns = friction_angle > 0.0
     table = strength_map(turns)
     pressures = np.array(SHARES) * stress
@@ -179,8 +179,8 @@ def soil_contacts(
 def _on_strength(contacts: ContactStrength, wanted: np.ndarray, reach: np.ndarray, pressures: np.ndarray) -> list[str]:
     if (wanted > reach).any():
         return [
-            f"discs cannot be as strong as this soil: its strength is {wanted[-1] / 1e3:.0f} kPa under "
-            f"{pressures[-1] / 1e3:.3g} kPa, theirs {contacts.expected[-1] / 1e3:.0f} kPa, the most that is possible"
+            f"discs cannot be as strong as this soil: the strength of the soil is {wanted[-1] / 1e3:.0f} kPa under "
+            f"{pressures[-1] / 1e3:.3g} kPa, the largest strength of discs {contacts.expected[-1] / 1e3:.0f} kPa"
         ]
     miss = contacts.expected / wanted - 1.0
     if np.abs(miss).max() <= NEAR:

@@ -136,7 +136,7 @@ def pushover_critical_kh(
     if whole:
         search.verdict = "bracketed"
         search.reason = (
-            f"it is the largest Kh up to a displacement of {reach:.3g} m, {settings.ductility:g} times the yield "
+            f"this is the largest Kh up to a displacement of {reach:.3g} m, {settings.ductility:g} times the yield "
             f"displacement of the finite elements{ended}"
         )
     if search.trials:

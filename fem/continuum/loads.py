@@ -37,7 +37,7 @@ def soils(section: Section) -> tuple[Stratum, ...]:
     sand without cohesion.
     """
     weak = [
-        f"{key_in_file(section.strata, k)}: cohesion and friction angle are both 0; expected some strength"
+        f"{key_in_file(section.strata, k)}: cohesion and friction angle are both 0; expected a strength"
         for k, s in enumerate(section.strata)
         if not s.has_cohesion and s.friction_angle == 0.0
     ]

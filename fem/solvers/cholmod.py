@@ -157,7 +157,7 @@ def _library() -> ctypes.CDLL:
         raise OSError("the library libcholmod is missing")
     version = (c_int * 3)()
     if not hasattr(library, "cholmod_version") or (library.cholmod_version(version), version[0])[1] not in VERSIONS:
-        raise OSError("the version of CHOLMOD is not one of those supported")
+        raise OSError("this version of CHOLMOD is not supported")
     if not hasattr(library, "cholmod_metis"):
         raise OSError("CHOLMOD was built without METIS")
     pointer, flag = c_void_p, c_int

@@ -68,4 +68,4 @@ def continuation(surface: np.ndarray, distance: float, slope: Slope) -> Continua
 def continuation_words(length: float, slope: Slope, left: float, right: float) -> str:
     """Return words on the ground beyond the ends (m) of a section; ``length`` (m) is the length on either side."""
     how = "level" if slope == "level" else "with the slope of the ground there"
-    return f"beyond: ground, layers and water go on for {length:g} m past x = {left:g} and {right:g} m, {how}"
+    return f"beyond: ground, layers and water continue for {length:g} m past x = {left:g} and {right:g} m, {how}"

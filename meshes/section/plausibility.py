@@ -170,7 +170,7 @@ def against_the_water(
         if s.liquefiable and s.piezometric_level is None and below <= WRONG_SIDE * whole:
             yield f"{where}: it liquefies in {list(s.liquefies_in)}, and lies above the water table"
         if table is not None and s.density_saturated is None and s.name.endswith(BELOW_WATER):
-            yield f"{where}: it has no density_saturated, so that its density is taken below the water, too"
+            yield f"{where}: it has no density_saturated, so that density is used below the water, too"
 
 
 def not_lower(before: np.ndarray | None, after: np.ndarray) -> Iterator[str]:
@@ -196,9 +196,9 @@ def _away_from_the_ground(layers: Layering, level: np.ndarray) -> Iterator[str]:
     top, base = (np.concatenate([layers.left[:, k], layers.right[:, k]]) for k in (0, -1))
     here = np.interp(x, *level.T)
     if (here > top).all():
-        yield f"water: all of the ground lies under it, at most {float((here - top).max()):.4g} m deep"
+        yield f"water: all of the ground lies below water, at most {float((here - top).max()):.4g} m deep"
     elif (here < base).all():
-        yield "water: its table lies below the base of the section, and wets none of the ground"
+        yield "water: the water table lies below the base of the section, so that all of the ground is dry"
 
 
 def _area(parts: DividedStratum, part: int) -> float:
@@ -222,8 +222,8 @@ def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:
         k = int(np.flatnonzero(inclined)[0])
         at = x[k] if depths[0, k] > LEVEL else x[k + 1]
         yield (
-            f"water: it stands on the ground at x = {at:g} m and its surface is not level there; a water table in the "
-            "ground lies below the surface"
+            f"water: water stands on the ground at x = {at:g} m and its surface is not level there; a water table in "
+            "the ground lies below the surface"
         )
 
 
@@ -234,7 +234,7 @@ def nothing_flows(water: WaterPressure) -> Iterator[str]:
         return
     low, high = float(table[:, 1].min()), float(table[:, 1].max())
     if high - low <= LEVEL:
-        why = f"the table has one level, {high:g} m; expected levels that differ at the sides or in free water"
+        why = f"the water table has one level, {high:g} m; expected levels that differ at the sides or in free water"
     else:
         why = "a wall closes the section, or the levels at the sides and of free water are equal where water could flow"
     yield f"water, flow = true: no water flows, because {why}"

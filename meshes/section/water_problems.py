@@ -39,8 +39,8 @@ def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Str
         pressed = table is not None if ratio is None else ratio > 0.0
         if s.buoyant and (pressed or s.piezometric_level is not None):
             yield (
-                f"{key_in_file(strata, k)}: density_ordinary below density_seismic has the uplift taken off already, "
-                "and its pore pressure would take it off again; expected density and density_saturated"
+                f"{key_in_file(strata, k)}: density_ordinary below density_seismic is already reduced by "
+                "uplift, and the pore pressure would reduce it again; expected density and density_saturated"
             )
 
 

@@ -191,7 +191,7 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
         zones = [with_elevations(ground, layer, OF_GROUND) for layer in zones]  # those have depths of their own
         ground = columns.points(line)
         surface = tuple((float(x), float(z)) for x, z in ground)
-        notices.append(f"zones: they raise the ground by up to {above:.3g} m")
+        notices.append(f"zones: some of them raise the ground, by up to {above:.3g} m")
     parts = _strata(columns, bottoms, strata, zones)
     notices += _parted(columns, parts, strata)
     thick = _thick(ground, base, parts)
@@ -279,7 +279,7 @@ def _parted(columns: Columns, present: Sequence[Stratum], strata: Sequence[Strat
             notices.append(f'zones: of "{name}" there are {len(parts)} parts that lie one below another, '
                         f"{' and '.join(parts)}")  # fmt: skip
     gone = [stratum.name for stratum in strata if stratum.name not in columns.stack.layers]
-    return notices + [f'zones: they take the place of all of stratum "{name}"' for name in gone]
+    return notices + [f'zones: they replace the whole of stratum "{name}"' for name in gone]
 
 
 def _thick(ground: np.ndarray, base: Line, parts: Sequence[Stratum]) -> tuple[Stratum, ...]:

@@ -93,7 +93,7 @@ def test_heads_from_which_nothing_flows_and_walls_down_to_the_base_are_told() ->
     level = Section.parse(flowing(ground, [[0, 5], [76, 5]]))
     assert level.water_pressure.flow.discharge == 0.0
     (notice,) = (text for text in level.notices if "no water flows" in text)
-    assert "because the table has one level, 5 m; expected levels that differ" in notice
+    assert "because the water table has one level, 5 m; expected levels that differ" in notice
     base = float(level.outline()[:, 1].min())
     walled = flowing(ground, [[0, 8], [32, 8], [56, 2], [76, 2]], cutoffs=[{"x": 38, "bottom": base}])
     closed = Section.parse(walled)

@@ -174,7 +174,7 @@ def fem(
     vertical: Annotated[float | None, typer.Option(help="Vertical seismic coefficient, positive upwards.")] = None,
     associated: Annotated[bool, typer.Option("--associated", help="Dilation angle = friction angle.")] = False,
     safety_factor: Annotated[
-        bool, typer.Option("--safety-factor", help="Factors of safety and their bounds too, at Kh = 0 and every --kh.")
+        bool, typer.Option("--safety-factor", help="Also factors of safety and their bounds, at Kh = 0 and every --kh.")
     ] = False,
     refine: Refine = None,
     size: Size = None,
@@ -251,7 +251,7 @@ def view(
 def report(
     folder: Folder,
     pdf: Annotated[
-        bool, typer.Option("--pdf", help="Print it into report.pdf, too; by Chromium or WeasyPrint.")
+        bool, typer.Option("--pdf", help="Print the report as report.pdf, too; by Chromium or WeasyPrint.")
     ] = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -292,7 +292,7 @@ def compare(
 def bounds(
     section: SectionFile,
     folder: Out = None,
-    gap: Annotated[float | None, typer.Option(help="(upper - lower) over their mean at which to stop.")] = None,
+    gap: Annotated[float | None, typer.Option(help="Gap at which to stop: (upper - lower) over their mean.")] = None,
     davis: Annotated[bool | None, typer.Option(help="Bound Davis's reduced strength for ψ < φ, too.")] = None,
     safety_factor: Annotated[
         bool | None, typer.Option("--safety-factor", help="Bound the factor of safety, too, ψ = φ.", show_default=False)

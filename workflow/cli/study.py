@@ -74,7 +74,9 @@ def converge(
     section: SectionFile,
     folder: Annotated[
         Path | None,
-        typer.Option("--out", help="Folder of it. [default: runs/<section name>_converge]", show_default=False),
+        typer.Option(
+            "--out", help="Folder of the results. [default: runs/<section name>_converge]", show_default=False
+        ),
     ] = None,
     within: Annotated[float, typer.Option(help="Largest remaining error (%).", min=0.01, max=100.0)] = 10.0,
     workers: Workers = None,

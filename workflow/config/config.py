@@ -43,7 +43,7 @@ FILES = (
 # Notices that say what was done, and leave nothing to do.
 DONE = (
     "thins out to nothing at", "is a wedge thinner than", "discs have its mean throughout", " of [earthquake]: ",
-    "ground, layers and water go on for",
+    "ground, layers and water continue for",
 )  # fmt: skip
 
 

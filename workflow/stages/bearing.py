@@ -77,7 +77,7 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
             + (f", {100.0 * weight:.0f} % of it at most" if weight >= LEAST_SHARE else "")
         )
     if strict is not None and lower is None and upper is None:
-        notes.append("strict bounds of the factor of safety: none within the allowed work")
+        notes.append("strict bounds of the factor of safety: none within the allowed computing work")
     unstable = ""  # why ground that stands between held sides does not between its own
     if lower is not None and lower > 1.0:
         bracket, unstable = _between_own_sides(section, fem, bounds_settings, notes)

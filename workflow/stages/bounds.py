@@ -101,7 +101,7 @@ def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
         case "triangles":
             why = f"{bounds.cells} triangles, {settings.max_cells} allowed"
         case "time":
-            why = f"its share of the allowed work ({settings.seconds:g} s) is used up"
+            why = f"the share of the allowed computing work ({settings.seconds:g} s) is used up"
         case "solver":
             why = f"the solver of cone programs fails with up to {bounds.cells} triangles"
         case _:
@@ -221,7 +221,10 @@ def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
         case "triangles":
             return f"{cells} triangles, {settings.max_cells} allowed"
         case "time":
-            return f"{cells} triangles, and a finer mesh would take more than the allowed work ({settings.seconds:g} s)"
+            return (
+                f"{cells} triangles, and a finer mesh would take more than the allowed computing work "
+                f"({settings.seconds:g} s)"
+            )
         case "stalled":
             return f"finer meshes, up to {cells} triangles, no longer reduce it"
         case "solver":

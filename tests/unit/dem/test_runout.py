@@ -72,7 +72,7 @@ def test_contacts_without_a_section() -> None:
     springs = clay.discs("clay", 1800.0, 0.5, 0.25, buoyant_density=800.0)
     assert springs.density == pytest.approx(1.25 * 1800.0)
     assert springs.effective_density == pytest.approx(1.25 * 800.0)
-    with pytest.raises(ValueError, match="expected some strength"):
+    with pytest.raises(ValueError, match="expected a strength"):
         dem.soil_contacts(0.0, 0.0, 1e5)
     with pytest.raises(ValueError, match="positive stress"):
         dem.soil_contacts(0.0, 0.5, 0.0)

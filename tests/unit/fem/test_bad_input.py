@@ -27,7 +27,7 @@ def test_every_stratum_without_strength_is_named():
     with pytest.raises(InputError) as caught:
         answer(ground)
     assert caught.value.problems == tuple(
-        f'strata {k} "{name}": cohesion and friction angle are both 0; expected some strength'
+        f'strata {k} "{name}": cohesion and friction angle are both 0; expected a strength'
         for k, name in ((1, "a"), (2, "b"))
     )
 

@@ -25,7 +25,7 @@ def test_level_ground_goes_on_at_the_height_of_the_ends() -> None:
     np.testing.assert_allclose(section.layering.areas(), [4.0 * 200.0, 1100.0 + 50.0 * 16.0 + 50.0 * 6.0])
     assert section.stratum_at(np.array([-49.0, 149.0]), np.array([15.0, 7.0])).tolist() == [1, 0]
     assert section.notices == [
-        "beyond: ground, layers and water go on for 50 m past x = 0 and 100 m, level",
+        "beyond: ground, layers and water continue for 50 m past x = 0 and 100 m, level",
     ]
 
 

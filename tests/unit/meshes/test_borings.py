@@ -189,7 +189,7 @@ def test_ags4(tmp_path: Path) -> None:
     assert [result.x for result in placed([item, two])] == [0.0, 50.0]
     for text, expected in (
         (AGS4.replace('"2.00","7"', '"","7"'), "a blow count N = 7 without a depth"),
-        (AGS4.replace('"Loose SAND","AL"', '"Loose SAND",""'), "has no GEOL_GEOL, no name"),
+        (AGS4.replace('"Loose SAND","AL"', '"Loose SAND",""'), r"has no name \(GEOL_GEOL\)"),
         ("no borings", "holds no GROUP; expected AGS4, with a group LOCA"),
         (AGS4.replace('"GROUP","LOCA"', '"GROUP","HOLE"'), "group LOCA: missing"),
     ):

@@ -33,7 +33,7 @@ def test_a_scanned_ground_has_the_cells_of_a_drawn_one(noise: float) -> None:
     made = Config.parse(scanned(noise, water={"table": [[0, 6], [100, 3]]}))
     assert len(made.section.surface) < 20
     assert made.section.layering.areas().sum() == pytest.approx(1400.0, abs=3.0)
-    assert f"{len(made.section.surface)} of 5001 of the ground" in made.notices[0]
+    assert f"{len(made.section.surface)} of 5001 points of the ground" in made.notices[0]
     quality = generate(made.section, made.mesh).quality()
     assert quality.quadrilaterals < 2000
     assert quality.smallest_angle > 15.0
@@ -163,6 +163,6 @@ def test_a_section_drawn_from_right_to_left_is_turned_round_and_told() -> None:
         other.water,
         other.strata,
     )
-    (messages,) = [text for text in other.notices if "turned round" in text]
+    (messages,) = [text for text in other.notices if "were reversed" in text]
     assert "surface; base, elevation; strata, 1, bottom, elevation; water, table" in messages
-    assert not [text for text in ground.notices if "turned round" in text]
+    assert not [text for text in ground.notices if "were reversed" in text]

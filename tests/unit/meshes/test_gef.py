@@ -71,7 +71,7 @@ PLAIN = "#COLUMNINFO = 1, m, l, 1\n#COLUMNINFO = 2, MPa, qc, 2\n#COLUMNINFO = 3,
         (PLAIN, "1 2 0.1\n2 much 0.1\n", HEAD, "reading 2 is '2 much 0.1': expected numbers"),
         (PLAIN, "1 2\n", HEAD, "reading 1 has 2 numbers; expected 3"),
         (PLAIN.replace("MPa, qc", "kN, qc"), "1 2 0.1\n", HEAD, "the header of the file cannot be read: .*kN"),
-        (PLAIN, "", HEAD, "it has no reading"),
+        (PLAIN, "", HEAD, "has no reading"),
         (PLAIN.replace("MPa, qc", "kPa, qc"), "1 2 0.1\n2 9 0.1\n", HEAD, "sounding S04, largest qc"),
     ],
 )

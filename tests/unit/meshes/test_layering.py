@@ -151,7 +151,7 @@ def test_a_step_within_a_centimetre_of_a_corner_of_a_steep_line() -> None:
     lower = {"elevation": [[0.0, 11.0], [30.0, 12.02], [31.0, 8.02], [60.0, 8.02]]}
     layers = section([[0.0, 20.0], [60.0, 20.0]], {"elevation": 0.0}, upper, lower, None).layering
     assert layers.areas()[1] == pytest.approx(30.0 * 15.0 - 0.5 * 30.0 * (11.0 + 12.02), abs=0.1)
-    with pytest.raises(ValueError, match=r"the bottom of stratum 2 rises above its top by 0\.1"):
+    with pytest.raises(ValueError, match=r"the bottom of stratum 2 rises above its top by up to 0\.1"):
         section([[0.0, 20.0], [60.0, 20.0]], {"elevation": 0.0}, upper,
                 {"elevation": [[0.0, 11.0], [30.0, 12.02], [31.0, 8.12], [60.0, 8.12]]}, None)  # fmt: skip
 

@@ -122,7 +122,10 @@ def test_steady_seepage_is_no_drawdown() -> None:
 
 @pytest.mark.parametrize(
     ("table", "message"),
-    [(60.0, "all of the ground lies under it, at most "), (-90.0, "its table lies below the base of the section")],
+    [
+        (60.0, "all of the ground lies below water, at most "),
+        (-90.0, "the water table lies below the base of the section"),
+    ],
 )
 def test_water_beside_all_of_the_ground_is_told(table: float, message: str) -> None:
     made = Section.parse({**data(), "water": {"table": table}})

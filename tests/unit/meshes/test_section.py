@@ -44,9 +44,9 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
     "truth value": (upper(poissons_ratio=True), "poissons_ratio = True", "expected a Poisson's ratio"),
     "list for a quantity": (upper(cohesion=[1.0]), "cohesion", "expected a stress"),
     "text for a list": (upper(liquefies_in="all"), "liquefies_in = 'all'", "such as [1, 2, 3]"),
-    "truth value in a list": (upper(liquefies_in=[True]), "liquefies_in: True in it", "whole numbers from 1"),
-    "case nought": (upper(liquefies_in=[0]), "liquefies_in: 0 in it", "whole numbers from 1"),
-    "half a case": (upper(liquefies_in=[1.5]), "liquefies_in: 1.5 in it", "whole numbers from 1"),
+    "truth value in a list": (upper(liquefies_in=[True]), "liquefies_in: True among the cases", "whole numbers from 1"),
+    "case nought": (upper(liquefies_in=[0]), "liquefies_in: 0 among the cases", "whole numbers from 1"),
+    "half a case": (upper(liquefies_in=[1.5]), "liquefies_in: 1.5 among the cases", "whole numbers from 1"),
     "case twice": (upper(liquefies_in=[1, 1]), "liquefies_in = [1, 1]", "every case once"),
     "unknown key of a stratum": (upper(frction_angle=0.5), "frction_angle", 'did you mean "friction_angle"?'),
     "unknown key of a line": (upper(bottom={"dept": 3.0}), "bottom, dept", 'did you mean "depth"?'),
@@ -94,7 +94,7 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
     "water table above ground": (whole(water_table={"elevation": 15.0}), "the water table rises above", "x = 100 m"),
     "base above ground": (
         whole(base={"elevation": 12.0}, strata=[layer("one")]),
-        "the base rises above the ground surface by 2 m",
+        "the base rises above the ground surface by up to 2 m",
         "100 m",
     ),
     "ground that steps past the base": (
@@ -109,13 +109,17 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
     ),
     "interfaces that cross": (
         lambda data: data["strata"].insert(1, layer("middle", bottom={"depth": [[0, 2], [100, 6]]})),
-        "the bottom of stratum 2 rises above its top by 2 m at x = 0 m",
+        "the bottom of stratum 2 rises above its top by up to 2 m, at x = 0 m",
         "wrong between x = 0 and 50 m",
     ),
-    "interface below the base": (upper(bottom={"depth": 15.0}), "bottom of stratum 1 lies below the base", "by 5 m"),
+    "interface below the base": (
+        upper(bottom={"depth": 15.0}),
+        "bottom of stratum 1 lies below the base",
+        "by up to 5 m",
+    ),
     "lowest stratum short of the base": (
         lambda data: data["strata"][1].update(bottom={"elevation": 1.0}),
-        "the lowest stratum does not reach the base by 1 m",
+        "the lowest stratum does not reach the base by up to 1 m",
         "x = 0 m",
     ),
     "stratum without thickness": (upper(bottom={"depth": 0.0}), "stratum 1 has no thickness anywhere", "10 mm"),
@@ -147,7 +151,7 @@ def test_everything_is_told_at_once() -> None:
         data["sureface"] = 1
 
     messages = problems(spoiled(change))
-    for part in ("poissons_ratio", "cohesion", "frction", "youngs_modulus", "sureface", "2 of them", "below the base"):
+    for part in ("poissons_ratio", "cohesion", "frction", "youngs_modulus", "sureface", "2 strata", "below the base"):
         assert sum(part in text for text in messages) == 1, (part, messages)
     assert len(messages) == 7
 

@@ -148,7 +148,7 @@ def test_a_surcharge_is_linear_between_its_ends_and_nothing_beside_them() -> Non
         ({"strata": [soil(excess_pore_pressure_ratio=1.2)]}, "less than or equal to 1"),
         (
             {"strata": [soil(density_ordinary=1000.0, density_seismic=2000.0, **PAIR)], "water": {"table": 5}},
-            "has the uplift taken off already",
+            "is already reduced by uplift",
         ),
     ],
 )

@@ -85,7 +85,7 @@ def test_a_berm_raises_the_ground_and_leaves_depths_where_they_were() -> None:
     below = np.array([[45.0, 8.0]])
     result, known = (entry.cohesion_field.at(below, below, entry.stratum_at(*below.T)) for entry in (section, before))
     np.testing.assert_allclose(result, known)
-    assert any("raise the ground by up to 4 m" in text for text in section.notices)
+    assert any("raise the ground, by up to 4 m" in text for text in section.notices)
 
 
 def test_settings_by_name_hold_for_every_part_and_paths_lead_into_zones(tmp_path: Path) -> None:

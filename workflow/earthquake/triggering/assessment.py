@@ -202,9 +202,9 @@ def below_loads(section: Section, settings: TriggeringSettings) -> list[str]:
     if not loaded:
         return []
     return [
-        f"triggering, borings: {', '.join(loaded)}: surcharges there spread with depth as on an elastic half-plane; σv "
-        "of F_L has their seismic_share, σ'v and the normalised resistance their share consolidated, which is 1 of a "
-        "load under which sand has drained"
+        f"triggering, borings: {', '.join(loaded)}: surcharges there spread with depth as on an elastic half-plane; "
+        "σv in F_L includes the share seismic_share of a surcharge, σ'v and the normalised resistance include the "
+        "share consolidated (1 if sand has drained under the load)"
     ]
 
 
