@@ -140,7 +140,7 @@ def _searched(
     while nothing else is computed.
     """
     if config.dem.model != "soil":
-        alone = _calibrated(config, store, config.dem.workers, lambda message: progress(*message), executor)
+        alone = _calibrated(config, store, executor.count, lambda message: progress(*message), executor)
         return alone, None, ()
     searched, ended = 0.0, 0
 
@@ -159,7 +159,7 @@ def _searched(
     soils = [soil for soil in soil_layers(config.section) if soil.turns] if tests_wanted else []
     programme = ElementTestProgramme(soils, config.dem.mean_radius(config.section))
     tests: list[Piece] = [(compressed, (task,)) for task in programme.tasks]
-    threads = max(1, config.dem.workers // (1 + config.dem.paper)) if programme.is_stored else 1
+    threads = max(1, executor.count // (1 + config.dem.paper)) if programme.is_stored else 1
     searches: list[Piece] = [(_calibrated, (config, store, threads))]
     searches += [(_paper, (config, store, threads))] if config.dem.paper else []
 
