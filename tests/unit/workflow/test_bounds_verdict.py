@@ -44,7 +44,7 @@ def test_every_reason_has_its_words(ended):
         "gap": "is within the required 0.0020 in Kh",
         "enough": "fails under its own weight: its Kh is at most 0.0608",
         "triangles": "900 triangles, 20000 allowed",
-        "time": "more than the allowed work (60 s)",
+        "time": "more than the allowed computing work (60 s)",
         "stalled": "no longer reduce it",
         "solver": "the solver of cone programs failed on the last 2 meshes",
         None: "the other direction fails first",
