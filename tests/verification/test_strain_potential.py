@@ -168,7 +168,7 @@ def test_discs_of_an_endless_slope_move_by_most_of_it() -> None:
     assert slid(Case(residual_strength=STRENGTH)) < 0.03
 
 
-@pytest.mark.parametrize("rows", [1, 2])
+@pytest.mark.parametrize("rows", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_layers_of_a_row_of_discs_strain_by_their_own_thickness(rows: int) -> None:
     """Mean of six packings within a fifth; 1.5 and 1.1 times as far where bonds with firm ground strained all along."""
     case = Case(residual_strength=STRENGTH, strain_potential=POTENTIAL)

@@ -11,9 +11,7 @@ from pathlib import Path
 import pytest
 import tomli_w
 from matplotlib.image import imread
-from mpi4py import MPI
 
-from meshes.section.section import Section
 from tests.support import SECTIONS
 from tests.support.command_line import TOP, run
 from tests.support.sections import layer, slope, written
@@ -44,25 +42,15 @@ def test_leaves_the_bracket_how_good_it_is_and_pictures(tmp_path: Path, capsys: 
 
 
 def test_the_factor_of_safety_is_bounded_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Between the bounds lies that of the elements with ψ = φ, whose sides are held the same way."""
-    from fem.search.strength_reduction import safety_factor
-    from fem.settings import FemSettings
-    from meshes.gmsh_model import generate
-    from meshes.settings import MeshSettings
-
+    """That the factor of the elements lies between them is seen in test_fem_command.py."""
     path, out = written(tmp_path), tmp_path / "out"
-    coarse = ("--max-cells", "600", "--gap", "0.12", "--no-davis")
+    coarse = ("--max-cells", "200", "--gap", "0.3", "--no-davis", "--sides", "fixed")
     assert (
-        run("bounds", path, "--out", out, "--safety-factor", "--set", "fem.safety_factor_at=[0.0, 0.05]", *coarse) == 0
+        run("bounds", path, "--out", out, "--safety-factor", "--set", "fem.safety_factor_at=[0.0, 0.2]", *coarse) == 0
     )
     still, seismic = json.loads((out / "fem/bounds.json").read_text())["safety"]
     assert f"{still['lower']:.3f} <= FS <= {still['upper']:.3f} at Kh = 0" in " ".join(capsys.readouterr().out.split())
-    assert seismic["upper"] < still["lower"]
-    section = Section.read(path)
-    elements = safety_factor(
-        section, generate(section, MeshSettings(size=3.0)), FemSettings(flow="associated"), 0.0, MPI.COMM_SELF
-    )
-    assert 0.99 * still["lower"] < elements.factor < 1.04 * still["upper"]
+    assert 1.0 < seismic["lower"] < seismic["upper"] < still["lower"] < still["upper"]
 
 
 def test_a_section_that_fails_is_told_its_factor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -46,6 +46,7 @@ def site() -> Path:
     return DOCS / "build" / "site"
 
 
+@pytest.mark.slow
 def test_the_site_is_whole_and_fetches_nothing(site: Path) -> None:
     values = {str(page.relative_to(site)): page.read_text(encoding="utf-8") for page in site.rglob("*.html")}
     made = {str(Path(page).with_suffix(".html")) for page in program("build").MADE}

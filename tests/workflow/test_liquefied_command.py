@@ -26,7 +26,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             layer("stiff", **{**SAND, "cohesion": "50 kPa"}),
         ],
         "mesh": {"size": "3 m"},
-        "fem": {"direction": "downhill"},
+        "fem": {"direction": "downhill", "accuracy": 0.0, "element": "bilinear", "tolerance": 1e-4},
+        "bounds": {"max_cells": 400},
         "slide": {
             "cases": [{"stiffness": 0.1}, {"residual": 0.02}, {"residual": 0.2, "name": "much"}, {"stiffness": 0.5}]
         },

@@ -79,7 +79,7 @@ def test_bounds_of_a_small_kh_are_close_enough_at_the_same_difference_in_kh():
     assert BoundsSettings().of_factors.gap == 0.5 * BoundsSettings().gap == 0.005
 
 
-@pytest.mark.parametrize("seconds", [0.5, 2.0])
+@pytest.mark.parametrize("seconds", [0.5, pytest.param(2.0, marks=pytest.mark.slow)])
 def test_the_allowed_work_is_a_limit(seconds):
     """All programs of both directions, Davis's estimate and the trials of a factor; the bounds found by then count."""
     section = Section.read(SECTIONS / "slope_2to1.toml")

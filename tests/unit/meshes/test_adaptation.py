@@ -90,7 +90,7 @@ def test_an_indicator_that_does_not_fit_is_refused(wrong: np.ndarray | float) ->
         adapted(section, MeshSettings(), first, indicator, 500)
 
 
-@settings(deadline=None, max_examples=6)
+@settings(deadline=None, max_examples=3)
 @given(section=sections(), seed=st.integers(0, 1000))
 def test_any_section_can_be_adapted_to_anything(section: Section, seed: int) -> None:
     try:

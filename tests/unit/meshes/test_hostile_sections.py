@@ -9,9 +9,20 @@ from tests.support.hostile_sections import hostile_data
 from workflow.config import Config
 
 
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=8, deadline=None, derandomize=True)
 @given(number=st.integers(0, 10**6))
 def test_a_section_is_read_or_refused_with_a_sentence(number: int) -> None:
+    is_read_or_refused(number)
+
+
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
+@given(number=st.integers(0, 10**6))
+def test_a_hundred_sections_are_read_or_refused_with_a_sentence(number: int) -> None:
+    is_read_or_refused(number)
+
+
+def is_read_or_refused(number: int) -> None:
     """Any other error than InputError is a traceback to a user, or seepage that was not found."""
     try:
         config = Config.parse(hostile_data(number))
