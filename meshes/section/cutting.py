@@ -1,7 +1,7 @@
 """Divides strata where water crosses them: the part above is moist, the part below is saturated."""
 
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -35,6 +35,11 @@ def shown_name(name: str, quoted: bool = True) -> str:
     water."""
     soil = whole_soil(name)
     return (f'"{soil}"' if quoted else soil) + (" below water" if name.endswith(BELOW_WATER) else "")
+
+
+def named_strata(names: Iterable[str]) -> list[str]:
+    """Return strata as messages name them: with the names of their soils in the file."""
+    return [f"stratum {shown_name(name)}" for name in names]
 
 
 def without_film(name: str) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
+from meshes.section.cutting import named_strata
 from meshes.section.layering import above_ground, layering
 from meshes.section.naming import naming_problems
 from meshes.section.plausibility import implausible_as_written
@@ -17,12 +18,17 @@ NARROWEST, LONGEST = 1e-3, 1000.0
 
 
 def geometry_problems(
-    surface: Any, base: Line, across: Mapping[str, Line | None], bottoms: Sequence[Line | None]
+    surface: Any,
+    base: Line,
+    across: Mapping[str, Line | None],
+    bottoms: Sequence[Line | None],
+    names: Sequence[str] = (),
 ) -> list[str]:
     """Return one sentence for each fault of the surface, the base, lines ``across`` the section by their keys, and
     bottoms of strata.
 
-    ``surface``: points [x, elevation] in m; ``bottoms``: a line for each stratum, None for the base.
+    ``surface``: points [x, elevation] in m; ``bottoms``: a line for each stratum, None for the base;
+    ``names``: the names of the strata, if all are known.
     """
     ground = np.array(surface, dtype=float)
     left, right = float(ground[0, 0]), float(ground[-1, 0])
@@ -48,7 +54,7 @@ def geometry_problems(
             problems.append(f"strata {k}, bottom: missing; only the lowest stratum may leave it to the base")
     if problems:
         return problems
-    layers, faults, _ = layering(ground, base, bottoms)
+    layers, faults, _ = layering(ground, base, bottoms, names=named_strata(names))
     outline = layers.outline()
     height = float(np.ptp(outline[:, 1]))
     if not width / LONGEST <= height <= width * LONGEST:
@@ -78,4 +84,5 @@ def problems_of_the_rest(data: Mapping[str, Any]) -> list[str]:
         bottoms = [Line.model_validate(stratum["bottom"]) if "bottom" in stratum else None for stratum in strata]
     except (KeyError, ValidationError):
         return problems
-    return problems + geometry_problems(surface, base, across, bottoms)
+    known = names if len(names) == len(strata) else ()
+    return problems + geometry_problems(surface, base, across, bottoms, known)

@@ -164,13 +164,20 @@ class Layers(NamedTuple):
     notices: list[str]
 
 
-def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None], also: Sequence[float] = ()) -> Layers:
+def layering(
+    surface: np.ndarray,
+    base: Line,
+    bottoms: Sequence[Line | None],
+    also: Sequence[float] = (),
+    names: Sequence[str] = (),
+) -> Layers:
     """Compute the layers under ``surface`` (n, 2) down to ``base``, with breakpoints ``also`` at other x (m).
 
     A bottom of None is the base. A stratum ends where its bottom line ends (with a vertical face if it is still thick
     there), and where its bottom rises above the ground surface, which cuts it off. Points closer than a centimetre are
-    merged. ``bottoms``: a line for each stratum.
+    merged. ``bottoms``: a line for each stratum; ``names``: names of strata in messages, by default their numbers.
     """
+    names = names or [f"stratum {number}" for number in range(1, len(bottoms) + 1)]
     x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
     raw = [(line or base).points(x_left, x_right) for line in bottoms]
     is_depth = [(line or base).elevation is None for line in bottoms]
@@ -192,8 +199,8 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None], al
         top = interfaces[-1]
         spans = ((x[:-1] >= points[0, 0]) & (x[1:] <= points[-1, 0]))[:, None]
         bottom = np.where(spans, np.minimum(line, ground), top)
-        problems += _above(bottom, top, x, snap, f"the bottom of stratum {k + 1} rises above its top")
-        problems += _above(reach, bottom, x, snap, f"the bottom of stratum {k + 1} lies below the base")
+        problems += _above(bottom, top, x, snap, f"the bottom of {names[k]} rises above its top")
+        problems += _above(reach, bottom, x, snap, f"the bottom of {names[k]} lies below the base")
         interfaces.append(np.minimum(np.maximum(bottom, reach), top))
     problems += _above(interfaces[-1], floor, x, snap, "the lowest stratum does not reach the base")
     problems += _above(floor, ground, x, snap, "the base rises above the ground surface")
@@ -205,8 +212,8 @@ def layering(surface: np.ndarray, base: Line, bottoms: Sequence[Line | None], al
     layers = Layering(x, stack[:, 0, :], stack[:, 1, :], len(lines), snap)
     if not problems:
         thin = f"has no thickness anywhere (less than {1000.0 * snap:.3g} mm is neglected)"
-        problems = [f"stratum {k + 1} {thin}" for k in np.flatnonzero(layers.areas() <= 0.0)]
-    notices = _snapping_notices(exact, stack, x, snap)
+        problems = [f"{names[k]} {thin}" for k in np.flatnonzero(layers.areas() <= 0.0)]
+    notices = _snapping_notices(exact, stack, x, snap, names)
     if x_right - x_left > WIDEST:
         notices.append(f"the section is {x_right - x_left:,.0f} m wide; plain coordinates are metres")
     return Layers(layers, problems, notices)
@@ -335,7 +342,9 @@ def _apart(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) ->
     ] + (["the section has no height anywhere"] if np.all(ground - floor <= snap) else [])
 
 
-def _snapping_notices(exact: np.ndarray, stack: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
+def _snapping_notices(
+    exact: np.ndarray, stack: np.ndarray, x: np.ndarray, snap: float, names: Sequence[str]
+) -> list[str]:
     """Return notices on layers (intervals, 2, interfaces) that were thinner somewhere than the smallest distance of
     points."""
     before, after = -np.diff(exact, axis=-1), -np.diff(stack, axis=-1)
@@ -345,7 +354,7 @@ def _snapping_notices(exact: np.ndarray, stack: np.ndarray, x: np.ndarray, snap:
         i, end = np.unravel_index(int(np.argmax(lost[..., k])), lost.shape[:2])
         if lost[i, end, k] > 0.0:
             notices.append(
-                f"stratum {k + 1} is {1000.0 * lost[i, end, k]:.2g} mm thick at x = {x[i + end]:g} m: less than "
+                f"{names[k]} is {1000.0 * lost[i, end, k]:.2g} mm thick at x = {x[i + end]:g} m: less than "
                 f"{1000.0 * snap:.3g} mm is neglected"
             )
     return notices

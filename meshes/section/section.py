@@ -16,7 +16,7 @@ from pydantic import Field, PrivateAttr, StrictBool, ValidationError, model_vali
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation, continuation_words
 from meshes.section.cohesion_field import CohesionField
-from meshes.section.cutting import Cutting, cut_films, cut_strata, key_in_file, uncut_strata
+from meshes.section.cutting import Cutting, cut_films, cut_strata, key_in_file, named_strata, uncut_strata
 from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines
 from meshes.section.flow import seepage_of
 from meshes.section.flow_grid import Wall
@@ -65,9 +65,7 @@ class Section(Model):
         default=None, description="a line that is only drawn, where the densities of the strata have the water in them"
     )
     water: Water | None = Field(default=None, description="a table [water]: where water stands")
-    surcharges: tuple[Surcharge, ...] = Field(
-        default=(), description="loads on the ground, a table [[surcharges]] each"
-    )
+    surcharges: tuple[Surcharge, ...] = Field(default=(), description="loads on the ground, tables [[surcharges]]")
     beyond: Length | None = Field(
         default=None, description='length over which ground and water continue beyond both ends, such as "100 m"'
     )
@@ -92,11 +90,11 @@ class Section(Model):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        problems = list(naming_problems([soil.name for soil in (*self.strata, *self.zones)]))
+        problems = list(naming_problems(names := [soil.name for soil in (*self.strata, *self.zones)]))
         if self.reconstruction and not self.reconstruction_note.strip():
             problems.append("reconstruction_note: expected a sentence that says what was reconstructed from what")
         bottoms = [stratum.bottom for stratum in self.strata]
-        problems += geometry_problems(self.surface, self.base, self._water_lines(), bottoms)
+        problems += geometry_problems(self.surface, self.base, self._water_lines(), bottoms, names[: len(bottoms)])
         if not self.unusual:
             soils = [zone.soil.placed(f"zones {k}") for k, zone in enumerate(self.zones, start=1) if not zone.material]
             problems += implausible([*self.strata, *soils], self.water, self.surcharges)
@@ -145,11 +143,12 @@ class Section(Model):
         return self._layers_with(())
 
     def _layers_with(self, more: Iterable[float], strata: Sequence[Stratum] | None = None) -> Layers:
-        bottoms = [stratum.bottom for stratum in (self.strata if strata is None else strata)]
+        strata = strata or self.strata
+        bottoms = [stratum.bottom for stratum in strata]
         base, ends = self.base, [x for load in self.surcharges for x in (load.start, load.end)]
         if (beyond := self._continuation) is not None:
             base, bottoms = beyond.line(base), [bottom and beyond.line(bottom) for bottom in bottoms]
-        return layering(self.ground, base, bottoms, [*ends, *more])
+        return layering(self.ground, base, bottoms, [*ends, *more], named_strata(s.name for s in strata))
 
     def layering_cut_at(self, x: Iterable[float]) -> Layering:
         """Return the layers with additional breakpoints at x (m)."""
@@ -169,8 +168,7 @@ class Section(Model):
     @property
     def notices(self) -> list[str]:
         """Return notices on a valid section, which state what was changed when it was read, one sentence each."""
-        notices = [*self._zone_notices, *self._line_notices]
-        notices += [f"geometry: {text}" for text in self._layers.notices]
+        notices = [*self._zone_notices, *self._line_notices, *(f"geometry: {text}" for text in self._layers.notices)]
         notices += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]
         drawn = None if self.water_table is None else self.elevations_of(self.water_table)
         table = self.water_pressure.before if self.water_pressure.flow is None else self.water_points()

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BaseModel, Field, PlainSerializer, PlainValidator, SerializerFunctionWrapHandler, model_serializer
 
 from meshes.section.columns import JOINED, Columns, Tally, columns_of, polygon_area
-from meshes.section.cutting import part_name
+from meshes.section.cutting import named_strata, part_name
 from meshes.section.layering import Layering, elevations_below, layering
 from meshes.section.polyline import Line, Points, pairs_of, written
 from meshes.section.stratum import Stratum
@@ -88,15 +88,16 @@ MISSED, NOTABLE = 1e-6, 1e-3
 
 
 class Zone(Stratum):
-    """Holds a zone of ground of any outline: a core, a key, a trench, a lens, a berm. Its soil is that of a stratum, or
-    a soil of its own.
+    """Holds a zone of ground of any outline: a core, a key, a trench, a lens, a berm. Its soil is that of a stratum
+    or another zone, or a soil of its own.
 
     A zone above the ground surface raises the surface. Parts of a zone below the base or beyond the sides are left out.
     """
 
     points: Outline = Field(description="the corners of the outline in order, [[x, z], ...]")
     material: str | None = Field(
-        default=None, description="the name of the stratum whose soil the zone has, instead of soil keys of its own"
+        default=None,
+        description="the name of the stratum or zone whose soil it has, instead of soil keys of its own",
     )
     bottom: None = Field(default=None, description="none: a zone has points")
 
@@ -112,12 +113,13 @@ class Zone(Stratum):
 
 
 def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the contents of a file, with the soils of strata in zones that name a stratum; raise ValueError if there
-    is no such stratum."""
+    """Return the contents of a file, with the soils of strata and zones in zones that name them; raise ValueError if
+    there is no such name."""
     zones, strata = data.get("zones"), data.get("strata")
     if not isinstance(zones, list | tuple) or not isinstance(strata, list | tuple):
         return data
-    soils = {soil["name"]: soil for soil in strata if isinstance(soil, Mapping) and isinstance(soil.get("name"), str)}
+    with_keys = [soil for soil in (*strata, *zones) if isinstance(soil, Mapping) and soil.get("material") is None]
+    soils = {soil["name"]: soil for soil in with_keys if isinstance(soil.get("name"), str)}
     problems, filled = [], []
     for number, zone in enumerate(zones, start=1):
         name = zone.get("material") if isinstance(zone, Mapping) else None
@@ -126,13 +128,13 @@ def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
             continue
         where = f"zones {number}" + (f' "{zone["name"]}"' if isinstance(zone.get("name"), str) else "")
         if conflicting := [key for key in zone if key in Stratum.model_fields and key not in OWN_KEYS]:
-            expected = "expected either the name of a stratum or keys of its own"
+            expected = "expected either the name of a stratum or zone, or keys of its own"
             problems.append(f"{where}, material = {name!r} beside {conflicting[0]}: {expected}")
         if not isinstance(name, str) or name not in soils:
             listed = ", ".join(f'"{soil}"' for soil in soils)
-            problems.append(f"{where}, material = {name!r}: expected the name of a stratum, one of {listed}")
+            problems.append(f"{where}, material = {name!r}: expected the name of a stratum or zone, one of {listed}")
         else:
-            keys = {key: value for key, value in soils[name].items() if key not in ("name", "bottom")}
+            keys = {key: value for key, value in soils[name].items() if key not in ("name", "bottom", "points")}
             filled.append({**keys, **zone})
     if problems:
         raise ValueError("\n".join(problems))
@@ -195,7 +197,8 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
     parts = _strata(columns, bottoms, strata, zones)
     notices += _parted(columns, parts, strata)
     thick = _thick(ground, base, parts)
-    faults = layering(ground, base, [stratum.bottom for stratum in thick]).problems
+    named = named_strata(stratum.name for stratum in thick)
+    faults = layering(ground, base, [stratum.bottom for stratum in thick], names=named).problems
     return Zoned(surface, base, thick, notices, [f"zones: {text}" for text in faults])
 
 

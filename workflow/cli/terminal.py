@@ -1,5 +1,6 @@
 """Output of commands on the terminal: the section, the plan, the progress of stages, and their results."""
 
+import re
 import shlex
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -33,7 +34,9 @@ SEISMIC_STAGES = frozenset(
     {"triggering", "liquefied", "calibrate", "slide", "mpm"}
 )  # stages that an earthquake matters to
 NAME_WIDTH = 10  # characters of the column of strata: names in a narrower one cannot be read
-SEVERAL = tables.STRATA_HEADS[6]  # the densities, of which a stratum may have two: wrapped where the screen is narrow
+# The densities, of which a stratum may have two, and cohesions, which may have a minimum and a tension cut-off: wrapped
+# after a comma where the screen is narrow.
+SEVERAL = (tables.STRATA_HEADS[6], tables.STRATA_HEADS[7])
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 
@@ -78,14 +81,15 @@ def show_strata(section: Section) -> None:
         out.print(f"[bold]Reconstruction.[/] {escape(section.reconstruction_note)}")
     title = escape(legible(section.heading))
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for head in tables.STRATA_HEADS:
-        name = head == "stratum"  # a name is wrapped, a number is told whole
+    rows = [[legible(cell) for cell in row] for row in tables.strata_rows(section)]
+    for head, cells in zip(tables.STRATA_HEADS, zip(*rows, strict=True), strict=True):
+        name, wraps = head == "stratum", head == "stratum" or head in SEVERAL  # a number is told whole
+        width = NAME_WIDTH if name else max(len(part) for cell in cells for part in re.split(r"(?<=,) ", cell))
         table.add_column(
-            legible(head), justify="left" if name else "right", no_wrap=not (name or head == SEVERAL), overflow="fold",
-            min_width=NAME_WIDTH if name else None,
-        )  # fmt: skip
-    for row in tables.strata_rows(section):
-        table.add_row(*(escape(legible(cell)) for cell in row))
+            legible(head), justify="left" if name else "right", no_wrap=not wraps, overflow="fold", min_width=width
+        )
+    for row in rows:
+        table.add_row(*map(escape, row))
     out.print(table)
     if any(not text.isascii() for text in tables.texts(section)):
         from workflow.figures import fonts

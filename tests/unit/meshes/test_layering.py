@@ -103,7 +103,7 @@ def test_a_layer_of_a_fifth_of_a_millimetre_is_nothing_there_and_it_is_said() ->
     ground = section([[0.0, 20.0], [100.0, 20.0]], {"elevation": 0.0}, bottom, None)
     assert ground.layering.thickness()[0][1, 0] == 0.0
     (notice,) = ground.notices
-    assert notice.startswith("geometry: stratum 1 is 0.2 mm thick at x = 40 m: less than 10 mm is neglected")
+    assert notice.startswith('geometry: stratum "layer 0" is 0.2 mm thick at x = 40 m: less than 10 mm is neglected')
 
 
 def test_a_sound_section_has_nothing_to_be_told() -> None:
@@ -151,7 +151,7 @@ def test_a_step_within_a_centimetre_of_a_corner_of_a_steep_line() -> None:
     lower = {"elevation": [[0.0, 11.0], [30.0, 12.02], [31.0, 8.02], [60.0, 8.02]]}
     layers = section([[0.0, 20.0], [60.0, 20.0]], {"elevation": 0.0}, upper, lower, None).layering
     assert layers.areas()[1] == pytest.approx(30.0 * 15.0 - 0.5 * 30.0 * (11.0 + 12.02), abs=0.1)
-    with pytest.raises(ValueError, match=r"the bottom of stratum 2 rises above its top by up to 0\.1"):
+    with pytest.raises(ValueError, match=r'the bottom of stratum "layer 1" rises above its top by up to 0\.1'):
         section([[0.0, 20.0], [60.0, 20.0]], {"elevation": 0.0}, upper,
                 {"elevation": [[0.0, 11.0], [30.0, 12.02], [31.0, 8.12], [60.0, 8.12]]}, None)  # fmt: skip
 

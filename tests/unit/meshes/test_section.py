@@ -109,12 +109,12 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
     ),
     "interfaces that cross": (
         lambda data: data["strata"].insert(1, layer("middle", bottom={"depth": [[0, 2], [100, 6]]})),
-        "the bottom of stratum 2 rises above its top by up to 2 m, at x = 0 m",
+        'the bottom of stratum "middle" rises above its top by up to 2 m, at x = 0 m',
         "wrong between x = 0 and 50 m",
     ),
     "interface below the base": (
         upper(bottom={"depth": 15.0}),
-        "bottom of stratum 1 lies below the base",
+        'bottom of stratum "upper" lies below the base',
         "by up to 5 m",
     ),
     "lowest stratum short of the base": (
@@ -122,7 +122,7 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
         "the lowest stratum does not reach the base by up to 1 m",
         "x = 0 m",
     ),
-    "stratum without thickness": (upper(bottom={"depth": 0.0}), "stratum 1 has no thickness anywhere", "10 mm"),
+    "stratum without thickness": (upper(bottom={"depth": 0.0}), 'stratum "upper" has no thickness anywhere', "10 mm"),
     "slip of the pen": (
         whole(surface=[[0, 2e4], [10, 2e4]]),
         "10 m wide and 20000 m high",

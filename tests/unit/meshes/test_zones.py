@@ -52,6 +52,15 @@ def test_outlines_with_overhangs_and_holes_in_between() -> None:
     assert_conforming(generate(section, settings := MeshSettings(method="free", size=2.0)), section, settings)
 
 
+def test_a_zone_may_have_the_soil_of_another_zone() -> None:
+    """Two raises of one soil: the second names the first, whichever of them stands first in the file."""
+    raises = [zone("raise 2", material="raise 1"),
+              zone("raise 1", [[5.0, 1.0], [15.0, 1.0], [10.0, 4.0]], cohesion="7 kPa")]  # fmt: skip
+    section = Section.parse(with_zones(*raises))
+    at = section.stratum_at(np.array([50.0, 10.0]), np.array([6.0, 2.0]))
+    assert [section.strata[k].cohesion for k in at] == [7e3, 7e3]
+
+
 def test_a_core_between_shells_parts_nothing() -> None:
     core = [[45.0, 0.0], [55.0, 0.0], [52.0, 14.0], [48.0, 14.0]]
     assert [s.name for s in Section.parse(with_zones(zone("core", core))).strata] == ["upper", "lower", "core"]
@@ -128,7 +137,7 @@ BAD = {
     "two points": ([zone("a", [[10.0, 3.0], [20.0, 3.0]])], "expected three or more points"),
     "no point": ([zone("a", [[10.0, 3.0], [20.0, 3.0], [20.0, "x"]])], "point 3, z = 'x'"),
     "no such material": ([zone("a", material="sand")], 'zones 1 "a", material = \'sand\': expected the name of'),
-    "both": ([{**zone("a", cohesion="1 kPa"), "material": "lower"}], "expected either the name of a stratum or keys"),
+    "both": ([{**zone("a", cohesion="1 kPa"), "material": "lower"}], "the name of a stratum or zone, or keys"),
     "a name twice": ([zone("lower")], '2 strata are called "lower"'),
     "a bottom": ([zone("a", bottom={"depth": 3.0})], "bottom"),
     "no soil": ([{"name": "a", "points": LENS}], 'zones 1 "a", youngs_modulus: missing'),
