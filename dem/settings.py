@@ -262,7 +262,8 @@ class SlideSettings(Model):
     )
     mpm_sides: Literal["free-field", "smooth", "fixed", "periodic"] | None = Field(
         default=None,
-        description="sides of the section for material points; by default those of [fem]; if neither is given, the "
+        description="sides of the section in slides; by default those of [fem]; discs lie in a box with fixed sides "
+        "unless they are free-field or periodic; if neither is given, the "
         'sides are "smooth" also if only the higher end of the ground is level',
     )
     frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")

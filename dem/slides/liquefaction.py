@@ -35,6 +35,7 @@ from dem.slides.balance import (
     within_scatter,
 )
 from dem.slides.drive import SAME, Shaking, constant_kh, cycles, recorded_motion
+from dem.slides.free_sides import EVERY, FreeSides
 from dem.slides.liquefied_strength import liquefied, onset, weaken_clay
 from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.row import Row
@@ -76,6 +77,9 @@ class Slider:
         Folder of checkpoint.npz and rows.json, or None.
     shaking
         A record of the base instead of Kh. Without a record, Kh is constant or cyclic by the settings.
+    free_sides
+        Whether the ground continues beyond the sides, see `dem.slides.free_sides`; otherwise it lies in a box. Discs of
+        the paper lie in a box.
     """
 
     def __init__(
@@ -87,7 +91,11 @@ class Slider:
         settings: SlideSettings,
         folder: Path | None = None,
         shaking: Shaking | None = None,
+        free_sides: bool = False,
     ) -> None:
+        self.sides = FreeSides(start, ground, strata if free_sides and start.law == "soil" else [])
+        if self.sides.strips:
+            start = self.sides.release(start)
         self.ground, self.settings, self.case, self.strata = ground, settings, case, strata
         self.start, self.folder = start, folder
         self.surface = Surface.of(start, ground)
@@ -119,8 +127,7 @@ class Slider:
             self._keep_volume()
             self._float()
             try:
-                dt = slide.step_share * largest_step(self.model).seconds
-                Engine(dt=dt, threads=threads).run(self.model, self._until())
+                self._advance(Engine(dt=slide.step_share * largest_step(self.model).seconds, threads=threads))
             except DemError as error:
                 if isinstance(error, EnergyBalanceError) and slide.step_share > LEAST_STEP * self.step:
                     self._begin_again()
@@ -138,6 +145,16 @@ class Slider:
             if on_look is not None:
                 on_look(self.model, row, bool(slide.reason) or (len(slide.rows) - 1) % self.frame == 0)
         return self._finished()
+
+    def _advance(self, engine: Engine) -> None:
+        """Continue to the next record or change of springs, with walls that follow the ground where it continues."""
+        model, end = self.model, self.model.time + self._until()
+        if not self.sides.strips:
+            engine.run(model, end - model.time)
+        while self.sides.strips and model.time < end - SAME:
+            since = model.time - self.start.time
+            self.sides.follow(model, max(self.motion.share(k, since) for k in self.strata))
+            engine.run(model, min(EVERY, end - model.time))
 
     def _initial_model(self) -> DiscModel:
         model = self.start.copy()
@@ -283,7 +300,8 @@ class Slider:
         far = max((row.slide_max_m for row in slide.rows), default=0.0)
         driven = self.case is not None and self.settings.kh > 0.0 and far > FAR * height
         notes = self._flow() if driven else []
-        sides = both_sides(model, start, self.ground)
+        walls = self.sides.stopped(model)
+        sides = [side for side in both_sides(model, start, self.ground) if side.name in walls]
         slide.stopped_by = stopped_by(sides)
         notes += at_the_sides(sides)
         if (through := pressed_through(model)) > 0:
@@ -325,7 +343,9 @@ class Slider:
         no measure: it depends on the duration of Kh, on the slope below, and on the sides of the box.
         """
         settings = self.settings.changed(kh=0.0, duration=ALONE)
-        alone = Slider(self.start, self.ground, self.strata, self.case, settings).run()
+        alone = Slider(
+            self.start, self.ground, self.strata, self.case, settings, free_sides=bool(self.sides.strips)
+        ).run()
         far = max(row.slide_max_m for row in alone.rows)
         self.slide.slide_by_weight_m = far
         self.slide.flows = far > FLOWS * float(np.ptp(self.surface.z))

@@ -10,7 +10,7 @@ from pydantic import PrivateAttr, ValidationError, model_validator
 
 from dem.case import Case, cases_of_loose_sand
 from dem.settings import AVERAGE, CASES, SlideSettings
-from fem.settings import usual_point_sides, usual_sides
+from fem.settings import Sides, usual_point_sides, usual_sides
 from meshes.errors import InputError
 from meshes.section.cutting import key_in_file
 from meshes.section.quantity import GRAVITY
@@ -259,6 +259,11 @@ class Config(Tables):
         """Return the cases of the slide: the cases of [slide], then the cases that follow from blow counts, by their
         names."""
         return (*self.slide.cases, *self._derived_cases)
+
+    @property
+    def sides_of_slides(self) -> Sides:
+        """Return the boundary condition of the sides during slides: that of `fem`, unless `slide.mpm_sides` is given."""
+        return self.slide.mpm_sides or self.fem.sides
 
     def called(self, *numbers: int) -> str:
         """Return the name of a case, or of several cases with one answer, for pictures: its number, and its name if it

@@ -145,8 +145,7 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
 
-    sides = config.slide.mpm_sides or config.fem.sides
-    ground = ground_of(config.section, config.slide.mpm_cells // fewer, sides)
+    ground = ground_of(config.section, config.slide.mpm_cells // fewer, config.sides_of_slides)
     slider = PointSlider(ground, downhill(config.section.ground))
     return slider, slider.settle()
 

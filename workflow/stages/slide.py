@@ -46,7 +46,7 @@ def ignored(config: Config) -> tuple[str, ...]:
     and settings of the output of the calibration.
     """
     return (
-        *of_the_record(config), "slide.cases", "slide.methods", "slide.mpm_cells", "slide.mpm_sides", "dem.kh",
+        *of_the_record(config), "slide.cases", "slide.methods", "slide.mpm_cells", "dem.kh",
         "dem.element_tests", "dem.out_of_reach", *WITHOUT_EFFECT, *config.dem.without_effect,
     )  # fmt: skip
 
@@ -57,7 +57,7 @@ STAGE = Stage(
     work=work,
     draw=draw,
     needs=("calibrate",),
-    reads=("dem", "slide", "site_response"),
+    reads=("dem", "slide", "site_response", "fem.sides"),
     ignores=ignored,
     takes=taken,
     files=files,

@@ -91,7 +91,10 @@ def slid(run: SlideTask, tell: Tell) -> Slide:
     config = run.config.with_settings("slide", **PAPER_LOADING) if papers_own else run.config
     folder = store.folder / task.folder
     shaking = shaking_of(config, task.strata)
-    slider = Slider(task.start, task.ground, task.strata, task.case, config.slide, folder, shaking)
+    slider = Slider(
+        task.start, task.ground, task.strata, task.case, config.slide, folder, shaking,
+        free_sides=config.sides_of_slides == "free-field",
+    )  # fmt: skip
     name = case_name(task.springs, task.number)
 
     def frame() -> int:
@@ -100,7 +103,7 @@ def slid(run: SlideTask, tell: Tell) -> Slide:
     def look(_model: DiscModel, row: Row, keep: bool) -> None:
         tell((row.time_s, row.slide_max_m, row.settlement_uphill_m, row.surface_speed_m_s))
         if run.frames and keep and task.number != ALONE:
-            write_frame(store, frame_file(name, frame()), slider.model, task.start, task.ground, row.time_s)
+            write_frame(store, frame_file(name, frame()), slider.model, slider.start, task.ground, row.time_s)
 
     slide = slider.run(look)
     if run.frames:

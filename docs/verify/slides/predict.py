@@ -146,11 +146,14 @@ def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscMode
     if not strata:
         raise ValueError("nothing liquefies in it")
     shaking = shaking_of(config, strata)
-    slider = Slider(lies.settled, lies.ground, strata, config.cases[number - 1], config.slide, shaking=shaking)
+    slider = Slider(
+        lies.settled, lies.ground, strata, config.cases[number - 1], config.slide, shaking=shaking,
+        free_sides=config.sides_of_slides == "free-field",
+    )  # fmt: skip
     slide = slider.run()
     if not slide.rows or slide.reason.startswith("stopped"):
         raise ValueError(slide.reason)
-    return lies.settled, slider.model, slide
+    return slider.start, slider.model, slide
 
 
 def _at(wanted: Ground, along: np.ndarray, largest: float, start: DiscModel, end: DiscModel) -> float:

@@ -37,7 +37,7 @@ def test_stages_name_tables_and_settings_that_there_are() -> None:
 @pytest.mark.parametrize(
     ("key", "value", "stale"),
     [
-        ("slide.mpm_sides", "fixed", {"mpm"}),
+        ("slide.mpm_sides", "fixed", {"mpm", "slide"}),
         ("slide.mpm_cells", 3001, {"mpm"}),
         ("slide.seeds", (), {"slide"}),
         ("slide.step", 1e-3, {"slide"}),

@@ -1,0 +1,107 @@
+"""Sides beside ground that continues: a gentle slope between them slides as an endless one does."""
+
+import numpy as np
+import pytest
+
+from dem.engine.engine import Engine
+from dem.ground import Ground
+from dem.laboratory.soil_layers import soil_layers
+from dem.model import DiscModel
+from dem.search.deposit import deposit
+from dem.settings import DemSettings
+from dem.slides.free_sides import FreeSides
+from dem.slides.liquefaction import Slider
+from meshes.section.quantity import GRAVITY
+from meshes.section.section import Section
+from workflow.config import Config
+
+WIDTH, FALL = 60.0, 0.03  # m, -
+DENSITY = 1900.0  # kg/m³
+
+
+def crust_slide(sides: str, elements: int, seed: int = 0) -> float:
+    """Mean slide (m) of the crust of a slope of 3 % on 2.5 m of sand that strains by 30 %, without shaking."""
+    soil = {
+        "density": "1.9 t/m^3", "youngs_modulus": "20 MPa", "poissons_ratio": 0.33, "cohesion": "2 kPa",
+        "friction_angle": "33 deg",
+    }  # fmt: skip
+    config = Config.parse({
+        "name": "gentle",
+        "surface": [[0.0, 0.0], [WIDTH, -FALL * WIDTH]],
+        "base": {"depth": 7.0},
+        "strata": [
+            soil | {"name": "crust", "bottom": {"depth": 2.0}},
+            soil | {"name": "loose", "bottom": {"depth": 4.5}, "liquefies_in": [1]},
+            soil | {"name": "firm"},
+        ],
+        "fem": {"sides": sides},
+        "dem": {"elements": elements, "seed": seed},
+        "slide": {"kh": 0.0, "duration": 60.0, "cases": [{"residual_strength": "6 kPa", "strain_potential": 0.3}]},
+    })  # fmt: skip
+    at_rest = deposit(config.section, config.dem, soil_layers(config.section), periodic=sides == "periodic")
+    slider = Slider(
+        at_rest.settled, at_rest.ground, [1], config.cases[0], config.slide, free_sides=sides == "free-field"
+    )
+    assert slider.run().settled
+    crust = (slider.model.layer == 0) & ~slider.model.fixed
+    return float((slider.model.x - slider.start.x)[crust].mean())
+
+
+@pytest.mark.slow
+def test_ground_between_free_sides_slides_as_an_endless_slope() -> None:
+    """0.87, 0.79 m in two packings, and 0.91, 0.92 m of an endless slope; 0.31, 0.55 m in a box."""
+    free, endless, box = (
+        [crust_slide(sides, 500, seed) for seed in (0, 1)] for sides in ("free-field", "periodic", "fixed")
+    )
+    assert np.mean(free) == pytest.approx(np.mean(endless), rel=0.15)
+    assert np.mean(box) < 0.6 * np.mean(endless)
+
+
+@pytest.fixture(scope="module")
+def level() -> tuple[DiscModel, Ground]:
+    """Level ground 6 m deep, of which the upper 4 m liquefy."""
+    soil = {
+        "density": f"{DENSITY} kg/m^3", "youngs_modulus": "20 MPa", "poissons_ratio": 0.3, "cohesion": "2 kPa",
+        "friction_angle": "33 deg",
+    }  # fmt: skip
+    section = Section.parse({
+        "name": "level", "surface": [[0.0, 0.0], [12.0, 0.0]], "base": {"depth": 6.0},
+        "strata": [
+            soil | {"name": "loose", "bottom": {"depth": 4.0}, "liquefies_in": [1]},
+            soil | {"name": "firm"},
+        ],
+    })  # fmt: skip
+    at_rest = deposit(section, DemSettings(elements=150), soil_layers(section))
+    return at_rest.settled, at_rest.ground
+
+
+def test_sides_carry_the_pressure_at_rest_down_to_the_lowest_stratum_that_liquefies(
+    level: tuple[DiscModel, Ground],
+) -> None:
+    """K_0 γ z²/2, K_0 = ν / (1 - ν), and γ z²/2 once the ground has liquefied; strips of two discs resolve a fifth."""
+    sides = FreeSides(*level, [0])
+    weight = DENSITY * GRAVITY * 4.0**2 / 2.0
+    for name in ("left", "right"):
+        strips = [strip for strip in sides.strips if strip.side == name]
+        at_rest = sum(strip.at_rest for strip in strips)
+        assert at_rest == pytest.approx(0.3 / 0.7 * weight, rel=0.2)
+        assert at_rest + sum(strip.liquefied for strip in strips) == pytest.approx(weight, rel=0.2)
+
+
+def test_a_side_where_nothing_liquefies_stays_a_wall(level: tuple[DiscModel, Ground]) -> None:
+    sides = FreeSides(*level, [])
+    assert sides.strips == []
+    assert sides.stopped(level[0]) == {"left", "right"}
+
+
+def test_walls_relieve_the_ground_of_more_than_the_pressure_at_rest(level: tuple[DiscModel, Ground]) -> None:
+    """The packing presses harder against its box; released, it does not any more, and hardly moves."""
+    model, ground = level
+    sides = FreeSides(model, ground, [0])
+    released = sides.release(model)
+    assert sides.stopped(released) == set()
+    moved = np.abs(released.x - model.x)[~model.fixed].max()
+    assert moved < 0.1 * 2.0 * ground.radius
+    before = released.x.copy()
+    Engine(energies=False).run(released, 0.5)
+    assert np.abs(released.x - before).max() < 0.02 * 2.0 * ground.radius
