@@ -262,7 +262,7 @@ class Config(Tables):
 
     @property
     def sides_of_slides(self) -> Sides:
-        """Return the boundary condition of the sides during slides: that of `fem`, unless `slide.mpm_sides` is given."""
+        """Return the boundary condition of the sides in slides: that of `fem`, unless `slide.mpm_sides` is given."""
         return self.slide.mpm_sides or self.fem.sides
 
     def called(self, *numbers: int) -> str:
