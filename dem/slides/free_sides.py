@@ -33,7 +33,7 @@ DAMPED = 0.9  # of the velocities, left after each time EVERY of that
 
 @dataclass(frozen=True, eq=False)
 class _Strip:
-    """A part of a wall with one velocity.
+    """Holds a part of a wall that has one velocity.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class _Strip:
 
 
 class FreeSides:
-    """The walls of a slide whose ground continues beyond the sides.
+    """Moves the walls of a slide whose ground continues beyond the sides.
 
     Parameters
     ----------
