@@ -26,7 +26,7 @@ from meshes.section.section import Stratum
 
 EVERY = 0.04  # s between two updates of the velocities of the walls
 RELIEF = 0.25
-STRIP, NEAR, BESIDE, ROOM = 2.0, 6.0, 2.0, 2.5  # mean diameters
+STRIP, NEAR, CLOSE, ROOM = 2.0, 6.0, 2.0, 2.5  # mean diameters
 SETTLING = 4.0  # s in which the sides are released before a slide
 DAMPED = 0.9  # of the velocities, left after each time EVERY of that
 
@@ -101,11 +101,11 @@ class FreeSides:
             here = (z >= low) & (z < high)
             wall = np.flatnonzero(start.fixed & here & (beyond > 0.0))
             near = np.flatnonzero(~start.fixed & here & (beyond > -NEAR * diameter))
-            beside = np.flatnonzero(~start.fixed & here & (beyond > -BESIDE * diameter))
-            if len(wall) and len(beside):
-                soils = [section.strata[k] for k in start.layer[beside]]
+            adjacent = np.flatnonzero(~start.fixed & here & (beyond > -CLOSE * diameter))
+            if len(wall) and len(adjacent):
+                soils = [section.strata[k] for k in start.layer[adjacent]]
                 share = sum(max(0.0, min(levels[k], low + height) - max(levels[k + 1], low)) for k in wet) / height
-                force = float(pressure[beside].mean()) * height
+                force = float(pressure[adjacent].mean()) * height
                 at_rest = force * float(np.mean([s.poissons_ratio / (1.0 - s.poissons_ratio) for s in soils]))
                 stiffness = height * float(np.mean([_p_wave_modulus(soil) for soil in soils]))
                 strips.append(_Strip(side, outwards, wall, near, at_rest, share * (force - at_rest), stiffness))
@@ -135,11 +135,11 @@ class FreeSides:
     def follow(self, model: DiscModel, share: float) -> None:
         """Set the velocities of the walls; share: degree of liquefaction (0 to 1)."""
         forces, n = contact_forces(model), len(model)
-        push = model.liquefied_forces[0] + np.bincount(model.pair_j, forces.fx, n)
-        push -= np.bincount(model.pair_i, forces.fx, n)
+        force_x = model.liquefied_forces[0] + np.bincount(model.pair_j, forces.fx, n)
+        force_x -= np.bincount(model.pair_i, forces.fx, n)
         vx = model.vx.copy()
         for strip in self.strips:
-            excess = strip.outwards * float(push[strip.wall].sum()) - strip.at_rest - share * strip.liquefied
+            excess = strip.outwards * float(force_x[strip.wall].sum()) - strip.at_rest - share * strip.liquefied
             speed = strip.outwards * float(model.vx[strip.near].mean())
             speed += RELIEF * self.diameter / EVERY * excess / strip.stiffness
             moved = strip.outwards * float((model.x - self.places)[strip.wall].mean())
