@@ -1,5 +1,5 @@
-"""Finds thin layers that are weaker than the layers above and below. A slip circle cuts across such layers and cannot
-follow them.
+"""Finds thin layers that are weaker than the layers above and below, and thin mantles over stronger ground. A slip
+circle cuts across such layers and cannot follow them.
 """
 
 import numpy as np
@@ -11,6 +11,9 @@ from meshes.section.section import Section
 # A layer is thin below this share of the relief of the ground, and weak below this share of the strength of the weaker
 # of its neighbours; it counts where it is so over a length of the relief.
 THIN, WEAK = 0.1, 0.8
+# A mantle over stronger ground slips along its bottom. It is thin below this share of the relief, and counts where the
+# ground and its bottom both fall by more than this slope to the same side.
+THIN_MANTLE, FALLS = 0.15, 0.1
 COLUMNS = 200  # vertical lines on which layers are looked at
 
 
@@ -39,10 +42,16 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
     lengths: dict[str, float] = {}
     for at, column in zip(x, levels, strict=True):
         present = [k for k in range(len(soils)) if column[k] - column[k + 1] > layers.tolerance]
+        if not present:  # the base comes out of the ground
+            continue
         for first, last in _runs([soils[k] for k in present]):
             inside = present[first : last + 1]
             thick = float(column[inside[0]] - column[inside[-1] + 1])
-            if first == 0 or thick >= THIN * relief:
+            if first == 0:
+                if thick < THIN_MANTLE * relief and _slips(section, at, inside, present[last + 1 : last + 2]):
+                    lengths[soils[inside[-1]]] = lengths.get(soils[inside[-1]], 0.0) + width
+                continue
+            if thick >= THIN * relief:
                 continue
             middle = float(column[inside[0]]) - 0.5 * thick
             weak = next(k for k in inside if column[k + 1] <= middle)
@@ -51,6 +60,22 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
             if strength < WEAK * min(others):
                 lengths[soils[weak]] = lengths.get(soils[weak], 0.0) + width
     return tuple(soil for soil in dict.fromkeys(soils) if lengths.get(soil, 0.0) > relief > 0.0)
+
+
+def _slips(section: Section, x: float, mantle: list[int], below: list[int]) -> bool:
+    """Return whether the bottom of a ``mantle`` at x (m) falls to the same side as the ground, and whether the mantle is
+    weaker there than the stratum ``below``."""
+    if not below:
+        return False
+    layers = section.layering
+    k = int(np.searchsorted(layers.x, x, side="right")) - 1
+    interfaces = [mantle[0], mantle[-1] + 1]
+    ground, bottom = (layers.right[k, interfaces] - layers.left[k, interfaces]) / layers.width[k]
+    if ground * bottom <= 0.0 or min(abs(ground), abs(bottom)) <= FALLS:
+        return False
+    at_bottom = float(layers.interfaces(np.array([x]))[0, mantle[-1] + 1])
+    weak, firm = (_strength(section, x, at_bottom, mantle[-1], soil) for soil in (mantle[-1], below[0]))
+    return weak < WEAK * firm
 
 
 def _runs(names: list[str]) -> list[tuple[int, int]]:

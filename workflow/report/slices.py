@@ -30,8 +30,8 @@ def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
     if answer.weak_layers and (answer.critical or any(factors.circles for factors in answer.factors)):
         layers = " and ".join(map(shown_name, answer.weak_layers))
         yield (
-            f"Warning: Slip circles cut across {layers}, thin and weaker than the ground above and below, and cannot "
-            "follow it. The slope may have a much smaller factor of safety. To do: rely on finite elements and bounds."
+            f"Warning: Slip circles cut across {layers}, thin and weaker than the ground beside it, and cannot follow "
+            "it. The slope may have a much smaller factor of safety. To do: rely on finite elements and bounds."
         )
 
 

@@ -45,6 +45,39 @@ def test_a_thin_and_weak_layer_is_found(section: Section, weak: tuple[str, ...])
     assert thin_weak_layers(section) == weak
 
 
+def hillside(thick: float, degrees: float, fall: float = 30.0) -> Section:
+    """A hillside, ``fall`` high over 60 m, with a mantle over rock, and rock bare at the left end."""
+    top = 20.0 + fall
+    mantle = {"depth": [[0, 0.0], [10, 0.0], [20, thick], [120, thick]]}
+    return Section.parse(
+        {
+            "name": "hillside",
+            "surface": [[0, top], [20, top], [80, 20], [120, 20]],
+            "base": {"elevation": [[0, top], [10, top], [20, top - 15.0], [80, 5], [120, 5]]},
+            "strata": [
+                soil("Colluvium", bottom=mantle, cohesion="6 kPa", friction_angle=f"{degrees} deg"),
+                soil("Rock", cohesion="100 kPa", friction_angle="38 deg"),
+            ],
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    ("section", "weak"),
+    [
+        (hillside(4.0, 28.0), ("Colluvium",)),
+        (hillside(6.0, 28.0), ()),  # circles have room in it
+        (hillside(1.0, 28.0, fall=5.0), ()),  # too level to slip along its bottom
+    ],
+)
+def test_a_mantle_that_slips_along_the_rock_is_found_where_the_base_is_bare_elsewhere(
+    section: Section, weak: tuple[str, ...]
+) -> None:
+    """Colluvium of 4 m at 1:2 over rock, water in it, stood at 1.11 by circles, and slips at 0.92 as an infinite slope.
+    Columns without ground, where the base comes out, ended the command with a traceback."""
+    assert thin_weak_layers(section) == weak
+
+
 def test_circles_that_cross_it_are_told_to_be_no_answer() -> None:
     section = bank(0.4, 12.0)
     circle = CirclePart.model_construct(
@@ -55,6 +88,4 @@ def test_circles_that_cross_it_are_told_to_be_no_answer() -> None:
         critical=(), faces=(), least_depth=0.5, reason="", weak_layers=thin_weak_layers(section), source="",
     )  # fmt: skip
     [_, warning] = slices_sentences(answer)
-    assert warning.startswith(
-        'Warning: Slip circles cut across "Seam", thin and weaker than the ground above and below'
-    )
+    assert warning.startswith('Warning: Slip circles cut across "Seam", thin and weaker than the ground beside it')
