@@ -63,8 +63,8 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
 
 
 def _slips(section: Section, x: float, mantle: list[int], below: list[int]) -> bool:
-    """Return whether the bottom of a ``mantle`` at x (m) falls to the same side as the ground, and whether the mantle is
-    weaker there than the stratum ``below``."""
+    """Return whether the bottom of a ``mantle`` at x (m) falls to the same side as the ground, and the mantle is weaker
+    there than the stratum ``below``."""
     if not below:
         return False
     layers = section.layering
