@@ -108,12 +108,16 @@ def test_bare_sand_that_hardly_falls_is_bounded_within_the_work_allowed() -> Non
 
 @pytest.mark.slow
 def test_bounds_to_half_a_per_cent_are_proven_on_the_last_triangles_alone() -> None:
-    """ACADS 1(a), referee 1.00, and 0.98 of limit analysis; 6.6 counted seconds when every mesh had both its bounds
-    proven as closely as it could. Measured: 4.5."""
+    """ACADS 1(a), referee 1.00, and 0.98 of limit analysis.
+
+    The work is compared with that of both bounds at one factor on the last triangles, whatever counts as work: measured
+    2.5 times, and 3.7 times when every mesh had both its bounds proven as closely as it could.
+    """
     result = of_case("acads_1a", BoundsSettings(gap=0.005))
     assert result.ended == "gap"
     assert 0.97 < result.lower < result.upper < 0.995
-    assert sum(trial.work for trial in result.trials) < 5.5
+    of_both = max(trial.work for trial in result.trials if trial.cells == result.cells)
+    assert sum(trial.work for trial in result.trials) < 3.0 * of_both
 
 
 @pytest.mark.slow
