@@ -152,6 +152,7 @@ def test_without_dolfinx_it_says_how_to_get_it(
     assert "conda install" in err
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("mpirun") is None, reason="there is no mpirun")
 def test_two_processes_find_the_same_and_one_writes(short_path: Path, tmp_path: Path) -> None:
     """As they do up to the plateau on S-13: tests/verification/fem/test_s13.py."""

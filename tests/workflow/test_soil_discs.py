@@ -33,7 +33,7 @@ SECTION: dict[str, Any] = {
     "mesh": {"size": "2 m"},
     "fem": {"element": "bilinear", "kh": [], "accuracy": 0.0, "direction": "downhill", "tolerance": 1e-4},
     "dem": {
-        "elements": 150, "kh": [0.1], "resolution": 0.04, "tolerance": 0.05, "out_of_reach": "go on",
+        "elements": 110, "kh": [0.1], "resolution": 0.08, "tolerance": 0.05, "out_of_reach": "go on",
         "element_tests": False,
     },
     "slide": {"methods": ["discs"], "seeds": [1], "duration": 4.0, "frames": 3, "kh_seconds": 1.0,
