@@ -204,7 +204,11 @@ def test_a_cone_is_judged_drawn_and_reported(tmp_path: Path, capsys: pytest.Capt
     page = (tmp_path / "run/report.html").read_text(encoding="utf-8")
     assert "8 more stand in triggering.json" in page
     data["triggering"]["method"] = "idriss_boulanger_2008"
-    assert "none has spt, which Idriss & Boulanger (2008) requires" in "\n".join(problems(data, Config))
+    expected = (
+        "none has spt, which Idriss & Boulanger (2008) requires; for what they have, set triggering.method to "
+        '"boulanger_idriss_2014"'
+    )
+    assert expected in "\n".join(problems(data, Config))
 
 
 def test_pore_pressure_of_what_does_not_liquefy_goes_into_the_analysis() -> None:

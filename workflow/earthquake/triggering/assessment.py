@@ -180,7 +180,12 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
         problems += [f"earthquake, {text}" for text in error.problems]
     relation = RELATIONS[settings.method]
     if settings.borings and not any(getattr(boring, relation.kind) for boring in settings.borings):
-        problems.append(f"triggering, borings: none has {relation.kind}, which {relation.title} requires")
+        methods = [
+            f'"{name}"' for name, other in RELATIONS.items()
+            if any(getattr(boring, other.kind) for boring in settings.borings)
+        ]  # fmt: skip
+        remedy = f"; for what they have, set triggering.method to {' or '.join(methods)}" if methods else ""
+        problems.append(f"triggering, borings: none has {relation.kind}, which {relation.title} requires{remedy}")
     if relation.magnitudes is not None and earthquake.magnitude is None:
         problems.append(f"earthquake, magnitude: missing; {relation.title} requires it")
     elif relation.magnitudes is not None and earthquake.magnitude is not None:
