@@ -74,7 +74,10 @@ def _without_choices(location: Place, data: Any) -> tuple[Place, Place]:
 UNDRAINED = ("cohesion", ', with friction_angle = "0 deg"')
 WEIGHT = ("density", ', which may be a unit weight such as "18 kN/m^3"')
 SATURATED = ("density_saturated", WEIGHT[1])
+HOEK_BROWN = ("cohesion", " and friction_angle, fitted to the Hoek-Brown envelope: see docs/how-to/section.md, Rock")
 OTHER_WORDS = {
+    "gsi": HOEK_BROWN, "mi": HOEK_BROWN, "m_i": HOEK_BROWN, "mb": HOEK_BROWN, "ucs": HOEK_BROWN, "sigma_ci": HOEK_BROWN,
+    "sigci": HOEK_BROWN, "disturbance": HOEK_BROWN, "hoek_brown": HOEK_BROWN,
     "unit_weight": WEIGHT, "gamma": WEIGHT, "γ": WEIGHT, "gamma_sat": SATURATED,
     "unit_weight_saturated": SATURATED, "saturated_unit_weight": SATURATED,
     "su": UNDRAINED, "s_u": UNDRAINED, "cu": UNDRAINED, "c_u": UNDRAINED, "undrained_shear_strength": UNDRAINED,

@@ -57,6 +57,7 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
     "missing key": (lambda data: data["strata"][0].pop("cohesion"), "cohesion: missing", 'such as "10 tf/m^2"'),
     "missing bottom": (lambda data: data["strata"][0].pop("bottom"), "strata 1, bottom: missing", "only the lowest"),
     "missing name": (lambda data: data.pop("name"), "name: missing", "such as s13"),
+    "a parameter of Hoek and Brown": (upper(gsi=50), "gsi: unknown key", "fitted to the Hoek-Brown envelope"),
     "missing surface": (lambda data: data.pop("surface"), "surface: missing", "the ground surface"),
     "missing base": (lambda data: data.pop("base"), "base: missing", "the lowest line"),
     "missing strata": (lambda data: data.pop("strata"), "strata: missing", "one [[strata]] table"),
