@@ -180,7 +180,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
     for case in answer.cases:
         yield outcome(case)
         strengths = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa" for s in case.strata]
-        yield f"    Residual strength: {listed(strengths)}."
+        yield f"    Residual strength: {listed(list(dict.fromkeys(strengths)))}."
         if case.factor is not None or case.factor_lower is not None:
             yield f"    Factor of safety at Kh = 0, between sides held horizontally: {factors(case)}."
         if case.kc is not None and case.kc_lower is not None:

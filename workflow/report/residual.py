@@ -28,8 +28,9 @@ def residual_verdict(steps: TwoSteps, _: Texts) -> str:
 
 def residual_details(steps: TwoSteps) -> Iterator[str]:
     """Yield sentences on the strengths, the factors of safety of the verdict, and missing results."""
+    # Parts of a stratum that zones or cracks divide are named once.
     strata = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa and {s.friction_deg:.3g}°" for s in steps.strata]
-    yield f"Residual strength: {listed(strata)}."
+    yield f"Residual strength: {listed(list(dict.fromkeys(strata)))}."
     if steps.peak is not None:
         yield f"Factor of safety at Kh = 0 with peak strength: {steps.peak:.2f} by elements."
     along = steps.along
