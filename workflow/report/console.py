@@ -10,7 +10,13 @@ from workflow.report import post_liquefaction
 from workflow.report.contradictions import FALLS, FALLS_TIMES
 from workflow.report.crests import crest_parts, crest_sentences, crests_in_short
 from workflow.report.faces import faces_sentences
-from workflow.report.flow_rule import critical_with_flow, other_flow_sentences, own_dilation_sentences, with_flow
+from workflow.report.flow_rule import (
+    WHEN,
+    critical_with_flow,
+    how_to_get_own_dilation,
+    own_dilation_sentences,
+    with_flow,
+)
 from workflow.report.numbers import between, coefficient, span
 from workflow.report.residual import residual_sentences
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
@@ -79,11 +85,12 @@ def fem_sentences(
         most = f", at most {coefficient(answer.kc_upper)} on this mesh" if answer.kc_upper > answer.kc else ""
         how = f": {answer.ended}{most}, {answer.reason}"
     yield (
-        f"Critical Kh = {critical_with_flow(answer, coefficient)}. Seismic force {FORCE[answer.direction]}, to "
-        f"the {answer.towards}{how}.{interval}"
+        f"Critical Kh = {critical_with_flow(answer, coefficient)}.{how_to_get_own_dilation(answer)} Seismic force "
+        f"{FORCE[answer.direction]}, to the {answer.towards}{how}.{interval}"
     )
     if every:
-        yield from other_flow_sentences(answer)
+        if answer.davis is not None or answer.associated is not None:
+            yield WHEN
         yield from meshes_sentences(answer)
     yield from own_dilation_sentences(answer)
     yield from comparison_sentences(answer)

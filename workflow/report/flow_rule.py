@@ -75,9 +75,13 @@ def critical_with_flow(fem: FemAnswer, shown: Callable[[float], str]) -> str:
 
 
 def own_dilation_sentences(fem: FemAnswer) -> Iterator[str]:
-    """Yield sentences on the critical Kh with the dilation angles of the strata, if this Kh was found."""
+    """Yield sentences on the critical Kh with the dilation angles of the strata, if it was asked for."""
     third = fem.own_dilation
-    if third is not None and third.kc is not None:
+    if third is None:
+        return
+    if third.kc is None:
+        yield f"A critical Kh for {fem.own_angles} was not found: {third.reason}."
+    else:
         yield (
             f"The critical Kh is about {coefficient(third.kc)} for {fem.own_angles}, {third.low:.3f} to "
             f"{third.high:.3f} on three meshes. An iteration of pressures found it; element and mesh decide 5 to 15 % "
@@ -85,12 +89,12 @@ def own_dilation_sentences(fem: FemAnswer) -> Iterator[str]:
         )
 
 
-def other_flow_sentences(fem: FemAnswer) -> Iterator[str]:
-    """Yield sentences on the use of Davis's estimate, and how to get a number between a low estimate and ψ = φ."""
-    if fem.davis is None and fem.associated is None:
-        return
-    yield WHEN
+def how_to_get_own_dilation(fem: FemAnswer) -> str:
+    """Return how to get the critical Kh for the dilation angles of the strata if Davis's estimate lies far below that
+    with ψ = φ; empty if it does not, or if the Kh was asked for.
+    """
+    if fem.own_dilation is not None or (fem.davis is None and fem.associated is None):
+        return ""
     full = fem.kc if fem.associated is None else fem.associated.kc
     low = fem.kc if fem.davis is None else fem.davis.kc
-    if fem.own_dilation is None and low < FAR_APART * full:
-        yield f"The critical Kh for {fem.own_angles}, about, takes some 20 s more: --set fem.own_dilation=true."
+    return f" About that for {fem.own_angles}: --set fem.own_dilation=true." if low < FAR_APART * full else ""

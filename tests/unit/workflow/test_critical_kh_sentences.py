@@ -6,7 +6,7 @@ from tests.support.answers import bounds, fem, liquefying_config, report_text, r
 from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.report.first_page import headlines
-from workflow.report.flow_rule import WHEN, other_flow_sentences, own_dilation_sentences
+from workflow.report.flow_rule import how_to_get_own_dilation, own_dilation_sentences
 from workflow.report.stability import stability_rows
 from workflow.report.texts import Texts
 from workflow.results.continuum import OtherWay, OwnDilationPart, ResultWarning, ShallowFailurePart, VariantsAnswer
@@ -98,7 +98,7 @@ def test_what_stands_beside_the_critical_kh(run: Config) -> None:
     assert "> 1.500" in [row.value for row in stability_rows(results(run, fem=stands), Texts())]
 
 
-def test_a_third_number_is_about_so_much_and_not_told_where_it_did_not_settle(run: Config) -> None:
+def test_a_third_number_is_about_so_much_and_one_that_did_not_settle_says_why(run: Config) -> None:
     third = OwnDilationPart(kc=0.129, low=0.128, high=0.134, cells=(350, 450, 600), reason="")
     answer = fem(run).model_copy(update={"own_dilation": third, "dilation_deg": {"Soil": 0.0}})
     assert list(own_dilation_sentences(answer)) == [
@@ -109,18 +109,20 @@ def test_a_third_number_is_about_so_much_and_not_told_where_it_did_not_settle(ru
     assert ("about 0.129", "0.128 to 0.134") in rows
     open_ = third.model_copy(update={"kc": None, "reason": "pressures still change by 0.3 %"})
     unsettled = answer.model_copy(update={"own_dilation": open_})
-    assert list(own_dilation_sentences(unsettled)) == []
+    assert list(own_dilation_sentences(unsettled)) == [
+        "A critical Kh for ψ = 0 was not found: pressures still change by 0.3 %."
+    ]
 
 
 @pytest.mark.parametrize(("davis", "far_apart"), [(0.12, True), (0.20, False)])
 def test_a_third_number_is_offered_where_the_two_lie_far_apart(davis: float, far_apart: bool, run: Config) -> None:
     low = OtherWay(kc=davis, kc_upper=davis, verdict="plateau", reason="", direction="downhill", at_sides=())
     answer = fem(run, 0.21).model_copy(update={"davis": low, "dilation_deg": {"Soil": 0.0}})
-    offer = ["The critical Kh for ψ = 0, about, takes some 20 s more: --set fem.own_dilation=true."]
-    assert list(other_flow_sentences(answer)) == [WHEN, *(offer if far_apart else [])]
+    offer = " About that for ψ = 0: --set fem.own_dilation=true."
+    assert how_to_get_own_dilation(answer) == (offer if far_apart else "")
     third = OwnDilationPart(kc=0.129, low=0.128, high=0.134, cells=(350, 450, 600), reason="")
-    assert list(other_flow_sentences(answer.model_copy(update={"own_dilation": third}))) == [WHEN]
-    assert list(other_flow_sentences(fem(run, 0.21))) == []
+    assert how_to_get_own_dilation(answer.model_copy(update={"own_dilation": third})) == ""
+    assert how_to_get_own_dilation(fem(run, 0.21)) == ""
 
 
 def test_a_limit_load_that_the_path_did_not_come_to_is_no_plateau(run: Config) -> None:
