@@ -15,7 +15,7 @@ from dem.kernels.chunks import add, load_geometry
 from dem.kernels.device_function import device_function
 from dem.kernels.interaction import Contact, at_line, between_discs, line_lane
 from dem.kernels.layout import Layout
-from dem.kernels.liquefied_pairs import liquefied_energy
+from dem.kernels.liquefied_energy import liquefied_energy
 from dem.kernels.losses import along
 from dem.kernels.prefetch import wide_vectors
 from dem.kernels.work_buffers import OWNED_DISCS, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_own, new_buffer

@@ -34,7 +34,7 @@ import numpy as np
 
 from dem.kernels.bond_law import CREEP, energy_share, force_share, mobilised, slopes
 from dem.kernels.device_function import device_function
-from dem.kernels.liquefied_laws import bond_kernel, density_kernel, water_energy, water_pressure
+from dem.kernels.liquefied_laws import bond_kernel, density_kernel, water_pressure
 from dem.kernels.losses import both
 from dem.kernels.period import Period, image
 from dem.kernels.prefetch import wide_vectors
@@ -238,21 +238,34 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, late
 
 
 @device_function(forceinline=True)
-def bond_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
-    """Return the weights of both discs in their bond: 1 for each disc in one stratum, else 2 for the weaker disc."""
+def strength_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
+    """Return the weights of the strengths of both discs in their bond: 1 for each disc in one stratum, else 2 for the
+    weaker disc.
+
+    A disc that is liquefying beside ground that already has bonds, such as clay, has no contacts with it which would
+    hold until its own strength has come. The bond keeps the strength of the other disc by the share that is left.
+    """
     if discs[i, SHARE] == 0.0:
         return 0.0, 2.0
     if discs[j, SHARE] == 0.0:
         return 2.0, 0.0
     if discs[i, STRATUM] == discs[j, STRATUM]:
         return 1.0, 1.0
-    return (2.0, 0.0) if discs[i, BOND] < discs[j, BOND] else (0.0, 2.0)
+    if discs[i, BOND] * discs[j, SHARE] < discs[j, BOND] * discs[i, SHARE]:
+        return 2.0, 2.0 * max(1.0 - discs[i, SHARE] / discs[j, SHARE], 0.0)
+    return 2.0 * max(1.0 - discs[j, SHARE] / discs[i, SHARE], 0.0), 2.0
+
+
+@device_function(forceinline=True)
+def bond_weights(a: float, b: float) -> tuple[float, float]:
+    """Return the weights of the force-displacement laws of both discs in their bond, from those of their strengths."""
+    return (2.0 - b if a > b else a), (2.0 - a if b > a else b)
 
 
 @device_function(forceinline=True)
 def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
     """Return the slopes of both lines of a bond, and the share of the displacement at which the lines meet."""
-    a, b = bond_weights(discs, i, j)
+    a, b = bond_weights(*strength_weights(discs, i, j))
     soft_to = 0.5 * (a * discs[i, SOFT_TO] + b * discs[j, SOFT_TO])
     soft, steep = slopes(0.5 * (a * discs[i, KNEE] + b * discs[j, KNEE]), soft_to)
     return soft, steep, soft_to
@@ -268,9 +281,10 @@ def fetch_strength(block: int, wet: Liquefied) -> None:
         c = block * LANES + lane
         i, j = np.int64(wet.first[c]), np.int64(wet.second[c])
         w[q + PAIR_PRESSURE] = discs[i, PRESSURE_TERM] + discs[j, PRESSURE_TERM]
-        a, b = bond_weights(discs, i, j)
-        ends = a * discs[i, SOFT_TO] + b * discs[j, SOFT_TO]
+        a, b = strength_weights(discs, i, j)
         w[q + BOND_SUM] = a * discs[i, BOND] + b * discs[j, BOND]
+        a, b = bond_weights(a, b)
+        ends = a * discs[i, SOFT_TO] + b * discs[j, SOFT_TO]
         w[q + ROOM] = (STRAINED if a != b and ends > 0.0 else 1.0) * (a * discs[i, STRAIN] + b * discs[j, STRAIN])
         w[q + KNEES], w[q + ENDS] = a * discs[i, KNEE] + b * discs[j, KNEE], ends
         w[q + TWICE] = 1.0 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 2.0
@@ -368,32 +382,3 @@ def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
             fx += w[q]
             fz += w[q + TO_RATE]
         discs[i, FORCE_X], discs[i, FORCE_Z] = fx, fz
-
-
-@device_function(nogil=True)
-def liquefied_energy(wet: Liquefied, shared: np.ndarray, force: np.ndarray) -> tuple[float, float]:
-    """Return the energy (J) stored in pore water and in bonds. Also add the last forces to `force` (3, slots).
-
-    The work of these forces on displacements since the last evaluation counts as stored.
-    """
-    discs = wet.discs
-    water, bonds = 0.0, 0.0
-    for k in range(len(wet.near)):
-        i = np.int64(wet.near[k])
-        fx, fz = discs[i, FORCE_X], discs[i, FORCE_Z]
-        force[0, i] += fx
-        force[1, i] += fz
-        water -= fx * (shared[8 * i] - discs[i, AT_X]) + fz * (shared[8 * i + 1] - discs[i, AT_Z])
-        if discs[i, SHARE] > 0.0:
-            water += water_energy(
-                discs[i, SHARE], discs[i, AREA], discs[i, PRESSURE], discs[i, STIFFNESS], discs[i, DENSITY],
-                discs[i, NOW],
-            )  # fmt: skip
-    for block in range(wet.start[-1]):
-        for lane in range(LANES):
-            r = np.uint64(block) * REMEMBERED + np.uint64(lane)
-            i, j = np.int64(wet.first[block * LANES + lane]), np.int64(wet.second[block * LANES + lane])
-            soft, steep, soft_to = bond_lines(discs, i, j)
-            stored = energy_share(wet.memory[r + ALONG], wet.memory[r + ACROSS], soft, steep, soft_to)
-            bonds += 0.5 * wet.memory[r + YIELD] * stored
-    return water, bonds

@@ -15,7 +15,7 @@ from numba import njit
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.bond_law import force_share
 from dem.kernels.liquefied_laws import bond_kernel, density_kernel
-from dem.kernels.liquefied_pairs import bond_lines, bond_weights
+from dem.kernels.liquefied_pairs import bond_lines, strength_weights
 from dem.kernels.period import Period, image
 
 ALONG_AT, ACROSS_AT, DASH_ALONG_AT, DASH_ACROSS_AT = (
@@ -87,7 +87,7 @@ def _sums(
             * discs[j, bond.AREA]
             * slope
         )
-        a, b = bond_weights(discs, i, j)
+        a, b = strength_weights(discs, i, j)
         limit = 0.5 * math.pi * bond.FITTED * (a * discs[i, bond.BOND] + b * discs[j, bond.BOND])
         limit *= bond_kernel(apart, reach)
         limit *= 1.0 + bond.FIRST * memory[c, bond.FRESH]

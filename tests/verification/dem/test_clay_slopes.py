@@ -10,7 +10,8 @@ from dem.search.deposit import Deposit, deposit
 from dem.search.equilibrium import settle
 from dem.search.pushover import Continuum, pushover_critical_kh
 from dem.search.undrained_clay import set_strengths, undrained_strength
-from dem.settings import DemSettings
+from dem.settings import DemSettings, SlideSettings
+from dem.slides.liquefaction import Slider
 from dem.slides.liquefied_strength import weaken_clay
 from fem import BoundsSettings, FemSettings, kh_bounds
 from meshes import Section
@@ -85,3 +86,21 @@ def test_a_slope_in_clay_fails_where_strict_bounds_say(seed: int) -> None:
     assert search.kc == pytest.approx(middle, rel=0.2)
     kh = np.array([point.kh for point in search.trials])
     assert (np.diff(kh) > -0.02).all()  # clay does not crack: the curve does not fall by jerks
+
+
+def test_sand_that_liquefies_on_clay_does_not_slip_while_it_does() -> None:
+    """Its residual strength is 1.8 times what Kh = 0.1 asks for. Bonds with clay, which has no contacts, had only the
+    part of it that had come: crusts slid by 0.9 m until all had."""
+    soil = {"density": "1.85 t/m^3", "youngs_modulus": "15 MPa", "poissons_ratio": 0.33, "friction_angle": "31 deg"}
+    section = Section.parse({
+        "name": "sand_on_clay", "surface": [[0.0, 0.0], [36.0, 0.0]], "base": {"depth": 7.0},
+        "strata": [
+            soil | {"name": "Crust", "cohesion": "10 kPa", "bottom": {"depth": 1.5}},
+            soil | {"name": "Loose", "cohesion": 0, "bottom": {"depth": 4.0}, "liquefies_in": [1]},
+            soil | {"name": "Clay", "cohesion": "80 kPa", "friction_angle": 0},
+        ],
+    })  # fmt: skip
+    at_rest = deposit(section, DemSettings(elements=350))
+    settings, case = SlideSettings(kh=0.1, duration=7.0), Case(residual_strength=13e3)
+    slide = Slider(at_rest.settled, at_rest.ground, [1], case, settings).run()
+    assert max(row.slide_max_m for row in slide.rows) < 0.05

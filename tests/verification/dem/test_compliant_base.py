@@ -10,14 +10,11 @@ from scipy.optimize import curve_fit
 from dem.acceleration import Acceleration
 from dem.engine.compliant_base import EVERY
 from dem.engine.engine import Engine, largest_step
-from dem.ground import ground_of
 from dem.laboratory.soil_contacts import soil_contacts
 from dem.model import DiscModel
 from dem.search.equilibrium import damp_to_rest
 from docs.verify.slides.uniform_slope import UniformSlope
 from meshes.section.quantity import GRAVITY
-from tests.support import SECTIONS
-from workflow.config import Config
 
 HEIGHT, RADIUS, DENSITY, LENGTH = 10.0, 0.25, 1900.0, 4.0  # m, m, kg/m3, m
 SHAKING, CYCLES, RISES = 0.05, 12, 2  # m/s2; cycles, and those in which they come on
@@ -134,13 +131,3 @@ def test_discs_in_free_flight_leave_the_base_at_rest(column: Column, steps: floa
     Engine(dt=model.last_dt, energies=False).run(model, 0.9)
     assert np.abs(model.vx[~model.fixed]).max() == pytest.approx(0.4, abs=0.01)
     assert abs(model.base_velocity) < 1e-9
-
-
-def test_base_of_a_section_is_its_lowest_stratum_where_that_is_stiffest() -> None:
-    """S-13: 1,650 kg/m³ and 141 m/s along 200 m."""
-    config = Config.load(SECTIONS / "s13.toml")
-    lowest = config.section.strata[-1]
-    speed = np.sqrt(lowest.youngs_modulus / (2.0 * (1.0 + lowest.poissons_ratio)) / lowest.density_seismic)
-    ground = ground_of(config.section, config.dem)
-    assert ground.base_impedance() == pytest.approx(lowest.density_seismic * speed * 200.0, rel=1e-9)
-    assert speed == pytest.approx(141.0, abs=1.0)
