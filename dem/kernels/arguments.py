@@ -83,7 +83,7 @@ class Loads(NamedTuple):
     times : (n,)
         Instants (s) at which the external acceleration is given.
     acceleration : (3, n)
-        Its components along x, along z, and horizontally (m/s2).
+        Components of the acceleration along x, along z, and horizontally (m/s2).
     """
 
     times: np.ndarray

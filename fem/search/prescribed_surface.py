@@ -43,7 +43,7 @@ def critical_above(
     """Compute the limit loads with and without fixing the nodes on and below ``line`` (k, 2), points [x, elevation] in
     m.
 
-    Beyond its ends the line continues at their depth below the ground. For one rank; raises what
+    Beyond its ends the line continues at the depth of these ends below the ground. For one rank; raises what
     ``critical_limit_load`` does. ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``:
     settings of the finite elements; ``comm``: MPI communicator.
     """

@@ -29,7 +29,7 @@ def read_cones(path: Path, columns: Mapping[str, str]) -> BoringFile:
     Raises
     ------
     InputError
-        With all problems.
+        If the file cannot be read; the error contains all problems.
     """
     table = read_table(path, NEEDED, KNOWN, columns)
     logs = [_log(name, lines, table) for name, lines in table.lines.items()]

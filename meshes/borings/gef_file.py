@@ -43,7 +43,7 @@ def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     Raises
     ------
     InputError
-        With all problems.
+        If the file cannot be read; the error contains all problems.
     """
     text = read_text(path)
     head, mark, data = text.text.partition("#EOH")

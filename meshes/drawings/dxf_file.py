@@ -90,7 +90,7 @@ def read_dxf(path: Path, name: str, unit: float | None = None) -> Drawn:
     Raises
     ------
     InputError
-        With all problems.
+        If the file cannot be read; the error contains all problems.
     """
     ezdxf = _ezdxf(path)
     from ezdxf import recover

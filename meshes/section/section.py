@@ -113,7 +113,7 @@ class Section(Model):
     def _apply_zones(self) -> list[str]:
         """Make strata of the zones, raise the ground where zones lie above it, and return the faults of zones.
 
-        The model cannot be changed after this step, and has no zones.
+        After this step the section cannot be changed, and has no zones.
         """
         ground = zoned(self.surface, self.base, self.strata, self.zones)
         if not ground.problems:

@@ -146,7 +146,7 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
 
 
 def variant(change: Change, tell: Tell) -> Variant:
-    """Return the critical Kh with a change, or None with the reason."""
+    """Return the critical Kh with one changed assumption, or None with the reason."""
     start = time.perf_counter()
     try:
         result = _limit(change, tell)

@@ -111,7 +111,7 @@ def test_bounds_to_half_a_per_cent_are_proven_on_the_last_triangles_alone() -> N
     """ACADS 1(a), referee 1.00, and 0.98 of limit analysis.
 
     The work is compared with that of both bounds at one factor on the last triangles, whatever counts as work: measured
-    2.5 times, and 3.7 times when every mesh had both its bounds proven as closely as it could.
+    2.5 times, and an estimated 3.7 times when every mesh had both its bounds proven as closely as it could.
     """
     result = of_case("acads_1a", BoundsSettings(gap=0.005))
     assert result.ended == "gap"
