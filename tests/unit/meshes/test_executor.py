@@ -32,7 +32,7 @@ ALL = pytest.mark.parametrize("made", [lambda: SERIAL, OneThread, lambda: Proces
 
 @pytest.fixture(scope="module", autouse=True)
 def no_garbage_of_other_tests() -> None:
-    """What other tests left of MPI and VTK is freed in this thread, and not in one of an executor, where it may crash."""
+    """What other tests left of MPI and VTK is freed in this thread; in one of an executor it may crash."""
     gc.collect()
 
 
