@@ -142,19 +142,22 @@ class FreeSides:
             excess = strip.outwards * float(force_x[strip.wall].sum()) - strip.at_rest - share * strip.liquefied
             speed = strip.outwards * float(model.vx[strip.near].mean())
             speed += RELIEF * self.diameter / EVERY * excess / strip.stiffness
-            moved = strip.outwards * float((model.x - self.places)[strip.wall].mean())
-            room = ROOM * self.diameter - abs(moved)
-            if room <= 0.0 and speed * moved > 0.0:
+            moved = self._moved(model, strip)
+            if abs(moved) >= ROOM * self.diameter and speed * moved > 0.0:
                 speed = 0.0
             vx[strip.wall] = strip.outwards * speed
         model.vx, model.vx_half = vx, np.where(model.fixed, vx, model.vx_half)
 
     def stopped(self, model: DiscModel) -> set[str]:
         """Return the sides ("left", "right") that have no more room to move, or are walls."""
-        moved = model.x - self.places
+        limit = (ROOM - 0.1) * self.diameter
         free = {strip.side for strip in self.strips}
-        at_end = {s.side for s in self.strips if abs(moved[s.wall].mean()) >= (ROOM - 0.1) * self.diameter}
+        at_end = {strip.side for strip in self.strips if abs(self._moved(model, strip)) >= limit}
         return {"left", "right"} - free | at_end
+
+    def _moved(self, model: DiscModel, strip: _Strip) -> float:
+        """Displacement (m) of the wall of a strip, outwards positive."""
+        return strip.outwards * float((model.x - self.places)[strip.wall].mean())
 
 
 def _p_wave_modulus(soil: Stratum) -> float:
