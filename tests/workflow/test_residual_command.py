@@ -8,7 +8,7 @@ import pytest
 import tomli_w
 
 from tests.support import command_line
-from workflow.results.stability import Bearing, Stands
+from workflow.results.stability import AlongSurface, Bearing, Stands
 from workflow.stages.residual import verdict_of
 
 CLAY = {"youngs_modulus": "30 MPa", "poissons_ratio": 0.45, "density": "18 kN/m^3", "friction_angle": "0 deg"}
@@ -95,22 +95,25 @@ def test_ground_without_residual_strength_is_told_so(tmp_path: Path, capsys: pyt
 
 
 @pytest.mark.parametrize(
-    ("factor", "stands", "verdict"),
+    ("factor", "along", "stands", "verdict"),
     [
-        (1.4, "stands", "stands"),
-        (1.4, "flows", "would continue"),
-        (0.9, "flows", "fails"),
-        (None, "flows", "undecided"),
+        (1.4, 1.2, "stands", "stands"),
+        (1.4, None, "flows", "would continue"),
+        (1.4, 0.9, "flows", "would continue"),
+        (1.9, 1.58, "flows", "would stop"),
+        (0.9, 1.2, "flows", "fails"),
+        (None, None, "flows", "undecided"),
     ],
 )
-def test_nothing_is_said_of_a_peak_strength_that_was_not_found(
-    factor: float | None, stands: Stands, verdict: str
+def test_the_verdict_counts_peak_strength_and_the_slip_surface(
+    factor: float | None, along: float | None, stands: Stands, verdict: str
 ) -> None:
     everywhere = Bearing(
         stands=stands, reason="", kc=None, kc_lower=None, kc_upper=None, factor=None, factor_lower=None,
         factor_upper=None, notes=(),
     )  # fmt: skip
-    assert verdict_of(factor, everywhere) == verdict
+    surface = None if along is None else AlongSurface(surface_m=(), peak=factor, residual=along)
+    assert verdict_of(factor, surface, everywhere) == verdict
 
 
 @pytest.mark.slow

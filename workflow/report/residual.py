@@ -20,6 +20,14 @@ def residual_verdict(steps: TwoSteps, _: Texts) -> str:
             "With its residual strength the ground does not stand without shaking; its factor of safety with peak "
             "strength was not found."
         )
+    along = steps.along
+    if steps.verdict == "would stop" and along is not None and along.residual is not None:
+        return _(
+            "With its peak strength the ground stands without shaking, and a slide along the slip surface of peak "
+            "strength stops there: its factor of safety with residual strength is {factor}. With residual strength in "
+            "all strata that have one the ground does not stand.",
+            factor=f"{along.residual:.2f}",
+        )
     return _(
         "With its peak strength the ground stands without shaking, with its residual strength it does not: where it "
         "has slid before, or begins to slide, the slide continues."

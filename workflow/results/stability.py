@@ -36,7 +36,7 @@ class Bearing(Part):
     notes: tuple[str, ...] = Field(description="results that could not be computed, and the reasons")
 
 
-ResidualVerdict = Literal["stands", "would continue", "fails", "undecided"]
+ResidualVerdict = Literal["stands", "would stop", "would continue", "fails", "undecided"]
 
 
 class SoftenedStratum(Part):
@@ -65,8 +65,9 @@ class TwoSteps(Part):
     strata: tuple[SoftenedStratum, ...]
     verdict: ResidualVerdict = Field(
         description=(
-            '"stands": the ground stands even with residual strength; "would continue": it stands only with '
-            'peak strength; "undecided": it fails with residual strength, and there is no answer with peak '
+            '"stands": the ground stands even with residual strength everywhere; "would stop": with residual strength '
+            'it stands along the slip surface of peak strength only; "would continue": it stands only with peak '
+            'strength; "undecided": it fails with residual strength, and there is no answer with peak '
             "strength"
         )
     )

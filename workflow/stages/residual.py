@@ -42,6 +42,7 @@ def work(job: Job) -> None:
     factor = None if peak is None else peak.result.factor
     job.progress("residual strength", None)
     everywhere = bearing_of(softened, config, mesh)
+    along = None if peak is None else _along(section, softened, peak, config.fem.vertical)
     steps = TwoSteps(
         strata=tuple(
             SoftenedStratum(
@@ -52,9 +53,9 @@ def work(job: Job) -> None:
             for stratum in softened.strata
             if stratum.softens
         ),
-        verdict=verdict_of(factor, everywhere),
+        verdict=verdict_of(factor, along, everywhere),
         peak=factor,
-        along=None if peak is None else _along(section, softened, peak, config.fem.vertical),
+        along=along,
         everywhere=everywhere,
         notes=tuple(notes),
     )
@@ -106,13 +107,17 @@ def _without_residual(config: Config) -> str:
     return "" if any(stratum.softens for stratum in config.section.strata) else "no stratum has a residual strength"
 
 
-def verdict_of(factor: float | None, everywhere: "Bearing") -> ResidualVerdict:
-    """Return the verdict from the factors of safety with peak and with residual strength."""
+def verdict_of(factor: float | None, along: AlongSurface | None, everywhere: "Bearing") -> ResidualVerdict:
+    """Return the verdict from the factors of safety with peak strength, with residual strength along the slip surface
+    of peak strength, and with residual strength everywhere.
+    """
     if everywhere.stands == "stands":
         return "stands"
     if factor is None:
         return "undecided"
-    return "fails" if factor < 1.0 else "would continue"
+    if factor < 1.0:
+        return "fails"
+    return "would continue" if along is None or along.residual is None or along.residual < 1.0 else "would stop"
 
 
 STAGE = Stage(

@@ -2,8 +2,11 @@
 
 from typing import Any
 
-from workflow.report.residual import residual_details
-from workflow.results.stability import SoftenedStratum, TwoSteps
+import pytest
+
+from workflow.report.residual import residual_details, residual_verdict
+from workflow.report.texts import Texts
+from workflow.results.stability import AlongSurface, SoftenedStratum, TwoSteps
 
 
 def test_a_stratum_that_zones_divide_is_named_once() -> None:
@@ -17,3 +20,14 @@ def test_a_stratum_that_zones_divide_is_named_once() -> None:
         everywhere=None,
     )  # fmt: skip
     assert next(residual_details(steps)) == 'Residual strength: "Tailings" 0 kPa and 8° and "Shale" 0 kPa and 8°.'
+
+
+@pytest.mark.parametrize("language", ["en", "ja"])
+def test_a_slide_along_the_slip_surface_of_peak_strength_may_stop(language: str) -> None:
+    """Of tailings was told that the slide continues, beside a factor of safety of 1.58 along the slip surface."""
+    along = AlongSurface(surface_m=(), peak=1.92, residual=1.58)
+    steps = TwoSteps.model_construct(verdict="would stop", along=along)
+    sentence = residual_verdict(steps, Texts(language))
+    assert "1.58" in sentence
+    assert "continues" not in sentence
+    assert ("stops" in sentence) == (language == "en")
