@@ -33,6 +33,9 @@ Tell = Callable[[Any], None]
 
 # Set once nobody waits any more for what this thread does.
 _cancelled: ContextVar[Event | None] = ContextVar("_cancelled", default=None)
+# Longest wait of the main thread for another thread, in seconds: the system may let another thread notice the signal of
+# Ctrl-C, whose handler Python then calls as soon as the main thread runs.
+_WAIT = 0.2
 # Tasks of threads for which nobody waits any more.
 _left: WeakSet["Future[Any]"] = WeakSet()
 
@@ -162,7 +165,10 @@ def interruptible(work: Callable[[], A]) -> A:
     """
     if current_thread() is main_thread():
         with OneThread() as thread:
-            return thread.begin_there(work).result()
+            future = thread.begin_there(work)
+            while not futures.wait([future], _WAIT).done:
+                pass
+            return future.result()
     check_cancelled()
     result = work()
     check_cancelled()

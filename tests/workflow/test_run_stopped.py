@@ -10,13 +10,16 @@ import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import pytest
 
+from meshes.executor import OneThread
 from meshes.files import TEMPORARY
 from tests.support.command_line import TOP, line, process, run
 from tests.support.small_run import CONTINUUM, FEW_DISCS, SHORT_SLIDE, numbers, written
+from workflow.run.store import Store
 
 
 def killed_at(path: Path, out: Path, seconds: float, how: int, only: Sequence[str]) -> int:
@@ -89,6 +92,21 @@ def test_ctrl_c_while_it_computes(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "stopped after" in (tmp_path / "out/log.txt").read_text()
     assert run("run", path, "--out", tmp_path / "out", "--dry-run") == 0
     assert "it was stopped, and continues" in capsys.readouterr().out
+
+
+def test_what_works_on_after_ctrl_c_writes_nothing(tmp_path: Path) -> None:
+    store, stopped = Store(tmp_path), Event()
+
+    def work() -> None:
+        stopped.wait(timeout=60)
+        store.write_text("answer.json", "{}")
+
+    with OneThread() as thread:
+        left = thread.begin_there(work)
+    stopped.set()
+    with pytest.raises(KeyboardInterrupt):
+        left.result(timeout=60)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.fixture

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from meshes.errors import InputError
+from meshes.executor import check_cancelled
 from meshes.files import TEMPORARY, whole
 
 if TYPE_CHECKING:
@@ -47,8 +48,10 @@ class Store:
         """Yield a temporary path to write to; at the end of the block the file is renamed to ``name``.
 
         Raises InputError if it cannot be written, or if another file cannot be read meanwhile. After an error the
-        temporary file is removed.
+        temporary file is removed. A thread whose result is no longer needed writes nothing: Ctrl-C, which raises
+        KeyboardInterrupt here.
         """
+        check_cancelled()
         target = self.folder / name
         try:
             with whole(target) as temporary:
