@@ -6,7 +6,7 @@ face, or there is no flow: `free_surface_flow` determines which, and where the g
 the phreatic line.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -191,7 +191,19 @@ def steady_seepage(
     if discharge <= STILL * float(permeability.max() * np.ptp(grid.points[:, 1])):
         discharge = 0.0
     seeps = flow.seeps & ~np.isfinite(heads)
-    return Seepage(grid, _continued(grid, flow), flow.inflow, seeps, discharge, table, tolerance)
+    head = _continued(grid, _below_highest_head(grid, flow, float(np.nanmax(heads)), tolerance))
+    return Seepage(grid, head, flow.inflow, seeps, discharge, table, tolerance)
+
+
+def _below_highest_head(grid: FlowGrid, flow: "FreeSurfaceFlow", highest: float, tolerance: float) -> "FreeSurfaceFlow":
+    """Return the flow without heads above the ``highest`` that is given (m).
+
+    No seepage without rain has any (maximum principle); where the phreatic line meets a core, cells make some of up to
+    half their height.
+    """
+    z = grid.points[:, 1]
+    pressure = np.minimum(flow.pressure, np.maximum(highest - z, 0.0))
+    return replace(flow, pressure=pressure, full=flow.full & (z <= highest + 1e-3 * tolerance))
 
 
 def _continued(grid: FlowGrid, flow: "FreeSurfaceFlow") -> np.ndarray:

@@ -189,6 +189,19 @@ def test_vertical_zones_have_dupuits_discharge_and_a_core_keeps_the_shell_behind
         assert behind == pytest.approx(2.0, abs=2.0 if contrast > 1e-3 else 0.02)
 
 
+@pytest.mark.parametrize("contrast", [1e-5, 1e-2])
+def test_water_behind_a_core_that_leans_stands_no_higher_than_the_pond(contrast: float) -> None:
+    """Heads have no maximum inside the ground; where the water met a core they had one of 35.3 m of 35."""
+    ground = [[0, 0], [20, 0], [92, 40], [100, 40], [172, 0], [200, 0]]
+    data = flowing(ground, [[0, 35], [83, 35], [172, 0], [200, 0]], base=-10.0)
+    core = data["strata"][0] | {"name": "core", "permeability": contrast * K}
+    data["zones"] = [core | {"points": [[78, 0], [94, 38], [98, 38], [114, 0]]}]
+    flow = Section.parse(data).water_pressure.flow
+    z = flow.grid.points[:, 1]
+    assert np.maximum(flow.head, z)[flow.head > z].max() <= 35.0 + 1e-9
+    assert flow.water_line[:, 1].max() == pytest.approx(35.0, abs=1e-6)
+
+
 def test_a_dam_on_a_horizontal_drain_is_kozenys() -> None:
     """The upper face is the equipotential of Kozeny's parabolas (1931): q = k y0, z² = y0² - 2 y0 x at the top."""
     height, focal = 10.0, 4.0
