@@ -27,19 +27,23 @@ def test_the_table_of_strata_wraps_names_and_no_numbers(
     assert "40 + 1.5 z" in table
 
 
+@pytest.mark.parametrize(
+    ("past", "shown"),
+    [({"ocr": 1.6}, "0.23 σ'v 1.6^0.85,"), ({"pre_overburden_pressure": "20 kPa"}, "(1+20/σ'v)^0.85,")],
+)
 def test_a_long_formula_of_cohesion_leaves_room_for_names_and_densities(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    past: dict, shown: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """In 80 columns SHANSEP clay with a minimum pushed the names and densities of all strata out of the table."""
+    """In 80 columns SHANSEP clay with a minimum pushed names, densities or friction angles out of the table."""
     data = slope()
-    data["strata"][0] |= {"strength_ratio": 0.23, "ocr": 1.6, "ocr_exponent": 0.85, "cohesion_minimum": "8 kPa",
-                          "friction_angle": "0 deg", "cohesion": "0 kPa"}  # fmt: skip
+    data["strata"][0] |= {"strength_ratio": 0.23, "ocr_exponent": 0.85, "cohesion_minimum": "8 kPa",
+                          "friction_angle": "0 deg", "cohesion": "0 kPa"} | past  # fmt: skip
     path = tmp_path / "slope.toml"
     path.write_text(tomli_w.dumps(data))
     monkeypatch.setattr("workflow.cli.terminal.out", Console(width=80, highlight=False))
     assert run("check", path, "--out", tmp_path / "out") == 0
     table = capsys.readouterr().out.partition("The section is sound")[0]
-    for text in ("upper", "lower", "0.23 σ'v 1.6^0.85,", "at least 8", "ρ"):
+    for text in ("upper", "lower", shown, "≥ 8", "ρ", "φ/ψ"):
         assert text in table
 
 

@@ -34,8 +34,8 @@ SEISMIC_STAGES = frozenset(
     {"triggering", "liquefied", "calibrate", "slide", "mpm"}
 )  # stages that an earthquake matters to
 NAME_WIDTH = 10  # characters of the column of strata: names in a narrower one cannot be read
-# The densities, of which a stratum may have two, and cohesions, which may have a minimum and a tension cut-off: wrapped
-# after a comma where the screen is narrow.
+# The densities, of which a stratum may have two, and cohesions, which may have a minimum, a tension cut-off and a
+# factor of overconsolidation: wrapped after a comma or before the factor where the screen is narrow.
 SEVERAL = (tables.STRATA_HEADS[6], tables.STRATA_HEADS[7])
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
@@ -84,12 +84,14 @@ def show_strata(section: Section) -> None:
     rows = [[legible(cell) for cell in row] for row in tables.strata_rows(section)]
     for head, cells in zip(tables.STRATA_HEADS, zip(*rows, strict=True), strict=True):
         name, wraps = head == "stratum", head == "stratum" or head in SEVERAL  # a number is told whole
-        width = NAME_WIDTH if name else max(len(part) for cell in cells for part in re.split(r"(?<=,) ", cell))
+        width = NAME_WIDTH if name else max(len(part) for cell in cells for part in re.split(r"(?<=,) | (?=\()", cell))
         table.add_column(
             legible(head), justify="left" if name else "right", no_wrap=not wraps, overflow="fold", min_width=width
         )
     for row in rows:
         table.add_row(*map(escape, row))
+    if table.__rich_measure__(out, out.options.update_width(1000)).minimum > out.width:
+        table.padding = 0  # one space between columns remains
     out.print(table)
     if any(not text.isascii() for text in tables.texts(section)):
         from workflow.figures import fonts

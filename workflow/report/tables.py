@@ -71,10 +71,10 @@ def _cohesion(stratum: Stratum) -> str:
     terms = [f"{stratum.cohesion / 1e3:.4g}"] if stratum.cohesion or not stratum.cohesion_varies else []
     terms += [f"{stratum.cohesion_increase / 1e3:.3g} z"] if stratum.cohesion_increase else []
     if stratum.strength_ratio:
-        past = f"(1 + {stratum.pre_overburden_pressure / 1e3:.3g}/σ'v)" if stratum.pre_overburden_pressure else ""
+        past = f"(1+{stratum.pre_overburden_pressure / 1e3:.3g}/σ'v)" if stratum.pre_overburden_pressure else ""
         past = past or (f"{stratum.ocr:.3g}" if stratum.ocr not in (None, 1.0) else "")
         terms.append(f"{stratum.strength_ratio:.3g} σ'v" + (f" {past}^{stratum.exponent:.3g}" if past else ""))
-    least = f", at least {stratum.cohesion_minimum / 1e3:.3g}" if stratum.cohesion_minimum else ""
+    least = f", ≥ {stratum.cohesion_minimum / 1e3:.3g}" if stratum.cohesion_minimum else ""
     return " + ".join(terms) + least
 
 
