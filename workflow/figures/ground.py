@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 HATCH = "...."
 SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
 LEAST_NUMBERED = 0.02  # of the height of a section: a number would not fit into a thinner stratum
+WALL = "#7a1fa2"  # colour of cut-off walls
 NUMBER_SIZE = 6.5  # points
 NAME_ABOVE = 15.0  # of the name of a boring over the ground (points): clear of the numbers of thin layers there
 HALO = [withStroke(linewidth=2.5, foreground="white")]
@@ -126,6 +127,7 @@ def draw_section(
         if water is not None:
             _fill_water(axes, section, water)
             axes.plot(*water.T, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
+        _draw_walls(axes, section)
         for line in lines:
             axes.plot(*line.points.T, color=line.colour, linewidth=2.0, linestyle=line.dashes)
         if decorate is not None:
@@ -217,6 +219,12 @@ def draw_loads(axes: Axes, section: Section) -> None:
         )  # fmt: skip
 
 
+def _draw_walls(axes: Axes, section: Section) -> None:
+    """Draw the cut-off walls, from the ground down."""
+    for wall in section.water.cutoffs if section.water is not None else ():
+        axes.plot([wall.x, wall.x], [np.interp(wall.x, *section.ground.T), wall.bottom], color=WALL, linewidth=2.5)
+
+
 def _number_strata(axes: Axes, section: Section) -> None:
     """Write the number of every stratum where it is thickest, so that layers can be distinguished without colours, too.
 
@@ -295,6 +303,8 @@ def _legend_of(section: Section, water: bool = True) -> list[Artist]:
         handles = [*handles[: room - 1], Patch(facecolor="none", label=more)]
     if water and section.water_points() is not None:
         handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"))
+    if water and section.water is not None and section.water.cutoffs:
+        handles.append(Line2D([], [], color=WALL, linewidth=2.5, label="cut-off wall"))
     if water and section.given_extent != section.extent:
         handles.append(Line2D([], [], color=INK, linewidth=0.8, linestyle=SURVEYED, label="ends of the given ground"))
     if water and section.surcharges:

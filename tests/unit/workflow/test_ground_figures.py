@@ -1,0 +1,34 @@
+"""Pictures of the ground."""
+
+from pathlib import Path
+
+import pytest
+from matplotlib.axes import Axes
+
+from tests.support.sections import slope
+from workflow.config import Config
+from workflow.figures.fem import conditions
+from workflow.figures.ground import WALL, draw_section
+
+
+def test_a_cut_off_wall_is_drawn_from_the_ground_to_its_foot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only a jump of the water table told where the wall of a dike stands."""
+    data = {**slope(), "water": {"flow": True, "table": [[0, 12], [100, 6]], "cutoffs": [{"x": 40.0, "bottom": 5.0}]}}
+    data["strata"] = [stratum | {"permeability": "1e-6 m/s"} for stratum in data["strata"]]
+    section = Config.parse(data).section
+    drawn, plot = [], Axes.plot
+    monkeypatch.setattr(
+        Axes, "plot", lambda axes, *args, **how: (drawn.append((args, how)), plot(axes, *args, **how))[1]
+    )
+    draw_section(section, tmp_path / "section.png")
+    [(x, z)] = [args for args, how in drawn if how.get("color") == WALL]
+    top = section.ground[:, 1].max()
+    assert x == [40.0, 40.0]
+    assert z[1] == 5.0 < z[0] <= top
+
+
+def test_the_foot_of_a_picture_names_the_seismic_force_once() -> None:
+    """It said "seismic force seismic force downslope"."""
+    words = conditions(Config.parse(slope()), "reduced")
+    assert words.count("seismic force") == 1
+    assert "seismic force downslope and upslope; the smaller Kh counts" in words
