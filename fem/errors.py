@@ -9,13 +9,13 @@ class UnstableError(NoAnswerError):
     Attributes
     ----------
     reason : str
-        Why the ground fails, such as the share of its weight that is in equilibrium.
+        Reason why the ground fails, such as the share of its weight that is in equilibrium.
     remedy : str
         Advice on what the user can change.
     """
 
 
 class NoEquilibriumError(NoAnswerError):
-    """Equilibrium with stresses inside the yield surface was not reached: whether the ground stands or fails is
-    unknown.
+    """No state was found in which stresses inside the yield surface balance the loads: whether the ground stands or
+    fails is unknown.
     """

@@ -1,4 +1,4 @@
-"""Settings of the search for the critical seismic coefficient."""
+"""Defines the settings of the search for the critical seismic coefficient."""
 
 from typing import Annotated, Literal
 

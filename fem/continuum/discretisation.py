@@ -1,5 +1,5 @@
-"""The finite elements of a mesh on one MPI rank: strain-displacement matrices, weights, numbering, and exchange between
-ranks."""
+"""Sets up the finite elements of a mesh on one MPI rank: strain-displacement matrices, weights, numbering, and exchange
+between ranks."""
 
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,4 +1,5 @@
-"""Fields of a state of equilibrium for pictures and files, by cell and by corner, and the slip surface in them."""
+"""Holds the fields of an equilibrium state by cell and by corner, for pictures and files, and decides whether the state
+is a mechanism."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""The ground after liquefaction: liquefied strata have a residual strength without friction, and hardly change their
+"""Gives liquefied strata a residual strength without friction, and a stiffness at which they hardly change their
 volume.
 """
 

@@ -1,5 +1,5 @@
-"""Ends of surcharges on ground without cohesion, which has no bearing capacity there: the ground just below is
-strengthened.
+"""Strengthens the ground just below the ends of surcharges on ground without cohesion, which has no bearing capacity at
+these ends.
 
 The bearing capacity of sand below a strip load comes from its weight alone, and is zero at the edge of the load
 (Terzaghi 1943: γ B Nγ / 2 is the mean of a pressure that falls to zero at the edge). So no stress field balances a

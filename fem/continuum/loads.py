@@ -1,4 +1,5 @@
-"""Direction of the seismic load, and which strata can be analysed: for finite elements and limit analysis alike."""
+"""Determines the direction of the seismic load, and which strata can be analysed, for finite elements and for limit
+analysis."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -22,8 +23,8 @@ def seismic_sign(section: Section, settings: FemSettings) -> int:
 
 
 def direction_of(settings: FemSettings, opposite: bool = False) -> Direction:
-    """Return the direction of the settings, and "downhill" if the setting is "both". Return the opposite direction if
-    ``opposite``."""
+    """Return the direction of the seismic force that the settings name, or "downhill" if they name both. Return the
+    opposite direction if ``opposite``."""
     return "uphill" if (settings.direction == "uphill") != opposite else "downhill"
 
 

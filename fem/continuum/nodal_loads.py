@@ -1,4 +1,4 @@
-"""Nodal forces of pore water, free water and surcharges.
+"""Computes the nodal forces of pore water, free water and surcharges.
 
 The pore pressure u is taken at the quadrature points, where it does work on the volumetric strain, so that the skeleton
 gets the forces of σ' = σ + u (tension positive) whether u jumps from stratum to stratum or not. Free water loads the
@@ -68,8 +68,8 @@ def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: i
 
 
 def pore_force(problem: PlaneStrain, mesh: QuadMesh, pressure: Pressure) -> np.ndarray:
-    """Return the nodal forces (dofs,) in N/m of a pore pressure, by the principle of virtual work: the integral of u
-    times the volumetric strain."""
+    """Return the nodal forces (dofs,) in N/m of a pore pressure, by the principle of virtual work: the force does the
+    work of the pore pressure u on the volumetric strain."""
     grid = problem.grid
     corners = mesh.points[grid.corners]
     points = np.einsum("qa,cai->cqi", grid.corner_shapes, corners)

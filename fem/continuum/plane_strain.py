@@ -1,4 +1,4 @@
-"""Elastoplastic plane strain of a meshed section: its state, its internal forces, its tangent stiffness.
+"""Models elastoplastic plane strain of a meshed section: its state, its internal forces, its tangent stiffness.
 
 Stress is positive in tension; components [xx, yy, zz, xy], y upwards; Pa, m, N per metre out of plane.
 """
@@ -37,7 +37,8 @@ class PartialProblem:
     dofs : ndarray (nc, nd)
         Numbers of the components of every cell among the k components of this part.
     matrix, weights, hourglass : ndarray
-        Numbers of the soil of every quadrature point, which are rows of ``table``.
+        Strain-displacement matrix B (1/m), areas of the quadrature points (m²), and stiffness against hourglass modes,
+        for the cells of this part.
     stress : ndarray (points, 4)
         Accepted stress (Pa).
     material : ndarray (points,)

@@ -1,4 +1,5 @@
-"""Shallow failure of a cohesionless face: the Kh at which it fails, and the search for deeper failures.
+"""Computes the Kh at which a cohesionless face fails in a shallow layer, and strengthens such faces so that deeper
+failures are found.
 
 Sand without cohesion fails first at its inclined surface, in a layer of no thickness along the face. No mesh resolves
 this failure, and practitioners want to know the failure of the whole slope. So the Kh of the shallow failure is

@@ -1,4 +1,4 @@
-"""The K0 stress that stays on free-field sides: for finite elements and limit analysis alike.
+"""Computes the K0 stress that acts on free-field sides, for finite elements and for limit analysis.
 
 The K0 stress grows with depth as in ground without horizontal strain: ν / (1 - ν) of the weight of the column above,
 times a factor for each stratum. The factor makes the resultant in the stratum equal to the one of plane elasticity

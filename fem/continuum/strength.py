@@ -1,4 +1,4 @@
-"""Strength and flow rule with which the strata enter an analysis, and Davis's estimate where ψ < φ.
+"""Determines the strength and flow rule of the strata in an analysis, and Davis's estimate where ψ < φ.
 
 Ground that dilates by less than its friction angle has no unique limit load: the normality rule does not hold, and the
 largest load of an equilibrium path depends on how the path is followed. Davis (1968, in Lee, Soil Mechanics: Selected
@@ -11,9 +11,8 @@ and substitutes associated ground with c* = β c and tan φ* = β tan φ. Its li
 is never above that of ψ = φ. When the strength is divided by a factor λ, there are three forms (Tschuchnigg,
 Schweiger & Sloan 2015, Géotechnique 65, 249; theory in Sysala et al. 2021):
 
-    A   β of φ and ψ as given,
-    B   β of arctan(tan φ / λ) and arctan(tan ψ / λ),
-    C   β of arctan(tan φ / λ) and ψ, and 1 where ψ is the larger one.
+    Form A takes β of φ and ψ as given; form B takes β of arctan(tan φ / λ) and arctan(tan ψ / λ); form C takes β of
+    arctan(tan φ / λ) and ψ, and β = 1 where ψ is the larger of these two angles.
 
 At λ = 1 all three are the same. Angles are in radians, cohesion in Pa.
 """
@@ -64,7 +63,7 @@ def with_davis_strength(section: Section) -> Section:
     Parameters
     ----------
     section : Section
-        Return the Davis factor β = cos ψ cos φ / (1 - sin ψ sin φ) of angles in rad (Davis 1968); 1 where ψ = φ.
+        The ground, with the dilation angles of its strata.
 
     Returns
     -------
@@ -136,7 +135,7 @@ def strength_of(
 
 
 def davis_words(dilation: Iterable[float]) -> str:
-    """Return a name of Davis's estimate that states the dilation angles."""
+    """Return the name of Davis's estimate, which states the dilation angles."""
     return "Davis's estimate for the given ψ" if any(dilation) else "Davis's estimate for ψ = 0"
 
 

@@ -1,4 +1,5 @@
-"""Kernels of one Newton iteration: strains from displacements, forces from stresses, element stiffness matrices."""
+"""Computes what one Newton iteration needs (kernels): strains from displacements, forces from stresses, element
+stiffness matrices."""
 
 import numba as nb
 import numpy as np

@@ -1,4 +1,5 @@
-"""Kernels: static condensation of the displacement components inside a cell, which no other cell shares.
+"""Condenses the displacement components inside a cell, which no other cell shares, out of its stiffness matrix
+(kernels).
 
 With the components b on the border of a cell and i inside it,
 

@@ -1,4 +1,5 @@
-r"""Kernels for second-order cones of three components, of which an interior-point method has a hundred thousand.
+r"""Computes scalings, products and step lengths for second-order cones of three components, of which an interior-point
+method has a hundred thousand (kernels).
 
 For a slack s and a multiplier z inside the cone v0 >= |(v1, v2)|, the scaling of Nesterov & Todd (1997) is the
 symmetric matrix W with W z = W⁻¹ s = λ. With J = diag(1, -1, -1) and a vector w such that wᵀ J w = 1 and w0 > 0, it is
@@ -86,9 +87,9 @@ def centrality(
     """Compute Gondzio's right-hand side W (λ \\ t) (k, 3); t moves the products of a longer step into the range ``low``
     to ``high`` times the ``aim``.
 
-    The products are the eigenvalues of (W⁻¹ s) ∘ (W z); none is taken back by more than ``high`` times the aim (Gondzio
-    1996). ``axis``, ``size``: w and η of `scalings`; ``z``: multipliers; ``s_next``, ``z_next``: after the longer step;
-    ``out``: (k, 3).
+    The products are the eigenvalues of (W⁻¹ s) ∘ (W z); no product is reduced by more than ``high`` times the aim
+    (Gondzio 1996). ``axis``, ``size``: w and η of `scalings`; ``z``: multipliers; ``s_next``, ``z_next``: slacks and
+    multipliers after the longer step; ``out``: (k, 3).
     """
     for k in range(len(z)):
         w, eta = axis[k], size[k]

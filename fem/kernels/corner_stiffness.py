@@ -1,4 +1,4 @@
-"""Kernels that eliminate the unknowns which an interior-point method has at one corner of a cell.
+"""Eliminates the unknowns that an interior-point method has at one corner of a cell (kernels).
 
 At a corner the strain rate, q = [volume, difference, shear], and its conjugate multiplier m, minus the stress, obey q +
 C m = g with a compliance C of three rows. With friction it is U⁻¹ W² U⁻¹, U = diag(1, sin φ, sin φ), W² that of

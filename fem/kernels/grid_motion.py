@@ -1,4 +1,5 @@
-"""Motion of the background grid of material points in a step, and of the base on which its lowest nodes stand.
+"""Computes the motion of the background grid of material points in a time step, and of the base that supports its
+lowest nodes (kernels).
 
 Velocities are those in the frame in which the ground far below does not move; Kh or a record acts in it as an
 acceleration of the whole mass. Positive is to the right and upwards; m, kg and N are those of a metre out of plane.

@@ -1,4 +1,4 @@
-"""Kernels: the lower triangle of a symmetric matrix that is the sum of many small matrices."""
+"""Adds many small symmetric matrices to the lower triangle of a sparse matrix (kernels)."""
 
 import numpy as np
 from numba import njit

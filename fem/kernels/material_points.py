@@ -1,4 +1,5 @@
-"""Explicit material point method in plane strain: points to grid, motion of the grid, grid to points, stress.
+"""Moves material points in plane strain by the explicit material point method (kernels): from points to grid, motion of
+the grid, from grid to points, stress.
 
 Points carry mass, momentum, an affine velocity field and stress; a background grid of square cells with quadratic
 B-splines moves them. One step is (Hu et al. 2018, ACM Trans. Graph. 37, 150, eqs. 16 to 18, with D = h² / 4)

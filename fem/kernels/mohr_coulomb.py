@@ -1,7 +1,7 @@
-"""Mohr-Coulomb stress update and consistent tangent in plane strain, at many points at once.
+"""Updates the Mohr-Coulomb stress and computes its consistent tangent in plane strain, at many points at once.
 
-Elastic, perfectly plastic, with non-associated flow and an optional tension cut-off; `return_mapping` has the
-equations. Convention, here and there:
+The law is elastic, perfectly plastic, with non-associated flow and an optional tension cut-off; `return_mapping` has
+the equations. Conventions of this module and of `return_mapping`:
 
 * stress is positive in tension, in Pa, with components [xx, yy, zz, xy]; zz is normal to the plane of strain;
 * strain has the same components, the last one being the engineering shear strain gamma_xy = 2 eps_xy;

@@ -1,4 +1,5 @@
-"""Return of a trial stress to the Mohr-Coulomb surface with tension cut-off, and its consistent tangent.
+"""Returns a trial stress to the Mohr-Coulomb surface with tension cut-off, and computes its consistent tangent
+(kernels).
 
 The return is done in principal stresses, where the surface is made of planes, so that every return has a
 closed form and needs no iteration. Signs, components and units are those of `mohr_coulomb`, from which this module is
@@ -135,8 +136,8 @@ def _principal_return(x1: float, x2: float, x3: float, table: Floats, m: int) ->
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _from_order(v1: float, v2: float, v3: float, place: int) -> tuple[float, float, float]:
-    """Return the in-plane major, the in-plane minor and the out-of-plane value (zz) of three ordered values; zz is
-    number `place` (1, 2 or 3) among them."""
+    """Return the in-plane major, the in-plane minor and the out-of-plane stress (zz) of three principal stresses in
+    descending order; zz is number `place` (1, 2 or 3) among them."""
     if place == 3:
         return v1, v2, v3
     if place == 2:

@@ -1,4 +1,4 @@
-"""Kernel: a small overstress, which makes the solution of a step with non-associated flow unique.
+"""Adds a small overstress to the stress of a step, which makes the solution with non-associated flow unique (kernel).
 
 With the inviscid stress s_p of the step and the elastic one s_e, Duvaut & Lions' model integrated by backward Euler is
 
@@ -25,8 +25,8 @@ def add_overstress(
 ) -> None:
     """Add a share of the elastic stress to the inviscid one, in place; ``b`` is the weight of the elastic stress.
 
-    ``strain_increment``, ``stress_old``, ``stress`` and ``plastic_strain_increment`` are (n, 4), ``tangent`` is
-    (n, 4, 4) or empty, ``material`` (n,) points into ``elastic`` (materials, 4, 4).
+    ``strain_increment``, ``stress_old``, ``stress`` and ``plastic_strain_increment`` are (n, 4), ``tangent`` is (n, 4,
+    4) or empty, ``material`` (n,) contains indices of ``elastic`` (materials, 4, 4).
     """
     for point in range(len(stress)):
         law = elastic[material[point]]

@@ -1,10 +1,11 @@
-"""Check that an answer is a strict bound: its conditions are computed from the answer alone, without the matrices of
-the solver.
+"""Checks whether an answer is a strict bound. The conditions are computed from the answer alone, without the matrices
+of the solver.
 
 A stress field is statically admissible, and its multiplier a lower bound, if it is in equilibrium, its tractions are
 continuous and equal to the prescribed ones, and no point is beyond the yield surface. Velocities are kinematically
-admissible, and dissipation less dead work over live work is an upper bound, if they are continuous, zero where held,
-and obey the associated flow rule. All numbers are dimensionless, over the units of the problem.
+admissible if they are continuous, zero where the boundary is held, and obey the associated flow rule. Their upper bound
+is the dissipation less the work of the dead load, over the work of the live load. All numbers are dimensionless, over
+the units of the problem.
 """
 
 from dataclasses import dataclass

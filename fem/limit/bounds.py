@@ -1,4 +1,4 @@
-"""Strict lower and upper bound of the critical seismic coefficient of a section, by limit analysis.
+"""Computes strict lower and upper bounds of the critical seismic coefficient of a section by limit analysis.
 
 The flow rule is associated, ψ = φ; the upper bound holds for every smaller ψ, too (Radenkovic 1961). Where ψ < φ,
 Davis's estimate (1968) has c and tan φ times cos ψ cos φ / (1 - sin ψ sin φ), and associated flow: its bounds are

@@ -1,4 +1,4 @@
-"""The search for the factor of safety in one direction, by bounds of the critical Kh of weakened ground."""
+"""Searches the factor of safety in one direction by bounds of the critical Kh of weakened ground."""
 
 import math
 from collections.abc import Sequence
@@ -106,8 +106,8 @@ class FactorSearch:
     def confirms(self, other: "FactorSearch") -> bool:
         """Return whether the lower bound of the ``other`` direction is proven for this one on the finest triangles.
 
-        This proof mostly needs far fewer triangles than the bounds of the other direction. If the bound is not proven,
-        the factor of this direction is searched for, on triangles refined for its mechanism.
+        This proof mostly needs far fewer triangles than the bounds of the other direction. If it fails, the factor of
+        this direction is searched for, on triangles refined for its mechanism.
         """
         if other.both_ways:
             self.lower = other.lower
@@ -176,7 +176,8 @@ class FactorSearch:
         return problem if self.gauge == "kh" else with_all_loads_live(problem, self.target)
 
     def over(self, bound: float) -> float:
-        """Return a bound of Kh less the given Kh, or the logarithm of the share of loads."""
+        """Return by how much a bound exceeds the required value: the bound of Kh less the given Kh, or the logarithm of
+        the share of loads that the ground resists."""
         if self.gauge == "kh":
             return bound - self.target
         return math.log(bound) if bound > 0.0 else -math.inf
@@ -285,7 +286,7 @@ class FactorSearch:
         return (self.over(trial.lower) - self.over(trial.upper)) / self.slope
 
     def learn(self, before: BoundsTrial, now: BoundsTrial) -> None:
-        """Update the slope of the excess over the logarithm of the factor, from the trials so far."""
+        """Update the derivative of the excess with respect to the logarithm of the factor, from the trials so far."""
         if before.cells != now.cells or before.factor == now.factor or before.gauge != now.gauge:
             return
         for side in ("upper", "lower"):
@@ -298,8 +299,8 @@ class FactorSearch:
                     return
 
     def step(self, over: float) -> float:
-        """Return the ratio of the next factor to the present factor, if a bound at the present factor is ``over`` above
-        the required value."""
+        """Return the ratio of the next factor to the present factor, if a bound at the present factor exceeds the
+        required value by ``over``."""
         if self.slope is None:
             log_step = (2.0 if self.gauge == "kh" else 1.0) * over
             log_step = math.copysign(max(abs(log_step), 0.05), log_step)
@@ -310,8 +311,9 @@ class FactorSearch:
     def prove_both(self, finally_: bool) -> None:
         """Prove the upper bound, which takes less work, then the lower bound.
 
-        On the last triangles (``finally_``) to the required gap; on earlier ones only where little is proven yet, since
-        the solver may fail on finer ones, or where the upper bound decides.
+        On the last triangles (``finally_``) both bounds are proven to the required gap. On earlier triangles they are
+        proven only if little is proven yet, since the solver may fail on finer triangles, or if the upper bound
+        decides.
         """
         sides: tuple[tuple[BoundSide, float], ...] = (("upper", 1.0), ("lower", -1.0))
         for side, sense in sides:
@@ -322,10 +324,10 @@ class FactorSearch:
                 self.prove(side, sense, finally_)
 
     def prove(self, side: BoundSide, sense: float, finally_: bool = True) -> None:
-        """Prove a bound by trials a little to the safe side of the estimated factor until no better bound is proven;
-        for the lower bound, which takes most of the work, until the gap is small enough. Without an estimate, bisect.
-        Where no stress has balanced the loads yet, reduce the factor; on triangles that are not the last ones
-        (``finally_``) only once.
+        """Prove a bound by trials a little to the safe side of the estimated factor until no better bound is proven.
+        The lower bound takes most of the work, so that its trials end as soon as the gap is small enough. Without an
+        estimate, the interval of the factor is bisected. Where no stress has balanced the loads yet, the factor is
+        reduced, but only once on triangles that are not the last ones (``finally_``).
         """
         last, work = self.trials[-1].factor, 0.5 * min(trial.work for trial in self.here)  # of one bound, at least
         for times in range(1, PROOFS + 1):

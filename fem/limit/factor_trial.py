@@ -1,4 +1,4 @@
-"""Trials of a factor of safety, their starting points, and the work that they take."""
+"""Defines trials of a factor of safety, their starting points, and the computing work that they may take."""
 
 import math
 from dataclasses import dataclass

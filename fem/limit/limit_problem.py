@@ -1,4 +1,4 @@
-"""The problem of limit analysis on triangles: a rigid-plastic body under a dead load and a live one.
+"""Defines the problem of limit analysis on triangles: a rigid-plastic body under a dead load and a live load.
 
 The load multiplier λ acts on the live load alone: the body carries dead + λ live, and λ is to be bounded. Everything in
 a ``LimitProblem`` is dimensionless: lengths over ``units.length``, stresses over ``units.stress``; λ is as in SI

@@ -1,4 +1,5 @@
-"""Lower bound: a stress field that is linear in every triangle, in equilibrium and nowhere beyond the yield surface.
+"""Finds a lower bound: a stress field that is linear in every triangle, in equilibrium, and nowhere beyond the yield
+surface.
 
 Every triangle has three corner stresses (Sloan 1988); the stress may jump from triangle to triangle, the traction on
 their common edge may not. Mohr-Coulomb holds at the corners as a cone (Makrodimopoulos & Martin 2006; Lyamin & Sloan
@@ -134,7 +135,7 @@ def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.
     """Return the equilibrium equations A σ = b0 + λ b1 of the cells, then the tractions of the edges, each times a
     length.
 
-    The last array has the number of the point of an equation of tractions, -1 for an equation of equilibrium.
+    The last array contains the number of the point of each equation of tractions, and -1 for equations of equilibrium.
     """
     rows = [_balance(problem), _continuity(problem), _boundary(problem), _repetition(problem)]
     matrices, dead, live, points = zip(*rows, strict=True)

@@ -1,4 +1,4 @@
-"""Strict lower and upper bound of the factor of safety of a section at a given Kh, by limit analysis.
+"""Computes strict lower and upper bounds of the factor of safety of a section at a given Kh, by limit analysis.
 
 The factor divides c and tan φ of all strata (Zienkiewicz, Humpheson & Lewis 1975); the flow rule is associated. For a
 trial factor F, limit analysis bounds the critical Kh of the weakened ground. F is a lower bound if one stress field is

@@ -1,4 +1,4 @@
-"""The resultants of the K0 stress on free-field sides: plane elasticity on triangles."""
+"""Computes the resultants of the K0 stress on free-field sides by plane elasticity on triangles."""
 
 import numpy as np
 from scipy import sparse

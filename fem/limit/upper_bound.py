@@ -1,4 +1,4 @@
-"""Upper bound: a mechanism of continuous, quadratic velocities that obey the associated flow rule everywhere.
+"""Finds an upper bound: a mechanism of continuous, quadratic velocities that obey the associated flow rule everywhere.
 
 In a triangle with straight sides and six nodes the strain rate is linear. The flow rule is convex:
 it holds in the whole triangle if it holds at the corners, and the dissipation is at most a third of the area times the

@@ -1,5 +1,6 @@
-"""The limit load of discretised ground by finite element limit analysis: the largest load multiplier for which stresses
-at the quadrature points, within the yield surface, are in equilibrium with the nodal forces.
+"""Computes the limit load of discretised ground by finite element limit analysis. The limit load is the largest load
+multiplier for which stresses at the quadrature points, within the yield surface, are in equilibrium with the nodal
+forces.
 
 By the duality of limit analysis (Krabbenhoft & Damkilde 2003, Int. J. Numer. Meth. Engng 56, 165; the program is that
 of ``cone_program.py``) it is also the smallest multiplier at which the dissipation of a velocity field of the same

@@ -1,5 +1,5 @@
-"""The factor of safety of discretised ground by finite element limit analysis: the divisor of the strength at which
-nodal forces are just resisted.
+"""Computes the factor of safety of discretised ground by finite element limit analysis. The factor is the divisor of
+the strength at which nodal forces are just resisted.
 
 At a trial factor F the reserve of strength is computed: the largest λ for which stresses at the quadrature points are
 in equilibrium with the forces within

@@ -1,4 +1,5 @@
-"""Ground under its weight, and the critical Kh of its mesh by finite element limit analysis.
+"""Brings ground to equilibrium under its weight, and computes the critical Kh of its mesh by finite element limit
+analysis.
 
 The limit load of one mesh can be computed repeatedly, with another flow rule or other sides. Loads and side stresses
 stay the same, so that the results differ only by the flow rule or the sides: the limit load by Davis's estimate, with
@@ -68,7 +69,7 @@ class LimitLoadResult:
     Attributes
     ----------
     kc : float
-        The limit load (-); ``kh_limit`` where the limit load is larger.
+        The limit load (-), but at most ``kh_limit``.
     verdict : PathVerdict
         "plateau" or "no failure".
     flow : Flow
@@ -76,7 +77,7 @@ class LimitLoadResult:
     direction : Direction
         Direction of the seismic force.
     reason : str
-        The verdict in words.
+        Explanation of the verdict in words.
     mechanism : FieldState or None
         The mechanism; None without a limit load.
     shallow_failures : list of ShallowFailure
@@ -155,7 +156,8 @@ def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadR
 
 
 def _between(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadResult:
-    """Return the limit load with the mean of a bracket as its value; unchanged if the bracket is that of the solver."""
+    """Return the limit load with the mean of a bracket as its value; return it unchanged if the bracket is that of the
+    solver."""
     limit = result.ground.limit
     if limit is None or limit.bracket == (lower, upper) or result.verdict != "plateau":
         return result

@@ -49,7 +49,7 @@ class NonassociatedLimitLoad:
     reason : str
         Reason why there is no critical Kh; empty otherwise.
     programs : int
-        Cone programs solved.
+        Number of cone programs that were solved.
     work : float
         Computing work in seconds of the reference machine.
     """

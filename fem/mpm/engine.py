@@ -178,7 +178,7 @@ class MaterialPointEngine:
         self._sums[0, kernel.DISSIPATED] += energy
 
     def as_it_is(self) -> dict[str, np.ndarray]:
-        """Return the state of the engine as a mapping of names to arrays, for `go_on_from`."""
+        """Return the state of the engine as a mapping of names to arrays, from which `go_on_from` continues."""
         state = {name: getattr(self.points, name) for name in ARRAYS}
         state |= {
             "order": self.order,

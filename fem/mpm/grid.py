@@ -1,4 +1,4 @@
-"""The background grid of the material points: its cells, and its fixed nodes."""
+"""Defines the background grid of the material points: its cells, and its fixed nodes."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""A section as material points on a grid: their places, their boundary conditions, and their initial stress.
+"""Fills a section with material points on a grid, and sets their boundary conditions and initial stress.
 
 A few cells of rigid ground surround the section: below its base, so that the base is rough, and beyond its sides, as in
 the rigid box of the discs. Beyond smooth sides the rigid ground is as high as the surface at the end of the section,
@@ -61,8 +61,8 @@ class PointGround:
     effective : ndarray (n,)
         Vertical effective stress of each point before the earthquake (Pa), compression positive.
     consolidated : ndarray (n,)
-        The same, with only the share of surcharges to which the ground has consolidated; residual strength ratios refer
-        to this stress.
+        Vertical effective stress with only the share of surcharges to which the ground has consolidated (Pa); residual
+        strength ratios refer to this stress.
     softened : tuple of str
         Strata whose stiffness was reduced, see ``FASTEST``.
     sides : Sides

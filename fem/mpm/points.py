@@ -1,4 +1,4 @@
-"""Material points: mass, motion, stress and strength of the ground, point by point.
+"""Holds mass, motion, stress and strength of the material points.
 
 Lengths in m, z upwards; stress in Pa, tension positive, components [xx, zz, xz]; masses in kg per metre out of plane.
 """

@@ -1,4 +1,4 @@
-"""A slide of material points: from rest through shaking and liquefaction until the surface no longer moves."""
+"""Computes a slide of material points: from rest through shaking and liquefaction until the surface no longer moves."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -142,8 +142,8 @@ class PointSlider:
         decay: float = DECAYS[0],
         checkpoint: Path | None = None,
     ) -> PointSlide:
-        """Continue until the surface is at rest or the time is over. ``on_look`` is called regularly with the time and
-        the slide so far.
+        """Continue until the surface is at rest or the time is over. The function ``on_look`` is called regularly with
+        the time and the slide so far.
 
         ``decay`` (1/s) is the rate at which velocities that the grid cannot resolve are damped, see ``DECAYS``.
         ``checkpoint`` is a file from which an interrupted slide continues. ``programme`` gives the times of shaking and
@@ -182,7 +182,8 @@ class PointSlider:
         return slide
 
     def _keep(self, path: Path, slide: PointSlide, shares: Mapping[int, float]) -> None:
-        """Write the engine, the slide so far, and the lost ``shares`` of strength to a checkpoint."""
+        """Write a checkpoint: the engine, the slide so far, and the ``shares`` of strength that the strata have
+        lost."""
         arrays = {ENGINE + name: array for name, array in self.engine.as_it_is().items()}
         arrays |= {name: np.array(getattr(slide, name)) for name in (*LISTS, "before")}
         plain = {
@@ -192,8 +193,8 @@ class PointSlider:
         write_checkpoint(path, arrays | {BEGAN + name: array for name, array in self.began.items()}, plain)
 
     def _resume(self, path: Path, slide: PointSlide, shares: dict[int, float]) -> None:
-        """Restore engine, slide and shares from a checkpoint, so that it continues with the same bits, if there is
-        one.
+        """If there is a checkpoint, restore engine, slide and shares from it, so that the computation continues with
+        the same bits.
         """
         try:
             arrays, plain = read_checkpoint(path)

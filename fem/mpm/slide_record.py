@@ -1,4 +1,4 @@
-"""Record of a slide of material points over time."""
+"""Records the slide of material points over time."""
 
 from dataclasses import dataclass, field
 

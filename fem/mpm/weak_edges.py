@@ -1,4 +1,4 @@
-"""Strength of the knot spans at the edges of a weak layer, so that the layer slips at its edge.
+"""Gives the knot spans at the edges of a weak layer the strength at which the layer slips at its edge.
 
 The strain rate of quadratic splines is a sum of hat functions two knot spans wide. A hat function that reaches into
 strong ground cannot shear, so that a shear band at the edge of a weak layer would lie 1 to 2 cells inside the layer,

@@ -28,7 +28,7 @@ class PathSettings:
     growth, shrink : float
         Factors of the step size after a step with at most ``few``, or more than ``many``, iterations (-).
     few, many : int
-        Iterations of Newton's method.
+        Numbers of iterations of Newton's method below which the step grows, and above which it shrinks.
     relaxation : float
         Arc length over which the overstress decays (-); 0 for no overstress.
     relaxation_span : float

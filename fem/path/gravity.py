@@ -158,9 +158,7 @@ def under_weight(
 ) -> tuple[PlaneStrain, np.ndarray]:
     """Return the section without stress, fixed as under gravity, and the nodal forces (N/m) of its weight.
 
-    The ground just below cohesionless ``faces`` is strengthened, see ``shallow_failure.py``. Raises InputError.
-    ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``: settings of the finite
-    elements; ``comm``: MPI communicator.
+    Return the section without stress, held as under gravity, and the nodal forces (N/m) of its weight.
     """
     api.require()
     strata = soils(section)

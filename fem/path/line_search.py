@@ -1,4 +1,4 @@
-"""Line search: finds the length of a Newton correction that reduces a convex potential."""
+"""Finds the length of a Newton correction that reduces a convex potential (line search)."""
 
 import numpy as np
 
@@ -11,8 +11,8 @@ class Descent:
     """Searches the length of a correction that nearly minimises a convex potential, from the slope of the potential
     alone.
 
-    ``slope`` is the slope of the potential at the start, ``part`` the length to try next. The search also ends if the
-    potential does not decrease, which rounding of the stiffness may cause.
+    ``slope`` is the slope of the potential at the start, and ``part`` the next length of the correction that is tried.
+    The search also ends if the potential does not decrease, which rounding of the stiffness may cause.
     """
 
     def __init__(self, slope: float) -> None:

@@ -1,4 +1,4 @@
-"""Follows the path to a known limit load: Kh rises from level to level, and every level is brought to equilibrium.
+"""Follows the path to a known limit load: Kh rises in steps, and at every step the ground is brought to equilibrium.
 
 With associated flow the equilibrium under a given Kh is the minimum of a convex potential, which Newton's method finds
 from any start (``newton.py``): the load steps may be large, however soft the ground.

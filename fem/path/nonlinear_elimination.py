@@ -1,5 +1,4 @@
-"""Nonlinear elimination: the few cells whose forces are far from balance are solved first, while all other cells are
-held.
+"""Solves the few cells whose forces are far from balance first, while all other cells are held (nonlinear elimination).
 
 Where the stress in sand without cohesion is very small, at a toe under water or under a crest, a few cells change
 between yield and tension from one correction to the next, and every correction of the whole section becomes short.

@@ -1,4 +1,4 @@
-"""The stored record of every step of an equilibrium path."""
+"""Defines the stored record of every step of an equilibrium path."""
 
 from dataclasses import dataclass
 

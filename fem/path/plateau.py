@@ -130,7 +130,7 @@ def find_limit_load(
 
 def _equilibrium_below(path: EquilibriumPath, highest: float, summit: tuple[Any, ...]) -> float:
     """Return the multiplier in equilibrium without overstress at the peak of a path or a little below it; the path is
-    not changed. The relaxed states along the path are too far apart to find this multiplier, and beyond the peak their
+    not changed. The relaxed states along the path are too far apart to give this multiplier, and beyond the peak their
     multipliers are lower.
     """
     end, steps, in_equilibrium = path.mark(), list(path.steps), -np.inf

@@ -1,1 +1,1 @@
-"""Searches the critical Kh and the factor of safety over meshes, and checks both."""
+"""Searches the critical Kh and the factor of safety on a sequence of meshes, and checks both."""

@@ -193,7 +193,8 @@ class _Search:
 
         ``safety`` are the factors of safety that are already being computed, or None. Raises UnstableError.
 
-        With Davis's estimate, the path starts before it is known whether the mesh for ψ = φ is better, which is rare.
+        With Davis's estimate the path starts on the mesh of the estimate, before it is known whether the mesh for ψ = φ
+        is better. The mesh for ψ = φ is rarely better.
         """
         one_way = settings.changed(direction=adapted.result.direction)
         safety = self.begin_safety(one_way) if safety is None else safety

@@ -1,4 +1,5 @@
-"""Finds the critical seismic coefficient of a section: gravity first, then the horizontal load with Kh as an unknown.
+"""Finds the critical seismic coefficient of a section along an equilibrium path: first gravity acts, then the
+horizontal load with Kh as an unknown.
 
 Gravity acts on the ordinary density, Kh g on the seismic density. The control displacement, prescribed step by step, is
 work-conjugate to the horizontal load: the mean horizontal displacement weighted by the seismic mass (m).

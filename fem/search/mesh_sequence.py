@@ -1,4 +1,4 @@
-"""A sequence of meshes adapted to the mechanism, until the discretisation error of the answer is small.
+"""Makes a sequence of meshes adapted to the mechanism, until the discretisation error of the answer is small.
 
 Plastic shear is concentrated in a band that is as narrow as the cells allow. The error of the answer is proportional to
 the width of the band, which halves when the number of cells along it is doubled: error ~ 1 / cells. Two meshes give the

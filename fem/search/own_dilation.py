@@ -1,4 +1,5 @@
-"""Computes a third, approximate critical Kh for the ψ of the strata, beside those with ψ = φ and by Davis's estimate.
+"""Computes a third, approximate critical Kh for the ψ of the strata, in addition to those with ψ = φ and by Davis's
+estimate.
 
 The limit load with these angles (``nonassociated_limit_load.py``) depends on element and mesh by 5 to 15 %, and on some
 ground it is not found at all. So it is computed on three meshes, on the first of them from two starts, and reported

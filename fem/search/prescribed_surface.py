@@ -1,4 +1,4 @@
-"""Quality of a given line as slip surface: the critical Kh of ground that can fail only above the line.
+"""Compares a given line with the computed slip surface, by the critical Kh of ground that can fail only above the line.
 
 Two mechanisms that need almost the same Kh may lie far apart. Two results are therefore compared by this Kh, too, and
 not by the distance of their slip surfaces alone.

@@ -1,5 +1,5 @@
-"""The factor of safety at a given seismic coefficient by strength reduction: the divisor of cohesion and tan φ at which
-the ground fails (Zienkiewicz, Humpheson & Lewis 1975).
+"""Finds the factor of safety at a given seismic coefficient by strength reduction: the divisor of cohesion and tan φ at
+which the ground fails (Zienkiewicz, Humpheson & Lewis 1975).
 
 For associated flow it follows from limit analysis (``conic_safety_factor.py``), otherwise from a path of equilibria
 along which it is an unknown.

@@ -1,4 +1,5 @@
-"""Supernodal Cholesky factors by CHOLMOD (Chen, Davis, Hager & Rajamanickam 2008), which comes with PETSc on Debian.
+"""Computes supernodal Cholesky factors by CHOLMOD (Chen, Davis, Hager & Rajamanickam 2008), which comes with PETSc on
+Debian.
 
 The library is called through ctypes, so that neither MPI nor a compiler is needed, and Python's global lock is released
 during a factorisation. The layout of its settings differs from version to version: the entries to be changed are

@@ -1,4 +1,4 @@
-"""The data of the second-order cone programs of ``cone_program.py``, and their matrices in the form of the solvers."""
+"""Holds the data of the second-order cone programs of ``cone_program.py``, and forms their matrices for the solvers."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -31,9 +31,10 @@ class ConeProgram:
         Smallest distance of the stress to the yield surface, so that rounding does not lead beyond it. There is no such
         distance to the tension cut-off, below which there may be no admissible stress.
     strain_margin : ndarray (k,) or float
-        Where φ > 0, volumetric strain rate in excess of that of the flow rule, for the same reason.
+        Volumetric strain rate in excess of that of the flow rule where φ > 0, so that rounding does not violate the
+        flow rule.
     strain_share : float
-        The same as a share of the shear rate.
+        Additional volumetric strain rate where φ > 0, as a share of the shear rate.
     tension : ndarray (k,) or float
         Tension cut-off over the unit of stress, inf for none.
     bare : ndarray (k,) of bool

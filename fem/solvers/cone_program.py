@@ -1,4 +1,5 @@
-"""The second-order cone program behind both bounds, and its solution by Clarabel (Goulart & Chen 2024).
+"""Solves the second-order cone program of both bounds by the built-in interior-point method or by Clarabel (Goulart &
+Chen 2024).
 
 Both bounds are dual to each other. In the first problem stresses at corners k, [xx, yy, xy], are in equilibrium with
 the loads,

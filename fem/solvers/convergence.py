@@ -1,4 +1,4 @@
-"""The criteria at which an interior-point method ends, and its iterates."""
+"""Defines the criteria at which an interior-point method ends, and its iterates."""
 
 from dataclasses import dataclass
 

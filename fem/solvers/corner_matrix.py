@@ -1,4 +1,4 @@
-"""The stiffness matrix of an interior-point method, Σ Bᵀ D B over the corners of a program, and its factors."""
+"""Assembles and factorises the stiffness matrix of an interior-point method, Σ Bᵀ D B over the corners of a program."""
 
 import numpy as np
 from scipy import sparse

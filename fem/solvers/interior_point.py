@@ -1,4 +1,5 @@
-"""An interior-point method for the programs of ``cone_program.py`` that eliminates every corner in closed form.
+"""Solves the programs of ``cone_program.py`` by an interior-point method that eliminates the unknowns of every corner
+in closed form.
 
 Once primal and dual equations are fulfilled, the two objectives are a bracket of the multiplier. Bounds need a gap of
 3e-4, finite elements a gap of 1e-3. Newton's directions have the scaling of Nesterov & Todd (1997), the corrector of

@@ -1,4 +1,4 @@
-"""The smallest correction that fulfils linear equations, by one sparse factorisation."""
+"""Computes the smallest correction that fulfils linear equations, by one sparse factorisation."""
 
 from collections.abc import Callable
 from functools import partial

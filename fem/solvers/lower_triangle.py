@@ -1,4 +1,4 @@
-"""The lower triangle of a positive definite matrix that is the sum of many small matrices, and its factors."""
+"""Assembles and factorises the lower triangle of a positive definite matrix that is the sum of many small matrices."""
 
 import numpy as np
 from scipy import sparse
