@@ -1,7 +1,7 @@
-"""Computes ground as discs (DEM): the critical seismic coefficient, and slides after liquefaction. Soil discs (law
-"soil") have contacts fitted to the strength and stiffness of the soil. Discs with the law "paper" are those of the
-paper on the section S-13 (docs/theory/paper.md): element springs push, and breakable pore springs stand for pore water.
-Names are imported when they are first used, since kernels take a while to load.
+"""Computes ground as discs (discrete element method): the critical seismic coefficient, and slides after liquefaction.
+Soil discs (law "soil") have contacts fitted to the strength and stiffness of the soil. Discs with the law "paper" are
+those of the paper on the section S-13 (docs/theory/paper.md), in which springs stand for contacts, and breakable
+springs for pore water. Names are imported when they are first used, since kernels take a while to load.
 """
 
 from typing import TYPE_CHECKING

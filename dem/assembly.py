@@ -63,7 +63,7 @@ class DiscMaterials:
     law, mean : str
         Contact law, and kind of mean of the constants of two layers, see `pair_table.pair_table`.
     turns : bool
-        If arrays have different lengths, or radii are not positive.
+        Whether discs rotate; discs of a layer with infinite rolling friction do not rotate in any case.
     """
 
     layers: Sequence[LayerSprings]

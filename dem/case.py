@@ -39,7 +39,7 @@ class Case(Model):
         default=1.0,
         gt=0.0,
         le=1.0,
-        description="factor on the element springs, such as 0.02; for soil discs the factor on the shear "
+        description="factor on the contact springs, such as 0.02; for soil discs the factor on the shear "
         "modulus, so that residual strength is reached at a shear strain of 0.4 to 2 %",
     )
     damping: float | None = Field(

@@ -54,7 +54,8 @@ class Onset(NamedTuple):
         Knee of the bilinear law at the strain potential: share of the residual strength (``knee``), and share of the
         strain at which the steep line begins (``soft_to``); 0 without a strain potential.
     peak : bool
-        Whether bonds have a larger limit until they have slipped, as discs need that lose their contacts under load.
+        Whether bonds have a larger limit until they have slipped, which is needed for discs that lose their contacts
+        under load.
     """
 
     discs: np.ndarray

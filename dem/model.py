@@ -183,7 +183,7 @@ class DiscModel(DiscState):
 
     @property
     def _gone(self) -> np.ndarray:
-        """Return a mask of the kinds of pairs that have neither element nor pore spring."""
+        """Return a mask of the kinds of pairs whose contacts have no spring at all."""
         return np.asarray((self.springs.pairs[KN] == 0.0) & (self.springs.pairs[KPN] == 0.0))
 
     def _carry(self, old: np.ndarray, sign: np.ndarray, in_ranges: Ranges) -> None:
@@ -300,7 +300,7 @@ class DiscModel(DiscState):
         self.make_list()
 
     def _spring_forces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the normal and tangential force of element and pore springs of all pairs, dashpots left out (N)."""
+        """Return the normal and tangential force of contact and pore springs of all pairs, dashpots left out (N)."""
         constants = self.springs.pairs[:, self.kind(self.pair_i, self.pair_j)]
         distance = self.distance()
         radii = self.radius[self.pair_i] + self.radius[self.pair_j]

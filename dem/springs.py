@@ -35,18 +35,18 @@ class LayerSprings:
     Attributes
     ----------
     kn, ks : float
-        Normal and tangential element spring (N/m).
+        Normal and tangential stiffness of the springs of a contact (N/m).
     cn, ct : float
         Normal and tangential dashpot (N s/m).
     kpn, kps : float
         Normal and tangential stiffness of pore springs, the breakable springs between discs that stand for pore water
-        (N/m).
+        in the paper (N/m).
     density : float
         Density of the discs, eq. (5), for inertia and horizontal force (kg/m3).
     effective_density : float
         Effective density of the discs, for weight (kg/m3).
     friction : float
-        Coulomb friction mu of element contacts; negative for soil discs of clay, see `Strength`.
+        Coulomb friction mu of contacts; negative for soil discs of clay, see `Strength`.
     cohesion : float
         Cohesion b C of the pore springs, eq. (16) (N).
     alpha, beta : float
@@ -114,7 +114,7 @@ class LayerSprings:
             raise ValueError(f"layer {self.name}: alpha must be at least 1 and beta above 1")
 
     def liquefied(self, stiffness: float, damping: float = 0.1, friction: float = 0.0) -> "LayerSprings":
-        """Return the layer after liquefaction (Sec. 4(3) of the paper): factors on element springs, dashpots and
+        """Return the layer after liquefaction (Sec. 4(3) of the paper): factors on contact springs, dashpots and
         friction; no cohesion. The stiffening of soil discs at large overlap remains.
 
         The pore springs of the layer have to be cut separately in the model of the discs, see `cut_pore_springs`.

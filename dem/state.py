@@ -57,7 +57,7 @@ class DiscState:
     pair_i, pair_j : (pairs,) int32
         Numbers of the two discs of each pair in the neighbour list.
     shear, pore_shear : (pairs,)
-        Stored tangential forces of element and pore spring (N).
+        Stored tangential forces of contact and pore spring (N).
     pore_length : (pairs,)
         Distance at which the pore spring was set (m); negative once cracked, 0 without a pore spring.
     force_x, force_z : (pairs,)

@@ -3,7 +3,8 @@
 An exported function names each of its parameters under Parameters, and has Returns unless it returns nothing; an
 exported class names its attributes or parameters, or has a description for every field if it holds settings (numpydoc).
 The docstring of every function and class begins with a verb, such as "Return" or "Holds": it does not begin as a noun
-phrase or as a question. The docstring of an error is a sentence on what happened.
+phrase or as a question. The docstring of an error is a sentence on what happened. The docstring of a module begins with
+a verb in the third person, such as "Computes".
 """
 
 import ast
@@ -23,6 +24,8 @@ ALL_PACKAGES = (*PACKAGES, "workflow")
 NO_VERB = re.compile(
     r"(The|An?|This|These|Such|All|Every|Each|Both|One|Two|Some|Whether|What|Which|Where|Who|How|Why)\b"
 )
+# First word of the docstring of a module: a verb in the third person, not a plural noun ("Kernels", "Points of").
+THIRD_PERSON = re.compile(r"Warns of|(?!Kernels\b)[A-Z][a-z]*s (?!(of|for)\b)")
 
 
 def exported(package: str) -> Iterator[tuple[str, object]]:
@@ -66,8 +69,12 @@ def faults(what: object) -> Iterator[str]:
 
 
 def without_verb(source: str) -> Iterator[tuple[int, str]]:
-    """Line and beginning of every docstring of a function or class that begins without a verb."""
-    for node in ast.walk(ast.parse(source)):
+    """Yields line and beginning of every docstring that begins without a verb."""
+    module = ast.parse(source)
+    text = ast.get_docstring(module)
+    if text is not None and not THIRD_PERSON.match(text):
+        yield 1, text.partition("\n")[0]
+    for node in ast.walk(module):
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.endswith("Error"):
             text = ast.get_docstring(node) or ""
             if NO_VERB.match(text):

@@ -1,5 +1,5 @@
-"""Longest-edge bisection of triangles (Rivara 1984): marked cells are divided, and as few other cells as a conforming
-mesh requires.
+"""Bisects triangles at their longest edges (Rivara 1984): divides marked cells, and as few other cells as a conforming mesh
+requires.
 
 No angle becomes smaller than half of the smallest angle of the first mesh (Rosenberg & Stenger 1975).
 """

@@ -1,1 +1,1 @@
-"""The program that a user runs: commands, stages, pictures, report, results on disk."""
+"""Provides the program that a user runs: commands, stages, pictures, report, results on disk."""

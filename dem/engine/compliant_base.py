@@ -24,7 +24,7 @@ DELAY = 0.04  # s; with less than ten looks the lowest row of discs resonates wi
 
 
 def felt(model: DiscState) -> Acceleration:
-    """Return the present acceleration of the discs, including the acceleration of a compliant base."""
+    """Return the present acceleration that acts on the discs, including the acceleration of a compliant base."""
     here = model.acceleration.at(model.time)
     if model.base_impedance == 0.0:
         return here
@@ -33,7 +33,8 @@ def felt(model: DiscState) -> Acceleration:
 
 
 def felt_until(model: DiscState, end: float, look: "Look | None") -> Acceleration:
-    """Return the acceleration of the discs from now to a time (s), including the acceleration of a compliant base."""
+    """Return the acceleration that acts on the discs from now to a time (s), including the acceleration of a compliant
+    base."""
     if look is None:
         return model.acceleration
     begin = model.time
@@ -73,7 +74,7 @@ class Look:
         return round((self.end - model.time) / dt)
 
     def is_long_enough(self, model: DiscState, dt: float) -> bool:
-        """Return whether enough steps of dt (s) have passed that the force on the base can be measured."""
+        """Return whether enough steps of dt (s) have passed for a measurement of the force on the base."""
         return round((model.time - self.began) / dt) >= LEAST_STEPS
 
     def rate_at(self, model: DiscState, time: float) -> float:
@@ -90,9 +91,9 @@ class Look:
         """Measure the force on the base over the interval of steps of dt (s). The force determines the next
         acceleration of the base.
 
-        The velocities change from the middle of the step before the interval to the middle of its last step by the
-        accelerations at the beginnings of the steps in between. With momentum and acceleration half a step apart, stiff
-        clay rocked the base ever further.
+        Between the middle of the step before the interval and the middle of its last step, the velocities change by the
+        accelerations at the beginnings of the steps in between. If momentum and acceleration were taken half a step
+        apart, stiff clay would rock the base ever further.
         """
         over, free = model.time - self.began, ~model.fixed
         moved_mass = float(np.sum((model.mass * (1.0 + _added_mass(model)))[free]))

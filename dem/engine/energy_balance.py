@@ -16,7 +16,7 @@ class EnergyBalance:
     translation, rotation : float
         Kinetic energy of translation and of rotation.
     elements, pores, rolling_springs : float
-        Energy stored in springs: element springs, pore springs, springs of rolling resistance.
+        Energy stored in springs: contact springs, pore springs, springs of rolling resistance.
     bonds : float
         Energy of contacts between discs of cohesive soil, which attract each other. It is minus the work that would
         separate all of these contacts.

@@ -88,10 +88,10 @@ class Engine:
         Largest unaccounted energy over the total energy exchanged; after liquefaction ten times this value, since
         forces of liquefied ground are constant over several steps.
     pulls : bool
-        Whether dashpots of element springs may pull (only for comparison with closed forms).
+        Whether dashpots of contact springs may pull (only for comparison with closed forms).
     crack_by : "contact" or "pore"
-        Normal force in the crack criterion of pore springs, eq. (16) of the paper: that of element and pore spring
-        together, or of the pore spring alone. Soil discs always use the latter.
+        Normal force in the crack criterion of pore springs, eq. (16) of the paper: that of contact and pore spring
+        together, or of the pore spring alone. For soil discs it is always that of the pore spring alone.
     checkpoint, checkpoint_every : path, float
         File of the checkpoint, and model time between two checkpoints (s); the last checkpoint is kept when a run stops
         with an error.
@@ -245,7 +245,7 @@ class EngineRun:
             self.layout = None
 
     def show(self) -> None:
-        """Write positions and velocities back into the model; its contacts stay in the layout."""
+        """Write positions and velocities back into the model; the contacts are only in the layout."""
         if self.layout is not None:
             unpack_motion(self.layout, self.model)
         check_finite(self.model, self.engine.checkpoint_note)
@@ -298,7 +298,7 @@ class EngineRun:
         return self.balance() if engine.energies else None
 
     def list_anew(self) -> None:
-        """Make the neighbour list, and compute the stable step while the layout is made."""
+        """Make the neighbour list again, and compute the stable step while the layout is made."""
         model = self.model
         model.make_list(self.in_ranges)
         find = step_finder(model)

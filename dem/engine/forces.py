@@ -18,15 +18,15 @@ from dem.model import DiscModel
 
 @dataclass(frozen=True)
 class ContactForces:
-    """Holds the contact forces at one instant, element and pore spring together (N per metre).
+    """Holds the contact forces at one instant, contact and pore spring together (N per metre).
 
     Attributes
     ----------
     fx, fz : (pairs,)
         Force on the disc pair_j; the force on pair_i is opposite.
     rim, rim_i : (pairs,)
-        Moment over radius on pair_j and on pair_i: the tangential force times the ratio of distance and sum of radii,
-        plus the contribution of rolling resistance.
+        Moment over radius on pair_j and on pair_i: the tangential force times the distance over the sum of radii, plus
+        the contribution of rolling resistance.
     normal, tangential : (pairs,)
         The force along (positive: push) and across the line of centres.
     line_fx, line_fz, line_rim : (contacts with lines,)

@@ -136,7 +136,8 @@ def _added_mass(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
 
 
 def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
-    """Return the liquefied discs and their pairs; number: number of each disc in spatial order."""
+    """Return the liquefied discs and their pairs as arguments of the kernels; number: number of each disc in spatial
+    order."""
     slots = slices * LANES
     first, second = number[model.liquefied_i], number[model.liquefied_j]
     lane, start = place_pairs(first, slices)

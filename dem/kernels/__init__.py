@@ -1,2 +1,2 @@
-"""Kernels that compute one step of the discs on flat arrays: contacts, motion and energies. They import only NumPy and
-Numba."""
+"""Computes one step of the discs on flat arrays: contacts, motion and energies (kernels). The package imports only NumPy
+and Numba."""

@@ -1,5 +1,4 @@
-"""Kernel: added mass of surcharges and free water on discs (`Layout.added_mass`). The added mass moves with the
-ground."""
+"""Adds the inertia of surcharges and free water, which move with the ground, to discs (`Layout.added_mass`; kernel)."""
 
 from dem.kernels.device_function import device_function
 from dem.kernels.layout import INVMASS, PULL_X, PULL_Z, VX, VZ, Layout, entry, place

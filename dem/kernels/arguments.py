@@ -1,4 +1,4 @@
-"""Groups the arguments of kernels: constants, law, loads, clock, threads, and one step."""
+"""Groups the arguments of kernels: constants, contact law, loads, clock, threads, and one step."""
 
 from typing import NamedTuple
 
@@ -61,9 +61,9 @@ class Law(NamedTuple):
     pores : bool
         Whether there are pore springs.
     floor : float
-        Least normal force of an element contact (N): 0, or -inf if the dashpot may pull.
+        Least normal force of an contact (N): 0, or -inf if the dashpot may pull.
     share : float
-        Share of the element's normal force in Fn of eq. (16) of the paper, the crack criterion of pore springs.
+        Share of the contact spring's normal force in Fn of eq. (16) of the paper, the crack criterion of pore springs.
     period : Period
         Length and rise after which periodic ground repeats itself; for soil discs only.
     """
@@ -124,7 +124,7 @@ class Team(NamedTuple):
     barrier : array of int64
         Counters with which threads wait for each other, see `barrier.new_barrier`.
     stops : (2, threads)
-        Reason for which each thread stopped in a step, alternately for odd and even steps.
+        Reason why each thread stopped in a step, alternately for odd and even steps.
     """
 
     thread: int

@@ -1,4 +1,4 @@
-"""Kernel: barrier for threads, which no thread passes before all threads have reached it.
+"""Makes threads wait at a barrier, which no thread passes before all threads have reached it (kernel).
 
 The barrier is written with LLVM's atomic instructions, as Numba offers none for the CPU. Waiting threads spin, and now
 and then yield the processor, so that they make progress on a busy machine, too. With the JIT switched off there is one
@@ -58,7 +58,7 @@ def load(typing_context: Any, array: Any, index: Any) -> Any:
 
 @intrinsic
 def give_way(typing_context: Any) -> Any:
-    """Let another thread use this processor (POSIX sched_yield)."""
+    """Let another thread use this processor (sched_yield of POSIX)."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(ir.IntType(32), []), "sched_yield")

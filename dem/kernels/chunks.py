@@ -1,4 +1,5 @@
-"""Kernel: forces and history variables of contacts, 64 lanes at a time, and their energy losses since the last step."""
+"""Computes forces and history variables of contacts, 64 lanes at a time, and their energy losses since the last step
+(kernel)."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
-"""Kernel: contact law between two discs, or a disc and a rigid line: forces from overlap, speed, slip and history
-variables.
+"""Computes the forces of a contact between two discs, or a disc and a rigid line, from overlap, speed, slip and history
+variables (kernel).
 
 Signs everywhere in `dem`: an overlap and a compressive normal force are positive; `vn` is the speed of separation; `vt`
 is the speed at which the circumference of disc j slips over that of disc i along t = (-nz, nx), n pointing from i to j.
@@ -26,7 +26,7 @@ def clamp(value: float, limit: float) -> float:
 
 @device_function(forceinline=True)
 def spring(over: float, kn: float, gap: float) -> float:
-    """Return the force (N) of the element's normal spring at an overlap (m), positive in compression.
+    """Return the force (N) of the normal spring of a contact at an overlap (m), positive in compression.
 
     gap: largest gap across which discs of cohesive soil attract each other (m), 0 for all other discs. The spring pulls
     up to kn times the gap; there is no force across a larger gap. The spring has no history variable, so that sheared
@@ -46,7 +46,7 @@ def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
 
 @device_function(forceinline=True)
 def stop(over: float, stiffness: float, depth: float) -> float:
-    """Return the additional repulsion (N) of soil discs whose overlap exceeds `depth` (m).
+    """Return the additional repulsion (N) of two soil discs whose overlap exceeds `depth` (m).
 
     The repulsion stiffens the contact, so that discs do not pass through each other, however soft their layer becomes
     by liquefaction.
@@ -57,8 +57,8 @@ def stop(over: float, stiffness: float, depth: float) -> float:
 
 @device_function(forceinline=True)
 def normal_force(over: float, vn: float, floor: float, spring: float, cn: float, gap: float) -> float:
-    """Return the normal force (N) of element spring and dashpot, eqs. (1)-(2) of the paper; zero if the discs do not
-    touch.
+    """Return the normal force (N) of spring and dashpot of a contact, eqs. (1)-(2) of the paper; zero if the discs do
+    not touch.
 
     over: overlap (m); vn: speed of separation (m/s); spring: force of the spring (N); cn: dashpot (N s/m); gap: see
     `spring` (m). floor: least total normal force (N): 0 for contacts without tension, -inf if dashpots may pull.
@@ -70,8 +70,8 @@ def normal_force(over: float, vn: float, floor: float, spring: float, cn: float,
 
 @device_function(forceinline=True)
 def friction_limit(normal: float, mu: float) -> float:
-    """Return the largest tangential force (N) of an element contact of discs with the law "paper": Coulomb friction,
-    with the coefficient of Table 2.
+    """Return the largest tangential force (N) of an contact of discs with the law "paper": Coulomb friction, with the
+    coefficient of Table 2.
     """
     limit = mu * normal
     return limit if limit > 0.0 else 0.0
@@ -129,7 +129,7 @@ def pore(
 
     length: distance L at which the spring was set (m), negative once cracked, 0 if there is none. distance: D of the
     centres (m); slip: since the last step (m); kpn, kps: normal and tangential stiffness (N/m); tan: tan(theta) of eq.
-    (16); bc: b C of eq. (16) (N); beta: of eq. (15). contact_normal: share of the element spring in Fn of eq. (16) (N);
+    (16); bc: b C of eq. (16) (N); beta: of eq. (15). contact_normal: share of the contact spring in Fn of eq. (16) (N);
     shear: tangential force kept (N). A pore spring cracks where D >= beta L (eq. 15) or |Ft| > max(Fn tan(theta) + bC,
     0) (eq. 16), and is in state 2 from this step on: without cohesion, its shear force is limited by friction under its
     own compression. Returns (normal force, tangential force before the limit, tangential force kept, new length).

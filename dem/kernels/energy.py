@@ -1,4 +1,4 @@
-"""Kernel: the energies of the discs at one instant, from the layout that the stepping kernel works on.
+"""Computes the energies of the discs at one instant, from the layout that the stepping kernel works on (kernel).
 
 The kinetic energy is m/2 v(n-1/2) v(n+1/2), which is of second order, and which the scheme conserves exactly. The
 second velocity requires the forces of this instant. This kernel computes these forces, and the work of springs,

@@ -1,4 +1,5 @@
-"""Kernel: forces, energies and losses of one contact, from the motion of its two sides and its history variables.
+"""Computes forces, energies and losses of one contact, from the motion of its two sides and its history variables
+(kernel).
 
 Here the contact law is applied to the layout. The stepping kernel stores the result; the energy balance only reads it.
 All functions are inlined, so that values that a caller does not need are not computed.
@@ -79,7 +80,7 @@ class Contact(NamedTuple):
     over : float
         Overlap (m).
     normal, drag : float
-        Normal force (`normal`) and tangential force (`drag`) of element and pore spring together (N).
+        Normal force (`normal`) and tangential force (`drag`) of contact and pore spring together (N).
     torque : float
         Rolling moment over R = r_i r_j/(r_i + r_j) (N); positive on i, negative on j.
     shear, pore, rolled : float
@@ -87,7 +88,7 @@ class Contact(NamedTuple):
     length : float
         Length of the pore spring (m), see `contact.pore`.
     elements, bonds, pores, rolling : float
-        Energy stored in element springs, bonds of cohesive soil, pore springs and springs of rolling (J).
+        Energy stored in contact springs, bonds of cohesive soil, pore springs and springs of rolling (J).
     damped, slid, cracked, rolled_off : float
         Twice the energy that dashpots, sliding, cracks and rolling dissipated since the last step (J).
     """
@@ -114,9 +115,9 @@ class Contact(NamedTuple):
 def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law, soil: bool) -> None:
     """Write direction, distance and lever arms of the contact in lane q into the rows of `buffer`.
 
-    d: place at which  chunk begins in `state.links`; law: contact law with the period of the ground, which only `soil`
-    discs have. One square root and one division take longer than the rest of the law. So root and division are computed
-    separately, while the records of the next partners are fetched.
+    d: place at which the chunk begins in `state.links`; law: contact law with the period of the ground, which only
+    `soil` discs have. One square root and one division take longer than the rest of the law. So root and division are
+    computed separately, while the records of the next partners are fetched.
     """
     radii = state.links[d + field.RADII + q]
     dx = buffer[field.X + q] - buffer[OWNED_DISCS + field.X + q]
@@ -150,8 +151,8 @@ def motion(q: int, buffer: np.ndarray, slip_time: float) -> Motion:
 
 @device_function(forceinline=True)
 def rolling_motion(q: int, buffer: np.ndarray, share: float, slip_time: float) -> tuple[float, float]:
-    """Return R times the rotation of j less that of i since the last step (m), and the speed of this difference at the
-    end of the step (m/s).
+    """Return R times the rotation of j less that of i since the last step (m), and R times the difference of their
+    angular velocities at the end of the step (m/s).
 
     q: lane of the contact; buffer: rows that `load_geometry` filled; slip_time: length of the last step (s); share:
     r_i/(r_i + r_j). With the circumferential speeds r_i w_i, R (w_j - w_i) is share (r_i w_i + r_j w_j) - r_i w_i.

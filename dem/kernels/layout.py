@@ -1,4 +1,4 @@
-"""Kernel: layout of discs and contacts in memory, and the conversion to and from lists.
+"""Defines the layout of discs and contacts in memory, and converts it to and from lists (kernel).
 
 Discs are sorted in space and cut into slices of 64 lanes. A slice owns some of the contacts of its discs. These
 contacts are kept in chunks of 64 lanes: lane l of a chunk is a contact owned by lane l of the slice. Each field of a

@@ -1,4 +1,4 @@
-"""Kernel: energy that liquefied ground stores, in J per metre out of plane."""
+"""Computes the energy that liquefied ground stores, in J per metre out of plane (kernel)."""
 
 import numpy as np
 

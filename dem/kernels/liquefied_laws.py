@@ -1,4 +1,4 @@
-"""Kernel: laws of liquefied ground for one distance and one disc, which `liquefied_pairs` combines."""
+"""Defines the laws of liquefied ground for one distance and one disc, which `liquefied_pairs` combines (kernel)."""
 
 import math
 

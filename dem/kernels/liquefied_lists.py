@@ -1,4 +1,5 @@
-"""Kernel: pairs of liquefied ground in lanes, the pairs of every disc, and the density of areas."""
+"""Arranges pairs of liquefied ground in lanes, lists the pairs of every disc, and computes the density of areas
+(kernel)."""
 
 import math
 

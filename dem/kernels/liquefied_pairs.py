@@ -1,4 +1,5 @@
-"""Kernel: liquefied ground, whose pore pressure carries its weight and whose bonds provide its residual strength.
+"""Computes the forces of liquefied ground, whose pore pressure carries its weight and whose bonds provide its residual
+strength (kernel).
 
 Two laws act between every two discs that are nearer than the reach H if one of them has liquefied. They are independent
 of contacts.
@@ -135,7 +136,7 @@ class Liquefied(NamedTuple):
 
 @device_function(nogil=True, _nrt=False)
 def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, later: float, with_losses: bool) -> None:
-    """Compute relative positions, in `later` seconds, and velocities of the discs of a block of pairs.
+    """Compute the relative positions after `later` seconds, and the velocities, of the discs of a block of pairs.
 
     wet: liquefied pairs; shared: records of all discs; with_losses: whether work is summed.
     """
@@ -162,11 +163,11 @@ def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, later: float, w
 
 @device_function(nogil=True, _nrt=False)
 def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool) -> float:
-    """Compute densities, levers and speeds of a block of pairs, after `fetch_motion`; `wet`: liquefied pairs; `period`:
-    period of the ground.
+    """Compute densities, relative positions and relative speeds of a block of pairs, after `fetch_motion`; `wet`:
+    liquefied pairs; `period`: period of the ground.
 
-    With `with_losses` the function returns the work (J), since the last evaluation, of the terms that replace discs
-    which have not liquefied.
+    With `with_losses` the function returns the work (J), since the last evaluation, of those terms of the sums that
+    stand for discs which have not liquefied.
     """
     wide_vectors()
     w, reach = wet.working, wet.reach
@@ -239,11 +240,12 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, late
 
 @device_function(forceinline=True)
 def strength_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
-    """Return the weights of the strengths of both discs in their bond: 1 for each disc in one stratum, else 2 for the
-    weaker disc.
+    """Return the weights of the strengths of both discs in the strength of their bond: 1 for each disc if both are of
+    one stratum, else 2 for the weaker disc.
 
-    A disc that is liquefying beside ground that already has bonds, such as clay, has no contacts with it which would
-    hold until its own strength has come. The bond keeps the strength of the other disc by the share that is left.
+    While a disc liquefies, its contacts with clay, which has bonds already, fade before its own residual strength has
+    built up. Until then the bond has the strength of the clay, multiplied by the share of the disc that has not
+    liquefied.
     """
     if discs[i, SHARE] == 0.0:
         return 0.0, 2.0
@@ -258,7 +260,8 @@ def strength_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
 
 @device_function(forceinline=True)
 def bond_weights(a: float, b: float) -> tuple[float, float]:
-    """Return the weights of the force-displacement laws of both discs in their bond, from those of their strengths."""
+    """Return the weights of the force-displacement laws of both discs in their bond, which follow from the weights of
+    their strengths."""
     return (2.0 - b if a > b else a), (2.0 - a if b > a else b)
 
 

@@ -1,4 +1,5 @@
-"""Kernel: forces of liquefied ground in a step of all threads, slice by slice. The laws are in `liquefied_pairs`."""
+"""Computes the forces of liquefied ground in a step by all threads, slice by slice (kernel). The laws are in
+`liquefied_pairs`."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Kernel: shear stress at each liquefied disc, and shear strain since the last neighbour list.
+"""Measures the shear stress at each liquefied disc, and its shear strain since the last neighbour list (kernel).
 
 The stress at a disc follows from its pairs and their forces at the last evaluation (virial of Love 1927; half of each
 pair belongs to either disc), tension positive. The displacement gradient is fitted to the displacements of the

@@ -1,4 +1,4 @@
-"""Kernel: copies of the state of discs from the model to the layout and back, and checks of their positions."""
+"""Copies the state of discs from the model to the layout and back, and checks their positions (kernel)."""
 
 import numpy as np
 from numba import njit

@@ -1,9 +1,9 @@
-"""Kernel: neighbour list. A cell grid finds the pairs whose distance is below the sum of their radii plus a margin, the
-skin.
+"""Makes the neighbour list (kernel). A cell grid finds the pairs whose distance is below the sum of their radii plus a
+margin, the skin.
 
 The list is valid until some disc has moved half the skin. The list also contains every pair with a pore spring, intact
-or cracked, at any distance. A cracked spring resists again when the discs return to its length, so that removing it
-would make the result depend on the skin. History variables of springs are copied to the new list.
+or cracked, at any distance. A cracked spring resists again when the discs return to its length, so that the result
+would depend on the skin if the spring were removed. History variables of springs are copied to the new list.
 """
 
 from typing import NamedTuple
@@ -275,9 +275,8 @@ def pairs_within(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
-    """Three contacts per disc is the mean of a triangular lattice; computing lanes without a contact is wasted work.
-    Owners are near their partners in the order, since a slice can move only after the last owner of its contacts is
-    computed.
+    """Exchange i and j of pairs in place, so that the first disc of a pair owns the contact, and each disc owns about
+    three contacts.
 
     Three is the mean of a triangular lattice; computing lanes without a contact is wasted work. Owners are near their
     partners in the order, since a slice can move only after the last owner of its contacts is computed.
@@ -329,8 +328,8 @@ def carry_over(
 def find_lines(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, lines: np.ndarray, depth: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Find (disc, line) of all discs that can touch a rigid line: less than r + skin in front of the line, or beyond
-    it.
+    """Find (disc, line) of all discs that can touch a rigid line: those less than r + skin in front of the line, or
+    beyond it.
 
     x, z, radius: places and radii (m); fixed: whether a disc is held; skin: margin of the neighbour list (m); lines:
     (k, 6) point, inward normal, begin and end (m); depth: largest distance (m) behind a line at which the line still

@@ -1,5 +1,5 @@
-"""Kernel: stress of a patch of discs in a frame, and strain imposed on it, computed in the layout of the stepping
-kernel.
+"""Computes the stress of a patch of discs in a frame, and imposes strain on it, in the layout of the stepping kernel
+(kernel).
 
 Writing a patch back into the model between two short runs would take longer than computing its stress in the layout.
 """

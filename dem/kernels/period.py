@@ -1,4 +1,4 @@
-"""Kernel: distances in periodic ground, of which one period is computed.
+"""Computes distances in periodic ground, of which one period is computed (kernel).
 
 Positions are never mapped back into the period; distances are those of the nearest image.
 """

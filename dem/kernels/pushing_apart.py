@@ -1,4 +1,4 @@
-"""Kernel: pushes overlapping discs apart, and discs too near the outline inwards."""
+"""Pushes overlapping discs apart, and discs too near the outline inwards (kernel)."""
 
 import numpy as np
 from numba import njit

@@ -1,4 +1,4 @@
-"""Kernel: largest stable time step of any assembly of discs.
+"""Computes the largest stable time step of any assembly of discs (kernel).
 
 For springs between pairs, K <= 2 diag(K_ii): the energy of a spring between i and j is at most twice the sum of what
 each end would store alone. So omega_max^2 <= 2 max_i lambda(K_ii / M_ii), with the 3 x 3 blocks of translation and

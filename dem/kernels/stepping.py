@@ -1,4 +1,4 @@
-"""Kernel: many time steps of all discs, by any number of threads, with the same bits for any number.
+"""Takes many time steps of all discs, by any number of threads, with the same bits for any number (kernel).
 
 Scheme: velocity Verlet, which is the trapezoidal rule for the displacement (Sec. 2(2) of the paper). With the forces
 F at t_n,

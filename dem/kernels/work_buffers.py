@@ -1,4 +1,4 @@
-"""Kernel: rows of 64 doubles for the state of partners and the constants of pairs.
+"""Copies the state of partners and the constants of pairs into rows of 64 doubles (kernel).
 
 The inner loops read and write rows of 64 doubles at fixed distances, so that the compiler can use vector instructions;
 other data are copied into rows first.

@@ -1,4 +1,4 @@
-"""Isotropic elasticity in the plane: constants of discs, and equivalent constants of soil in plane strain."""
+"""Defines isotropic elasticity in the plane: constants of discs, and equivalent constants of soil in plane strain."""
 
 from dataclasses import dataclass
 
@@ -55,7 +55,7 @@ def lattice_elastic(layer: LayerSprings, pores: bool = True) -> PlaneElastic:
     """Return the elastic constants of a triangular lattice of discs without slip: M = sqrt(3)/4 (3 kn + ks), G =
     sqrt(3)/4 (kn + ks).
 
-    If there are pore springs, they act in parallel with the element springs: kn and ks are then the sums of both. The
+    If there are pore springs, they act in parallel with the contact springs: kn and ks are then the sums of both. The
     spacing is two radii. The moduli follow from the energy of the three bonds of a disc that rotates with the mean
     rotation, as in Griffiths and Mustoe (2001), Int. J. Numer. Meth. Engng 50, 1791.
     """

@@ -75,7 +75,7 @@ class StrengthMap:
     friction : (m,)
         Friction coefficients mu of the contacts, in rising order.
     cohesion : (k,)
-        Cohesion numbers C / (2 r p).
+        Cohesion numbers C / (2 r p) of the contacts, in rising order.
     after, peak : (m, k)
         Half the deviator stress over the confining pressure, after the peak and at the peak; mean over the seeds.
     scatter : (m, k)
@@ -92,7 +92,7 @@ class StrengthMap:
     modulus: np.ndarray
 
     def strongest(self, cohesive: bool) -> float:
-        """Return the largest ratio of half the deviator stress to the pressure in the map, with or without cohesion of
+        """Return the largest ratio in the map of half the deviator stress to the pressure, with or without cohesion of
         contacts.
         """
         return float(self.after.max() if cohesive else self._sand[1].max())

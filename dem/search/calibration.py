@@ -1,8 +1,10 @@
 """Calibrates discs: finds the factor on their constants with which their critical Kh is equal to that of the FEM.
 
-A factor multiplies the constants of all layers. stiffness: all springs, and dashpots by its square root (the damping
-ratio is constant); friction: of elements and pore springs; pore_strength: cohesion and stretch at which pore springs
-break, cohesion of soil discs; strength: friction and pore_strength together; all: stiffness and strength together.
+A factor multiplies the constants of all layers that belong to one parameter. The parameter stiffness multiplies all
+springs, and dashpots by its square root (the damping ratio is constant). The parameter friction multiplies the friction
+of contacts and pore springs. The parameter pore_strength multiplies the cohesion of pore springs and the stretch at
+which they break, and the cohesion of soil discs. The parameter strength is friction and pore_strength together, and the
+parameter all is stiffness and strength together.
 
 For soil discs one factor multiplies the strength, as in strength reduction: friction and cohesion, but not rolling
 friction and stiffness. The uncalibrated critical Kh of soil discs is a prediction.
@@ -265,7 +267,7 @@ def best(
     """Calibrate one parameter; "auto" is that of `choose`, or all together if the critical Kh jumps past the target.
 
     calibrator: calibrator of the discs; target: critical Kh to reach; parameter: name of the parameter; table: searches
-    done (name, factor, result).
+    that were done (name, factor, result).
     """
     if parameter == "auto" and calibrator.settings.model == "soil":
         parameter = "strength"

@@ -139,5 +139,5 @@ def critical_kh(
 
 
 def _after(kh: float, step: float) -> float:
-    """Return the next Kh: one step further, or the step itself if only the first small Kh was tried."""
+    """Return the next Kh: one step above the last one, or the step itself if only the first small Kh was tried."""
     return kh + step if step <= kh else step

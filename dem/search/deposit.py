@@ -1,5 +1,5 @@
-"""Prepares soil discs: they are filled in a little too high, settled, cut to the surface of the section, and settled
-again.
+"""Prepares soil discs at rest. They are filled in a little too high, settled, cut to the surface of the section, and
+settled again.
 
 Random packings settle by some per cent of their height. So the box is filled above the surface of the section; after
 settling, discs above the surface are removed, and every other disc is assigned to the stratum in which it lies. After

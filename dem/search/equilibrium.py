@@ -1,4 +1,4 @@
-"""Settles discs, and tries whether they stand or fail under a seismic coefficient that rises smoothly and is then
+"""Settles discs, and decides whether they stand or fail under a seismic coefficient that rises smoothly and is then
 constant.
 
 Two dimensionless numbers measure the distance to rest. Unbalanced force ratio: mean resultant on free discs over mean

@@ -1,4 +1,4 @@
-"""Models undrained clay by soil discs: its volume is constant, and its strength is s_u at every strain.
+"""Models undrained clay by soil discs. The volume of the clay is constant, and its strength is s_u at every strain.
 
 Contacts with cohesion hold clay while discs are filled in. But once they break, a packing of discs keeps some friction,
 and parts of the packing dilate. So clay at rest takes the laws of liquefied ground (`dem.liquefied_ground`): pore

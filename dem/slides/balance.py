@@ -79,7 +79,7 @@ def deepest_overlap(model: DiscModel) -> float:
 
 
 class AtSide(NamedTuple):
-    """Describes the influence of a side of the box on a slide.
+    """Describes how a side of the box affects a slide.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class AtSide(NamedTuple):
 
 
 def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSide]:
-    """Return the influence of each side of the box on a slide from `start` to `model`; empty for periodic ground."""
+    """Return how each side of the box affects a slide from `start` to `model`; empty for periodic ground."""
     if model.period is not None:
         return []
     before, after = (Surface.of(m, ground).points(m, ground) for m in (start, model))

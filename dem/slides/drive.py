@@ -25,9 +25,10 @@ class Shaking:
     """Holds a record of the base, or the acceleration of the ground, and the time at which each stratum begins to
     liquefy.
 
-    Base and fixed discs move as one rigid body. In the frame of the base, the opposite of its acceleration acts on the
-    full mass of the discs. This is exact for a box and for periodic sides. Cycles of Kh, and the average acceleration
-    of the soil, contain the response of the ground already: the base is compliant then (`dem.engine.compliant_base`).
+    Base and fixed discs move as one rigid body. In the frame of the base, the acceleration of the base, with the
+    opposite sign, acts on the full mass of the discs. This is exact for a box and for periodic sides. Cycles of Kh, and
+    the average acceleration of the soil, contain the response of the ground already, so that the base is compliant then
+    (`dem.engine.compliant_base`).
 
     Attributes
     ----------
@@ -125,8 +126,8 @@ def cycles(
 
 
 def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> BaseMotion:
-    """Return the loading by a constant Kh. All strata liquefy together; in soil discs they liquefy once Kh has its full
-    value.
+    """Return the loading by a constant Kh, under which all strata liquefy together. Strata of soil discs liquefy once
+    Kh has its full value.
 
     start: discs at rest; ground: the ground in which the discs lie; settings: settings of the slide.
     """

@@ -1,15 +1,17 @@
-"""Free-field sides of a slide of discs: the ground continues, and carries at the sides the pressure at rest.
+"""Moves the free-field sides of a slide of discs. The ground continues beyond them, and the pressure at rest acts on
+them.
 
-The walls of a box hold a slope that continues: discs on S-13 moved by 1 m in the uphill half of the section and not at
-all at its downhill end. Here the wall discs above the lowest stratum that liquefies at a side are prescribed, in
-strips of two diameters, to move horizontally with the mean velocity v of the discs near the side, and a little faster
-where the ground pushes with a larger force N than the ground beyond:
+Walls that do not move would hold a slope that continues beyond the section: discs on S-13 moved by 1 m in the uphill
+half of the section and not at all at its downhill end. So the wall discs above the lowest stratum that liquefies at a
+side move horizontally, in strips two diameters high. Their velocity is the mean velocity v of the discs near the side,
+increased where the ground pushes against the wall with a larger force N than the force at rest N_0:
 
     v_wall = v + RELIEF (D / EVERY) (N - N_0) / (M h),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν),
 
-h the height of a strip, D the mean diameter, M = ρ V_p² the P-wave modulus. As a stratum liquefies its K_0 becomes 1.
-The ratio of the force relieved in a time EVERY to the excess is RELIEF if the nearest discs alone were compressed, and
-less in continuous ground. Walls move by `ROOM` diameters at most: beyond that the floor ends. Positive is outwards.
+Here h is the height of a strip, D the mean diameter, M = ρ V_p² the P-wave modulus. As a stratum liquefies, its K_0
+becomes 1. If the nearest discs alone were compressed, the excess of force would fall by its share RELIEF in a time
+EVERY; in continuous ground it falls more slowly. Walls move by `ROOM` diameters at most, since the floor ends there.
+Positive is outwards.
 """
 
 from collections.abc import Sequence
@@ -66,7 +68,7 @@ class FreeSides:
     ground
         Place of the discs in a section.
     strata
-        Numbers of the strata that liquefy; a side without any of them stays a wall.
+        Numbers of the strata that liquefy; a side at which none of them lies remains a wall that does not move.
     """
 
     def __init__(self, start: DiscModel, ground: Ground, strata: Sequence[int]) -> None:
@@ -87,7 +89,8 @@ class FreeSides:
     def _strips(
         self, start: DiscModel, side: str, outwards: int, levels: np.ndarray, wet: Sequence[int]
     ) -> list[_Strip]:
-        """Return the strips of a side; levels: interfaces there (m), wet: strata there that liquefy."""
+        """Return the strips of a side; levels: elevations of the interfaces at the side (m); wet: strata at the side
+        that liquefy."""
         section, diameter = self.ground.section, self.diameter
         assert section is not None
         x, z = self.ground.to_section(start.x, start.z)
@@ -112,7 +115,8 @@ class FreeSides:
         return strips
 
     def release(self, model: DiscModel) -> DiscModel:
-        """Return the discs at rest once the walls carry the pressure at rest; packings press against them harder."""
+        """Return the discs at rest after the walls are released, so that they carry the pressure at rest. Discs of a
+        packing press harder against walls that do not move."""
         out = model.copy()
         self.open(out)
         out.set_velocity(0.0, 0.0)
@@ -149,18 +153,18 @@ class FreeSides:
         model.vx, model.vx_half = vx, np.where(model.fixed, vx, model.vx_half)
 
     def stopped(self, model: DiscModel) -> set[str]:
-        """Return the sides ("left", "right") that have no more room to move, or are walls."""
+        """Return the sides ("left", "right") that can move no further outwards, or that are walls which do not move."""
         limit = (ROOM - 0.1) * self.diameter
         free = {strip.side for strip in self.strips}
         at_end = {strip.side for strip in self.strips if abs(self._moved(model, strip)) >= limit}
         return {"left", "right"} - free | at_end
 
     def _moved(self, model: DiscModel, strip: _Strip) -> float:
-        """Displacement (m) of the wall of a strip, outwards positive."""
+        """Return the displacement (m) of the wall of a strip, outwards positive."""
         return strip.outwards * float((model.x - self.places)[strip.wall].mean())
 
 
 def _p_wave_modulus(soil: Stratum) -> float:
-    """P-wave modulus (Pa) of a soil."""
+    """Return the P-wave modulus (Pa) of a soil."""
     nu = soil.poissons_ratio
     return soil.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))

@@ -1,9 +1,9 @@
-"""Slides of ground whose layers liquefy under a seismic coefficient or a record (Sec. 4(3)). In discs with the law
-"paper", pore springs of the liquefied layers are cut at the onset; element springs, dashpots and strength are
-multiplied by the factors of the case, in steps over the duration of the onset. Contacts of soil discs fade out instead,
-while pore water carries their overburden, and bonds provide their residual strength (`dem.liquefied_ground`). In both
-models discs shrink by the volume that drains. The paper applies Kh at the onset; on soil discs Kh acts before
-liquefaction, since shaking causes it.
+"""Computes slides of ground whose layers liquefy under a seismic coefficient or a record (Sec. 4(3) of the paper). In
+discs with the law "paper", pore springs of the liquefied layers are cut at the onset; contact springs, dashpots and
+strength are multiplied by the factors of the case, in steps over the duration of the onset. Contacts of soil discs fade
+out instead, while pore water carries their overburden, and bonds provide their residual strength
+(`dem.liquefied_ground`). In both models discs shrink by the volume that drains. The paper applies Kh at the onset; on
+soil discs Kh acts before liquefaction, since shaking causes it.
 """
 
 import json

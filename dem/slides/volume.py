@@ -30,7 +30,7 @@ def undrained(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
 def volume_change(start: DiscModel, model: DiscModel) -> np.ndarray:
     """Return the relative growth of the area of the ground of each stratum (n,), negative where it got denser.
 
-    The growth is 0 for a stratum of which no three discs are neighbours any more.
+    The growth is 0 for a stratum without three discs that are neighbours.
     """
     return np.nan_to_num(area_per_disc(model, start) / area_per_disc(start, start) - 1.0)
 

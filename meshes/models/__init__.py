@@ -1,1 +1,1 @@
-"""Models of other programs, read as sections."""
+"""Reads models of other programs as sections."""

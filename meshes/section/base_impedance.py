@@ -1,4 +1,4 @@
-"""Impedance of the ground below a section, by which waves that reach its base leave.
+"""Computes the impedance of the ground below a section, through which waves that reach the base leave.
 
 Cycles of Kh stand for the acceleration of the ground at its surface, and so of all the ground above the base. A base as
 stiff as rock would reflect the waves, and amplify Kh: a layer with an impedance of a third of that of the half-space

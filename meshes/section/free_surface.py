@@ -1,5 +1,5 @@
-"""Kernel of unconfined seepage on a fixed grid: the pressure head and the saturated share of the pores solve a
-complementarity problem.
+"""Solves unconfined seepage on a fixed grid: the pressure head and the saturated share of the pores solve a
+complementarity problem (kernel).
 
 The equations are Darcy's law and continuity for water without capillary rise (Brezis, Kinderlehrer & Stampacchia 1978,
 C. R. Acad. Sci. Paris 287, 711; of layered ground Alt 1979, J. reine angew. Math. 305, 89), with the pressure head p

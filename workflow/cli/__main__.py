@@ -1,4 +1,4 @@
-"""Run the command: `python -m workflow.cli`."""
+"""Runs the command: `python -m workflow.cli`."""
 
 from workflow.cli.commands import main
 

@@ -1,4 +1,5 @@
-"""The command `noshiro`. Modules are imported when a command is called, so that `noshiro --help` is fast."""
+"""Defines the command `noshiro` and its subcommands. Modules are imported when a command is called, so that `noshiro
+--help` is fast."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -222,7 +223,7 @@ def plot(
     at: Annotated[float | None, typer.Option(help="One seismic coefficient only, such as 0.2.")] = None,
     json: Json = False,
 ) -> None:
-    """Draw the pictures of a run again, or single ones, without computing anything."""
+    """Draw the pictures of a run again, or some of them, without computing anything."""
     from workflow.cli.invocation import stored_job
     from workflow.cli.terminal import redraw, say, say_data
     from workflow.figures.single import draw
@@ -386,7 +387,8 @@ def _up_to(
 
 
 def _warn(verbosity: Verbosity, invocation: "Invocation", command: str, chosen: Sequence[str]) -> list[str]:
-    """Print and return warnings on options of an earlier command that still apply, and on unread settings."""
+    """Print and return warnings on options that are still stored from an earlier command, and on settings that no stage
+    reads."""
     from workflow.cli.terminal import warn
     from workflow.cli.unread import in_words
 

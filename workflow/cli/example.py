@@ -1,4 +1,4 @@
-"""Example sections: a commented one, and those that come with the program."""
+"""Provides example sections: a commented one, and those that come with the program."""
 
 import json
 from importlib import resources

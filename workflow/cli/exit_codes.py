@@ -1,4 +1,4 @@
-"""The end of a command: error message and exit code."""
+"""Ends a command: prints the error message and sets the exit code."""
 
 import os
 import sys

@@ -1,4 +1,5 @@
-"""The call of a command: section file, settings and options of the command line, and the folder for the results."""
+"""Reads the call of a command: section file, settings and options of the command line, and the folder for the
+results."""
 
 import json
 import tomllib
@@ -115,8 +116,7 @@ class Invocation:
 
     @property
     def notices(self) -> list[str]:
-        """Return notices: old names of settings with the new ones, and options of an earlier command that still
-        apply."""
+        """Return notices: old names of settings with the new ones, and options stored from an earlier command."""
         old_words = renamed.notices(merged(read_toml(self.section), self.tables))
         if not self.mesh_options_stored:
             return old_words

@@ -1,4 +1,4 @@
-"""The command `noshiro migrate`: it rewrites a section file with the names of settings of this version."""
+"""Defines the command `noshiro migrate`, which rewrites a section file with the names of settings of this version."""
 
 from pathlib import Path
 from typing import Annotated
@@ -16,7 +16,7 @@ def migrate(
     ] = None,
     write: Annotated[bool, typer.Option("--write", help="Write the new form over the file itself.")] = False,
 ) -> None:
-    """Rewrite a section file that has old names of settings; comments and layout stay."""
+    """Rewrite a section file that has old names of settings; comments and layout stay unchanged."""
     from meshes.section.section import read_toml
     from workflow.cli.terminal import say
     from workflow.config.renamed import rewritten

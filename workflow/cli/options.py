@@ -1,4 +1,4 @@
-"""The options that commands have in common."""
+"""Defines the options that commands have in common."""
 
 from collections.abc import Callable
 from enum import StrEnum

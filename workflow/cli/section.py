@@ -1,4 +1,4 @@
-"""The command `noshiro section`."""
+"""Defines the command `noshiro section`."""
 
 from pathlib import Path
 from typing import Annotated

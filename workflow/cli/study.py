@@ -1,4 +1,4 @@
-"""The commands `noshiro study` and `noshiro converge`."""
+"""Defines the commands `noshiro study` and `noshiro converge`."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Output of commands on the terminal: the section, the plan, the progress of stages, and their results."""
+"""Prints on the terminal: the section, the plan, the progress of stages, and their results."""
 
 import re
 import shlex
@@ -120,7 +120,7 @@ def _show_shaking(job: Job) -> None:
 
 
 def _announce(decisions: Sequence[Decision], job: Job) -> None:
-    """Print how long a run takes if it takes long."""
+    """Print the expected duration of a run if it is long."""
     if words := announcement(decisions, job.config):
         say(words)
 
@@ -150,7 +150,8 @@ def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[s
 
 
 def _tell(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str], pdf: bool) -> None:
-    """Print the results of the stages, in sentences or as JSON, and the folder of the files; write the PDF if asked."""
+    """Print the results of the stages, in sentences or as JSON, and the folder of the files; write the PDF if it is
+    requested."""
     if pdf:
         from workflow.report.pdf import write_pdf
 

@@ -1,4 +1,4 @@
-"""Settings of the command line that a command does not use, and the commands that use them.
+"""Finds settings of the command line that a command does not use, and the commands that use them.
 
 The settings that a command reads follow from the declarations of its stages (``Stage.reads``), and from their influence
 on the inputs.

@@ -1,4 +1,4 @@
-"""Display of a study: number of finished samples, number of failed ones, and remaining time."""
+"""Displays the progress of a study: number of finished samples, number of failed ones, and remaining time."""
 
 import time
 

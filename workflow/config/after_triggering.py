@@ -147,7 +147,7 @@ def average_kh(section: Section, response: SiteResponseSettings) -> float:
 
 
 def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
-    """Return the settings of the slides with a numerical Kh, and the keys that follow from the earthquake."""
+    """Return the settings of the slides with a numerical Kh, and the keys that the earthquake determines."""
     written = {key: getattr(config.slide, key) for key in config.slide.model_fields_set} | config.left_open
     if written.get("kh") == K_MAX:
         written["kh"] = average_kh(config.section, config.site_response)
@@ -156,7 +156,7 @@ def _driven(config: Config) -> tuple[SlideSettings, list[str]]:
 
 
 def _assumed(config: Config, section: Section, slide: SlideSettings) -> SlideSettings:
-    """Return the settings of the slides, with assumed values if ground liquefies and the input gives none.
+    """Return the settings of the slides. If ground liquefies and the input gives no values, they have assumed values.
 
     ``config``: config as read from the file; ``section``: the section after triggering; ``slide``: settings after the
     earthquake.

@@ -1,4 +1,4 @@
-"""The config of a run: a section, and the settings of mesh, analyses and pictures."""
+"""Defines the config of a run: a section, and the settings of mesh, analyses and pictures."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cached_property, partial
@@ -48,8 +48,8 @@ DONE = (
 
 
 def notice_lines(notices: Iterable[str]) -> list[str]:
-    """Return notices as lines that commands print. Notes state what was done; warnings may require an action of the
-    user."""
+    """Return notices as lines that commands print. Notes state what the program did; warnings may require an action of
+    the user."""
     return [f"{'Note' if any(words in text for words in DONE) else 'Warning'}: {text}." for text in notices]
 
 
@@ -93,8 +93,8 @@ class Config(Tables):
     def with_drawn(self, drawn: Mapping[str, Any], judged: bool = False) -> "Config":
         """Return the config with sampled values of the uncertain numbers, by their paths, and without [uncertain].
 
-        Sampled values may be unusual for soils, unless ``judged`` checks them like values of a section file. Raises
-        ValueError for an unknown path, InputError for invalid values.
+        Sampled values may be unusual for soils; with ``judged`` they are checked like the values of a section file.
+        Raises ValueError for an unknown path, InputError for invalid values.
         """
         data = changed(self._before_the_cut(), drawn, self.uncertain.numbers)
         return Config.parse(data if judged else {**data, "unusual": True}, self.section.name)
@@ -105,8 +105,8 @@ class Config(Tables):
         return reach_of(self._before_the_cut(), self.uncertain.numbers, (Section, Tables))
 
     def _before_the_cut(self) -> dict[str, Any]:
-        """Return the section as written in the file, before the water table divided its strata, together with the
-        settings in use."""
+        """Return the section as written in the file, before its strata were divided at the water table, together with
+        the settings in use."""
         settings = set(self.tables()) - {"uncertain", "study"}
         used = self.model_dump(mode="python", exclude_none=True, by_alias=True, include=settings)
         unset = OPEN.keys() - self.slide.model_fields_set

@@ -1,6 +1,6 @@
-"""Old names of settings are still read, with a notice, and rewritten by `noshiro migrate`.
+"""Reads old names of settings, with a notice; `noshiro migrate` rewrites them.
 
-No other module has an old name. A later renaming is one more entry of ``RENAMED``.
+No other module has an old name. For a later renaming, add an entry to ``RENAMED``.
 """
 
 import re
@@ -35,7 +35,7 @@ class Renamed:
 
     @property
     def path(self) -> str:
-        """Return table and old key, in the form of [uncertain] and --set."""
+        """Return table and old key, in the form of the table [uncertain] and of the option --set."""
         return f"{self.table}.{self.key}"
 
     def value(self, old: Any) -> Any:

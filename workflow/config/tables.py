@@ -1,4 +1,4 @@
-"""The tables of settings in the input file of a run, one settings object for each."""
+"""Defines the tables of settings in the input file of a run, one settings object for each."""
 
 from pathlib import Path
 from typing import Literal

@@ -1,1 +1,1 @@
-"""Criteria: limits with their sources, and verdicts on them."""
+"""Compares results with limits that have a source, and returns verdicts."""

@@ -1,4 +1,4 @@
-"""Limits that the answers are compared with, the table [criteria] of the input file, and the verdict."""
+"""Defines the limits that the answers are compared with (the table [criteria] of the input file), and the verdict."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -151,7 +151,7 @@ def judge(low: float | None, high: float | None, limit: float, at_least: bool) -
 
 
 def together(verdicts: tuple[CriterionVerdict, ...]) -> CriterionVerdict:
-    """Return the verdict on several criteria together, all of which must be satisfied."""
+    """Return the common verdict on several criteria, all of which must be satisfied."""
     if "not satisfied" in verdicts:
         return "not satisfied"
     return "satisfied" if verdicts and set(verdicts) == {"satisfied"} else "not decided"

@@ -1,1 +1,1 @@
-"""The earthquake at the site: magnitude, distance, peak acceleration, records and site response."""
+"""Provides the earthquake at the site: magnitude, distance, peak acceleration, records and site response."""

@@ -1,4 +1,4 @@
-"""Accelerations as people write them: "250 gal", "0.25 g", "2.5 m/s^2", "250 cm/s²", "25 %g"."""
+"""Reads accelerations as people write them: "250 gal", "0.25 g", "2.5 m/s^2", "250 cm/s²", "25 %g"."""
 
 from typing import Annotated, Any
 
@@ -14,7 +14,7 @@ ACCELERATION = Kind(
 
 
 def read(value: Any) -> Quantity:
-    """Read an acceleration in m/s²; raise ValueError with what was expected."""
+    """Read an acceleration in m/s²; raise ValueError with the expected form."""
     if not isinstance(value, str):
         return ACCELERATION.read(value)
     if comma := with_a_point(value):

@@ -1,4 +1,4 @@
-"""Records of ground acceleration in files of any format, and warnings about them."""
+"""Reads records of ground acceleration from files of any format, and warns about them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Peak acceleration from magnitude and distance, by two Japanese relations.
+"""Computes the peak acceleration from magnitude and distance, by two Japanese relations.
 
 Accelerations in m/s², distances and depths in m, magnitudes without a unit; σ is the standard deviation of log10.
 """
@@ -31,7 +31,7 @@ class ValidRange:
     unit: str = ""
 
     def problem(self, value: float, relation: str) -> str:
-        """Return why a value cannot be used; empty if it can."""
+        """Return the reason why a value cannot be used; empty if it can."""
         if self.low <= value <= self.high:
             return ""
         unit = f" {self.unit}" if self.unit else ""

@@ -1,4 +1,5 @@
-"""Peak acceleration of shallow crustal earthquakes anywhere: Boore, Stewart, Seyhan & Atkinson (2014).
+"""Computes the peak acceleration of shallow crustal earthquakes anywhere by the relation of Boore, Stewart, Seyhan &
+Atkinson (2014).
 
 The library pygmm has this relation, but requires another numpy than dolfinx was built with; the tests compare with its
 numbers.

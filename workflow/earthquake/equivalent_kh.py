@@ -1,8 +1,8 @@
-"""The cyclic seismic coefficient that is equivalent to an earthquake where there is no record.
+"""Computes the cyclic seismic coefficient that is equivalent to an earthquake for which there is no record.
 
-Uniform cycles of 0.65 of the peak are equivalent to the irregular ones (Seed & Idriss 1971). The number of cycles
-follows from the magnitude scaling factor of the triggering relations; the period of the cycles is the mean period of
-the motion.
+Uniform cycles of 0.65 of the peak are equivalent to the irregular cycles of an earthquake (Seed & Idriss 1971). The
+number of cycles follows from the magnitude scaling factor of the triggering relations; the period of the cycles is the
+mean period of the motion.
 """
 
 import math

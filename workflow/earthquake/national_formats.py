@@ -1,4 +1,4 @@
-"""Files of national networks: GeoNet of New Zealand (.V1A, .V2A), BHRC of Iran (.V1), USGS (.smc).
+"""Reads files of national networks: GeoNet of New Zealand (.V1A, .V2A), BHRC of Iran (.V1), USGS (.smc).
 
 Sources: GNS Science, "Accelerogram data file format" (2012), and files that GeoNet and BHRC have published;
 USGS, National Strong-Motion Program, SMC-format data files, 3.1 to 4.0.

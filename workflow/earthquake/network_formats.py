@@ -1,4 +1,4 @@
-"""Files of strong-motion networks: PEER, K-NET and KiK-net, COSMOS V1 and V2, CSMIP V1 and V2, RENADIC, ESM.
+"""Reads files of strong-motion networks: PEER, K-NET and KiK-net, COSMOS V1 and V2, CSMIP V1 and V2, RENADIC, ESM.
 
 Sources: PEER NGA-West2, file formats; NIED, "About K-NET ASCII format"; COSMOS Strong Motion Data Format v1.20 (2001);
 A. F. Shakal, M. J. Huang, Standard Tape Format for CSMIP Strong-Motion Data, OSMS 85-03 (1985); ESM, DYNA 1.2.

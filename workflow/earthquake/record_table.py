@@ -1,4 +1,4 @@
-"""Records in columns: time and components under a heading, separated by commas, semicolons, tabs or blanks.
+"""Reads records in columns: time and components under a heading, separated by commas, semicolons, tabs or blanks.
 
 A column of time may be missing if the heading has a time step or a sampling rate (as in the CSV files of the Japan
 Meteorological Agency). Numbers may have decimal commas if semicolons or tabs separate the columns.

@@ -1,4 +1,4 @@
-"""A series of a record file in its original unit, and functions that read numbers in fixed or free columns."""
+"""Holds one component of a record file in its original unit, and reads numbers in fixed or free columns."""
 
 import re
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The records that the tables of an input name, and warnings about them."""
+"""Reads the records that the tables of an input name, and returns warnings about them."""
 
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,4 +1,5 @@
-"""The earthquake of a section, the table [earthquake] of the input file, and the peak acceleration expected from it."""
+"""Defines the earthquake of a section (the table [earthquake] of the input file), and computes the peak acceleration
+expected from it."""
 
 from collections.abc import Mapping
 from functools import cached_property

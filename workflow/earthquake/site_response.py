@@ -1,4 +1,4 @@
-"""One-dimensional site response: vertical shear waves in layers on a half-space, equivalent linear.
+"""Computes the one-dimensional site response: vertical shear waves in layers on a half-space, equivalent linear.
 
 Time is in s, accelerations in m/s², stresses in Pa, depths in m. In each layer there are an upward wave A and a
 downward wave B, computed from the free surface (A = B) down (P. B. Schnabel, J. Lysmer, H. B. Seed, SHAKE, EERC 72-12,

@@ -1,2 +1,2 @@
-"""Estimates with which slides are compared: sliding blocks, regressions over observed cases, limit equilibrium of
-slices."""
+"""Estimates displacements with which slides are compared: sliding blocks, regressions over observed cases, limit
+equilibrium of slices."""

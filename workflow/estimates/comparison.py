@@ -1,4 +1,4 @@
-"""Estimates of displacement with which slides are compared: sliding blocks, and regressions over observed cases."""
+"""Estimates displacements with which slides are compared: sliding blocks, and regressions over observed cases."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Settlement of a crest by a slide and by reconsolidation, and remaining freeboard."""
+"""Computes the settlement of a crest by a slide and by reconsolidation, and the remaining freeboard."""
 
 from collections.abc import Sequence
 

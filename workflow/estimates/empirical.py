@@ -1,5 +1,5 @@
 """Estimates the displacement by empirical relations from earthquake, blow counts or the overlying layer, each within
-its range."""
+its range of validity."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence

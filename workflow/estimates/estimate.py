@@ -1,4 +1,4 @@
-"""One estimate of a displacement, with its source and its assumptions."""
+"""Holds one estimate of a displacement, with its source and its assumptions."""
 
 import math
 from dataclasses import dataclass, replace

@@ -16,8 +16,8 @@ SKIN = 0.1  # of the height from the exit of a failure to the crest: thickness o
 
 
 def is_of_face(structure: Standing, towards: int, surface: Surface) -> bool:
-    """Return whether a part of the crest slides with a failure towards a side; ``surface``: points (m) of the slip
-    surface, left to right."""
+    """Return whether a part of the crest slides in a failure towards a side; ``surface``: points (m) of the slip
+    surface, from left to right."""
     points = [(float(x), float(z)) for x, z in surface]
     return bool(points) and structure.slides_with(points) and _slides(points) == towards
 

@@ -1,4 +1,4 @@
-"""States what relations for lateral spreads say of ground that flows after liquefaction."""
+"""States in the estimates of lateral spreads whether they apply to ground that flows after liquefaction."""
 
 from collections.abc import Iterable, Sequence
 

@@ -1,4 +1,4 @@
-"""Lateral spreading by regression, and by integration of strains over depth."""
+"""Estimates lateral spreading by regression, and by integration of strains over depth."""
 
 import math
 from collections.abc import Sequence
@@ -60,7 +60,7 @@ def youd(site: Spreading) -> float:
 
 
 def why_not_youd(site: Spreading) -> str:
-    """Return why a site is outside the range of Youd et al.; empty if it is inside."""
+    """Return the reason why a site is outside the range of Youd et al.; empty if it is inside."""
     limits = (
         ("magnitude", site.magnitude, 6.0, 8.0, ""),
         ("free-face ratio", site.slope, 1.0, 20.0, " %") if site.free_face else ("slope", site.slope, 0.1, 6.0, " %"),

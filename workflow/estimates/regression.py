@@ -1,4 +1,4 @@
-"""Displacement by regression over observed cases of liquefaction: Hamada et al. (1986)."""
+"""Estimates the displacement by regression over observed cases of liquefaction: Hamada et al. (1986)."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Equilibrium of slices: Bishop's simplified method for circles, Spencer's method for any slip surface.
+"""Computes the equilibrium of slices: Bishop's simplified method for circles, Spencer's method for any slip surface.
 
 Sources: Bishop 1955, Géotechnique 5(1), 7-17; Spencer 1967, Géotechnique 17(1), 11-26; both in the form of Duncan,
 Wright & Brandon 2014, Soil Strength and Slope Stability, chapter 6. Signs and units are those of

@@ -1,4 +1,4 @@
-"""The mass above trial slip surfaces, divided into vertical slices: weights, loads, strength and water at their bases.
+"""Divides the mass above trial slip surfaces into vertical slices: weights, loads, strength and water at their bases.
 
 Many trial surfaces are divided together: arrays are (surfaces, slices). Lengths are in m, forces in N per m of width,
 stresses in Pa; x to the right, elevation upwards. A mass that would slide to the right is mirrored first. So every mass

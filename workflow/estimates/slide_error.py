@@ -1,4 +1,4 @@
-"""Error of the predictions of known slides, for the report.
+"""Gives the error of the predictions of known slides, for the report.
 
 The table beside this file is written by `python -m docs.known_slides` from the results of the collection of known
 slides.

@@ -1,4 +1,5 @@
-"""The rigid block on the slip surface (Newmark 1965), for comparison with the slide of the discs."""
+"""Computes the slide of a rigid block on the slip surface (Newmark 1965), for comparison with the slide of the
+discs."""
 
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""The critical slip circle of a section by Bishop's simplified method, and the result of Spencer's method on the same
+"""Finds the critical slip circle of a section by Bishop's simplified method, and applies Spencer's method to the same
 circle.
 
 All circles through two points of the ground are tried on a grid, then on ever finer grids around the best circle. The

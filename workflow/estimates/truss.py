@@ -1,4 +1,4 @@
-"""Towhata's truss: the layer above liquefied ground as a linear bar on a smooth incline (the paper, Sec. 5)."""
+"""Models the layer above liquefied ground as a linear bar on a smooth incline (Towhata's truss; the paper, Sec. 5)."""
 
 import math
 from dataclasses import dataclass

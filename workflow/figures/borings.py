@@ -1,4 +1,4 @@
-"""A section made from borings, with the borings on it and their blow counts."""
+"""Draws a section made from borings, with the borings on it and their blow counts."""
 
 from collections.abc import Iterator
 from pathlib import Path

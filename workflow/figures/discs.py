@@ -1,4 +1,4 @@
-"""Pictures of the discs: layers, states, pore springs, velocities and force chains, in true proportions.
+"""Draws pictures of the discs: layers, states, pore springs, velocities and force chains, in true proportions.
 
 Each function draws a model, and writes one picture to a path. `in_section` converts a model to coordinates of the
 section.

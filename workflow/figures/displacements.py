@@ -1,4 +1,4 @@
-"""Displacements by all methods in one picture: other methods, discs, material points, and measurements."""
+"""Draws displacements by all methods in one picture: other methods, discs, material points, and measurements."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -82,7 +82,7 @@ def _draw(axes: Axes, row: MethodRow, at: int) -> None:
 
 
 def _others(results: Results) -> Iterator[MethodRow]:
-    """Yield the displacement (m) by each simple method, for comparison with the slide of the discs."""
+    """Yield the displacement (m) by each method that is compared with the slide of the discs."""
     for estimate in estimates(results.config.section, results.config, results.kc, results.slip_surface):
         if estimate.displacement_m is not None:
             yield MethodRow(estimate.method, OTHERS, estimate.displacement_m)

@@ -1,4 +1,5 @@
-"""Fonts for names in any script: a font on this machine that has their characters, or the name of a font to install."""
+"""Finds fonts for names in any script: a font on this machine that has their characters, or the name of a font to
+install."""
 
 from collections.abc import Iterable
 from functools import cache

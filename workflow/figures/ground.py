@@ -1,4 +1,4 @@
-"""Pictures of the ground and of its mesh."""
+"""Draws pictures of the ground and of its mesh."""
 
 import textwrap
 from collections.abc import Callable, Iterable, Sequence

@@ -1,4 +1,4 @@
-"""Picture of the slides by material points: the surface before and after, case by case."""
+"""Draws the slides by material points: the surface before and after, case by case."""
 
 from pathlib import Path
 

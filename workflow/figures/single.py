@@ -1,4 +1,4 @@
-"""Single pictures of a run: one field at one Kh, as a file or in a window."""
+"""Draws single pictures of a run: one field at one Kh, as a file or in a window."""
 
 import ctypes
 import os

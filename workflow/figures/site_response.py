@@ -1,4 +1,4 @@
-"""Acceleration, shear strain, shear stress and average acceleration with depth, side by side."""
+"""Draws acceleration, shear strain, shear stress and average acceleration with depth, side by side."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Pictures of the slides: final positions of the discs, an animation, settlement and slide in time."""
+"""Draws pictures of the slides: final positions of the discs, an animation, settlement and slide in time."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace

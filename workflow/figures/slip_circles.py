@@ -1,4 +1,4 @@
-"""Picture of the critical slip circles over the layers."""
+"""Draws the critical slip circles over the layers."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Pictures of a study: distribution of the critical Kh, effects of the uncertain numbers, fragility, and all
+"""Draws pictures of a study: distribution of the critical Kh, effects of the uncertain numbers, fragility, and all
 samples.
 """
 

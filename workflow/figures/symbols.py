@@ -1,4 +1,5 @@
-"""Symbols of the field with their subscripts, in pictures, captions and heads of tables: Kh is written k_h there."""
+"""Writes symbols of the field with their subscripts in pictures, captions and heads of tables: Kh is written k_h
+there."""
 
 import re
 

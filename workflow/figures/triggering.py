@@ -1,4 +1,4 @@
-"""The borings of a section side by side: strata, blow counts or cone resistances, and F_L with depth."""
+"""Draws the borings of a section side by side: strata, blow counts or cone resistances, and F_L with depth."""
 
 from pathlib import Path
 

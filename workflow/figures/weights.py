@@ -1,4 +1,4 @@
-"""Picture of the unit weights and pore pressures of all analyses."""
+"""Draws the unit weights and pore pressures of all analyses."""
 
 import textwrap
 from pathlib import Path

@@ -1,1 +1,1 @@
-"""Results in words: report page, terminal, summary, comparison with the paper."""
+"""States results in words: report page, terminal, summary, comparison with the paper."""

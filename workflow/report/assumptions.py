@@ -1,4 +1,4 @@
-"""Assumptions and limits of the analysis."""
+"""States assumptions and limits of the analysis."""
 
 from collections.abc import Iterator, Mapping
 

@@ -1,4 +1,4 @@
-"""The pictures of a report: with captions, and embedded in the page as data."""
+"""Collects the pictures of a report: with captions, and embedded in the page as data."""
 
 import base64
 import io

@@ -1,4 +1,4 @@
-"""The results of the stages in sentences, which commands print."""
+"""States the results of the stages in sentences, which commands print."""
 
 from collections.abc import Callable, Iterator
 

@@ -1,4 +1,4 @@
-"""The crests of structures after every slide: settlement, reconsolidation and freeboard."""
+"""States the settlement, reconsolidation and freeboard of the crests of structures after every slide."""
 
 from collections.abc import Iterator, Sequence
 

@@ -1,4 +1,4 @@
-"""Answers as data: the output of commands with ``--json``."""
+"""Converts answers to data: the output of commands with ``--json``."""
 
 import json
 from collections.abc import Iterable

@@ -1,4 +1,5 @@
-"""The faces of structures in one table: critical Kh and factor of safety by every method, displacements, settlement."""
+"""Puts the faces of structures in one table: critical Kh and factor of safety by every method, displacements,
+settlement."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

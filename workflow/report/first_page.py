@@ -1,4 +1,4 @@
-"""The first page of the report: three numbers with their intervals, and one sentence of conclusion for each."""
+"""Writes the first page of the report: three numbers with their intervals, and one sentence of conclusion for each."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Literal

@@ -1,4 +1,5 @@
-"""States a critical Kh, or a factor of safety, with its flow rule: ψ = φ, and Davis's estimate in the same line."""
+"""States a critical Kh, or a factor of safety, with its flow rule: the value with ψ = φ, and Davis's estimate in the
+same line."""
 
 from collections.abc import Callable, Iterator, Mapping
 from typing import assert_never

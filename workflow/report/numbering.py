@@ -1,4 +1,4 @@
-"""The numbers of sections, tables, figures and notes, so that text can refer to later ones."""
+"""Numbers sections, tables, figures and notes, so that text can refer to later ones."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field

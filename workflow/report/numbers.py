@@ -1,4 +1,4 @@
-"""Numbers as text, with significant digits and units."""
+"""Formats numbers as text, with significant digits and units."""
 
 import math
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The numerical error of the critical Kh in words."""
+"""States the numerical error of the critical Kh in words."""
 
 import math
 

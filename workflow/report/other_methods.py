@@ -1,4 +1,4 @@
-"""Displacements by other methods, as the report states them."""
+"""Collects displacements by other methods for the report."""
 
 from workflow.estimates.comparison import estimates
 from workflow.estimates.estimate import Estimate

@@ -1,4 +1,4 @@
-"""report.html: one page for screen and paper, with all its pictures."""
+"""Renders report.html: one page for screen and paper, with all its pictures."""
 
 import base64
 from collections.abc import Sequence

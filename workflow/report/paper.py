@@ -1,4 +1,4 @@
-"""Comparison of computed results with the paper on section S-13, with reasons for differences."""
+"""Compares computed results with the paper on section S-13, with reasons for differences."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping

@@ -1,4 +1,4 @@
-"""report.pdf: the page printed by Chromium if there is one, else by WeasyPrint."""
+"""Prints the page to report.pdf by Chromium if there is one, else by WeasyPrint."""
 
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""Animations of the report: every slide as its discs in time, and the path of Kh with the stored fields.
+"""Makes the animations of the report: every slide as its discs in time, and the path of Kh with the stored fields.
 
 A film is a small table and an array of integers. Positions are in units of ``quantum`` metres, and only their changes
 from frame to frame are stored. `player.js` draws the film; without scripts the page has still pictures.

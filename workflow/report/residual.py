@@ -1,4 +1,4 @@
-"""Sentences on stability with peak and with residual strength."""
+"""States stability with peak and with residual strength in sentences."""
 
 from collections.abc import Iterator
 

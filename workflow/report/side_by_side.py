@@ -1,4 +1,4 @@
-"""Comparison of several runs: differences of their inputs, results, and pictures."""
+"""Compares several runs: differences of their inputs, results, and pictures."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

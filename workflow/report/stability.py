@@ -1,4 +1,4 @@
-"""The table of critical Kh and factors of safety by all methods: one row each, with its conditions."""
+"""Makes the table of critical Kh and factors of safety by all methods: one row each, with its conditions."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The faces of structures, one row each: factor of safety, critical Kh and the slide of a block."""
+"""Makes the table of the faces of structures, one row each: factor of safety, critical Kh and the slide of a block."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,5 @@
-"""The page of a study: the samples, the answers, and what the answers depend on, with the pictures."""
+"""Writes the page of a study: the samples, the answers, and the numbers that the answers depend on, with the
+pictures."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""summary.json: the results of all stages."""
+"""Writes summary.json: the results of all stages."""
 
 from collections.abc import Iterator
 

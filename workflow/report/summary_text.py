@@ -1,4 +1,4 @@
-"""The results in sentences written from the numbers, for the section of results."""
+"""States the results in sentences written from the numbers, for the section of results."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -105,7 +105,7 @@ def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterat
 
 def _most(results: Results, fem: FemAnswer) -> float:
     """Return the largest possible critical Kh for any flow rule: the upper bound with the same sides, or the critical
-    Kh with ψ = φ. A path of smaller ψ with a larger critical Kh had too coarse a mesh, and is disregarded.
+    Kh with ψ = φ. A path with smaller ψ and a larger critical Kh had too coarse a mesh, and is disregarded.
     """
     bounds, full = results.bounds, fem.kc if fem.flow == "associated" else math.inf
     if fem.associated is not None:
@@ -233,7 +233,7 @@ APART = {
 
 
 def _cases_are(config: Config) -> Iterator[str]:
-    """Yield the strength and stiffness of the layers that liquefy in each case, for the first sentence on cases."""
+    """Yield the first sentence on the cases: the strength and stiffness of the layers that liquefy in each case."""
     numbers = sorted({number for stratum in config.section.strata for number in stratum.liquefies_in})
     cases = [{**dict(assumed := config.cases[number - 1]), "damping": assumed.damping_left} for number in numbers]
     liquefied = [stratum.name for stratum in config.section.strata if stratum.liquefies_in]

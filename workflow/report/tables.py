@@ -1,4 +1,4 @@
-"""Sections, settings and cases as tables for people."""
+"""Puts sections, settings and cases in tables for people."""
 
 import math
 from collections.abc import Iterator

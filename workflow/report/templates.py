@@ -1,4 +1,4 @@
-"""The templates of the pages of reports."""
+"""Loads the templates of the pages of reports."""
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 

@@ -1,4 +1,4 @@
-"""Texts of the report in the language that the settings ask for, from one catalogue: ``ja.toml``.
+"""Provides the texts of the report in the language that the settings request, from one catalogue: ``ja.toml``.
 
 Texts are written in English where they are used, as ``_("the text with {value}", value=...)``; the catalogue has every
 text as a key and its translation as the value. `tests/unit/workflow/test_texts.py` checks that none is missing.

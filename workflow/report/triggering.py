@@ -1,4 +1,4 @@
-"""The assessment of liquefaction by borings in sentences."""
+"""States the assessment of liquefaction by borings in sentences."""
 
 from collections.abc import Iterator
 

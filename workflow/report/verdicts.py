@@ -1,4 +1,4 @@
-"""Verdicts on the criteria: satisfied, not satisfied, or not decided."""
+"""States verdicts on the criteria: satisfied, not satisfied, or not decided."""
 
 from collections.abc import Iterator, Sequence
 

@@ -1,4 +1,4 @@
-"""The warnings of a report by weight, each with a remedy; equal warnings of several cases are merged."""
+"""Collects the warnings of a report by weight, each with a remedy; equal warnings of several cases are merged."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,1 +1,1 @@
-"""The stored answers of the stages, each read and written in one place."""
+"""Stores the answers of the stages; each answer is read and written in one place."""

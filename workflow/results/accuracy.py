@@ -1,4 +1,4 @@
-"""Numerical error of the critical Kh, by the sequence of meshes and by strict bounds."""
+"""Gives the numerical error of the critical Kh, by the sequence of meshes and by strict bounds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Base classes of the answers of all stages, with their reading and writing.
+"""Provides the base classes of the answers of all stages, with their reading and writing.
 
 An answer is a pydantic model whose fields are the keys of its JSON file. Units are in the names
 (``settlement_uphill_m``, ``E_Pa``) or in the description of a field; a number with neither is dimensionless.

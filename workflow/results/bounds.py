@@ -1,4 +1,4 @@
-"""fem/bounds.json: strict bounds of the critical seismic coefficient by limit analysis."""
+"""Stores strict bounds of the critical seismic coefficient by limit analysis in fem/bounds.json."""
 
 from typing import ClassVar, Literal
 

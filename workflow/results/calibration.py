@@ -1,4 +1,4 @@
-"""dem/calibration.json: the calibrated parameter of the discs, its factor, and all trials."""
+"""Stores the calibrated parameter of the discs, its factor, and all trials in dem/calibration.json."""
 
 # ruff: noqa: N815 (units are written as they are)
 

@@ -1,4 +1,4 @@
-"""dem/cases.json: the slide of each case of liquefaction."""
+"""Stores the slide of each case of liquefaction in dem/cases.json."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise

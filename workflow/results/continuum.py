@@ -1,4 +1,4 @@
-"""fem/critical.json: the critical seismic coefficient of the continuum, and the path to it."""
+"""Stores the critical seismic coefficient of the continuum, and the path to it, in fem/critical.json."""
 
 from collections.abc import Sequence
 from math import log

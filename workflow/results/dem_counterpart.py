@@ -1,4 +1,4 @@
-"""dem/continuum.json: the answer of the FEM model that soil discs are calibrated to."""
+"""Stores the answer of the FEM model that soil discs are calibrated to in dem/continuum.json."""
 
 from collections.abc import Mapping
 from typing import ClassVar, Self

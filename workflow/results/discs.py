@@ -1,4 +1,4 @@
-"""dem/critical.json: the critical seismic coefficient of the discs, before and after calibration."""
+"""Stores the critical seismic coefficient of the discs, before and after calibration, in dem/critical.json."""
 
 from typing import ClassVar, Literal
 

@@ -1,4 +1,5 @@
-"""fem/faces.json: critical Kh and factor of safety of every face of the structures by finite elements and bounds."""
+"""Stores critical Kh and factor of safety of every face of the structures, by finite elements and bounds, in
+fem/faces.json."""
 
 from typing import ClassVar, Literal
 

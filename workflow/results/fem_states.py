@@ -1,4 +1,4 @@
-"""Results of the stage `fem`, read back for pictures and report."""
+"""Reads the results of the stage `fem` for pictures and report."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""Decides for report, console and pictures which answer counts if several methods give one."""
+"""Decides which answer counts in report, console and pictures if several methods give one."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

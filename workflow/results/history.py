@@ -1,4 +1,4 @@
-"""dem/history.csv: settlement, slide, energies and cracks of every slide in time."""
+"""Stores settlement, slide, energies and cracks of every slide over time in dem/history.csv."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""Lengths as all pages, pictures and the console write them: a slide that appears twice has the same digits."""
+"""Writes lengths as all pages, pictures and the console do: a slide that appears twice has the same digits."""
 
 
 def metres(value: float | None) -> str:

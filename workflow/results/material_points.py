@@ -1,4 +1,4 @@
-"""mpm/slides.json: the slide of each case of liquefaction by the material point method."""
+"""Stores the slide of each case of liquefaction by the material point method in mpm/slides.json."""
 
 from typing import ClassVar
 

@@ -1,4 +1,4 @@
-"""The quadrilaterals of a section as VTK grids, with the name of the section."""
+"""Converts the quadrilaterals of a section to VTK grids, with the name of the section."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Material points as VTK files, in the section's frame, with the fields that discs have."""
+"""Writes material points as VTK files, in the section's frame, with the fields that discs have."""
 
 import numpy as np
 import pyvista as pv

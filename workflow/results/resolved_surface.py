@@ -1,4 +1,4 @@
-"""The surface of the ground as far as discs or cells resolve it."""
+"""Smooths the surface of the ground as far as discs or cells resolve it."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Results of a folder for one input: the answers of the stages, and the outcome of each."""
+"""Collects the results of a folder for one input: the answers of the stages, and the outcome of each."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""site_response.json: response of the layers at a point to a record of the rock below."""
+"""Stores the response of the layers at a point to a record of the rock below in site_response.json."""
 
 from typing import ClassVar
 

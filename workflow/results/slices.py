@@ -1,4 +1,4 @@
-"""fem/slices.json: slip circles of limit equilibrium, for comparison with elements and bounds."""
+"""Stores slip circles of limit equilibrium, for comparison with elements and bounds, in fem/slices.json."""
 
 from typing import ClassVar, Literal
 

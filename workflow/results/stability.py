@@ -1,5 +1,5 @@
-"""fem/residual.json, fem/liquefied.json: whether the ground still stands after large shear strains, or after layers
-have liquefied.
+"""Stores in fem/residual.json and fem/liquefied.json whether the ground still stands after large shear strains, or
+after layers have liquefied.
 """
 
 from typing import ClassVar, Literal

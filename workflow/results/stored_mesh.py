@@ -1,4 +1,4 @@
-"""The mesh of a run: the one that the stage `mesh` wrote, or one from a file."""
+"""Returns the mesh of a run: the mesh that the stage `mesh` wrote, or a mesh from a file."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,5 @@
-"""study.json: statistics of the samples of a study; converge.json: slides by radius of the discs and time step."""
+"""Stores statistics of the samples of a study in study.json, and slides by radius of the discs and time step in
+converge.json."""
 
 import math
 import re

@@ -1,4 +1,4 @@
-"""summary.json: the numbers of a run, units in their names."""
+"""Stores the numbers of a run, with units in their names, in summary.json."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, Self
@@ -52,8 +52,8 @@ class FemSummary(Part):
 
 
 class VariantSummary(Part):
-    """Holds the critical Kh of the continuum with one assumption changed, and without the change if both were computed
-    on another mesh.
+    """Holds the critical Kh of the continuum with one assumption changed, and the critical Kh without the change if
+    both were computed on another mesh.
     """
 
     change: str

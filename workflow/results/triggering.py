@@ -1,4 +1,4 @@
-"""triggering.json: F_L at every blow count, which strata liquefy, and P_L of every boring."""
+"""Stores F_L at every blow count, the strata that liquefy, and P_L of every boring in triggering.json."""
 
 from typing import ClassVar, Self
 

@@ -1,4 +1,5 @@
-"""Parts of summary.json: crests after each slide, criteria, and the warnings and headline numbers of the report."""
+"""Defines parts of summary.json: crests after each slide, criteria, and the warnings and headline numbers of the
+report."""
 
 from typing import Literal
 

@@ -1,4 +1,4 @@
-"""Display of a run: stages, progress, main quantity and remaining time; plain lines without a terminal."""
+"""Displays a run: stages, progress, main quantity and remaining time; plain lines without a terminal."""
 
 import sys
 import time

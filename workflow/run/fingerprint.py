@@ -1,4 +1,4 @@
-"""Fingerprints of the inputs of a stage: its result is valid while none of them changes."""
+"""Computes fingerprints of the inputs of a stage: its result is valid while none of them changes."""
 
 import hashlib
 import json

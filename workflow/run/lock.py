@@ -1,4 +1,4 @@
-"""A lock against two runs in one folder, which ends with the process."""
+"""Locks a folder against two runs at the same time; the lock ends with the process."""
 
 import errno
 import fcntl

@@ -1,4 +1,4 @@
-"""log.txt: commands and stages with their times, versions, and machine."""
+"""Writes log.txt: commands and stages with their times, versions, and machine."""
 
 import os
 import platform

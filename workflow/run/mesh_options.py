@@ -1,4 +1,4 @@
-"""The options with which a folder was meshed: commands after `noshiro mesh --refine 2` use the same mesh.
+"""Stores the options with which a folder was meshed: commands after `noshiro mesh --refine 2` use the same mesh.
 
 The options are settings of [mesh] from the command line; the section.toml of the folder has the resulting settings.
 """

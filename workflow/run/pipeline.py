@@ -1,4 +1,4 @@
-"""A run: the stages one after the other, each from its input to its files."""
+"""Runs the stages one after the other, each from its input to its files."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Which stages run, and why: a stage runs when one of its inputs has changed."""
+"""Decides which stages run, and why: a stage runs when one of its inputs has changed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Progress of a stage, the time left, and how much of it is printed."""
+"""Measures the progress of a stage and the time left, and determines how much of it is printed."""
 
 import math
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Record of the stages of a run: inputs, outcome and files of each."""
+"""Records the stages of a run: inputs, outcome and files of each."""
 
 import json
 from collections.abc import Mapping

@@ -1,4 +1,5 @@
-"""Text for terminals and pipes that are not UTF-8: characters missing in their encoding are spelled out, ψ as psi."""
+"""Spells out characters for terminals and pipes that are not UTF-8: characters missing in their encoding are spelled
+out, ψ as psi."""
 
 import codecs
 import sys

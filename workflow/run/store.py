@@ -1,4 +1,4 @@
-"""The folder of a run, in which files are written completely or not at all."""
+"""Reads and writes the folder of a run, in which files are written completely or not at all."""
 
 import errno
 import json

@@ -1,4 +1,4 @@
-"""Sections from files of borings and from drawings, and drawings of sections."""
+"""Makes sections from files of borings and from drawings, and draws sections as DXF."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The stage `bounds`: strict bounds of the critical seismic coefficient, their file and their pictures."""
+"""Defines the stage `bounds`: strict bounds of the critical seismic coefficient, their file and their pictures."""
 
 import math
 import time

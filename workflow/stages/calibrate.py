@@ -1,4 +1,4 @@
-"""The stage `calibrate`: discs of the section, calibrated to the critical Kh of their FEM counterpart."""
+"""Defines the stage `calibrate`: discs of the section, calibrated to the critical Kh of their FEM counterpart."""
 
 from fem.settings import WITHOUT_EFFECT
 from meshes.errors import NoAnswerError

@@ -1,4 +1,5 @@
-"""The work of the stage `calibrate`: discs of the section, calibrated to the critical Kh of the finite elements.
+"""Does the work of the stage `calibrate`: discs of the section are calibrated to the critical Kh of the finite
+elements.
 
 The stage writes dem/settled.npz and calibrated.npz (discs at rest before and after), trials.jsonl (a line for every
 search for a critical Kh, from which a stopped run continues), critical.json, calibration.json and the states that are

@@ -1,4 +1,4 @@
-"""Pictures of slides, of discs or of material points: every case at its end, and its animation."""
+"""Draws pictures of slides, of discs or of material points: every case at its end, and its animation."""
 
 from collections.abc import Mapping
 from contextlib import ExitStack

@@ -1,4 +1,4 @@
-"""The declarations of all stages, in the order in which they run."""
+"""Lists the declarations of all stages, in the order in which they run."""
 
 from workflow.run.stage import Stage
 from workflow.stages import (

@@ -1,4 +1,4 @@
-"""Pictures of the discs of the stage `calibrate`, from what is stored."""
+"""Draws the discs of the stage `calibrate` from stored results."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The stored states of the discs: at the recorded Kh, and after failure."""
+"""Computes and stores states of the discs: at the recorded Kh, and after failure."""
 
 from dataclasses import dataclass, field
 

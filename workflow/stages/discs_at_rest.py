@@ -1,4 +1,5 @@
-"""Discs of a section at rest under their weight, from a checkpoint if there is one: soil discs, or the paper's."""
+"""Brings discs of a section to rest under their weight, or reads them from a checkpoint if there is one: soil discs, or
+the paper's."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,4 +1,5 @@
-"""The stage `faces`: critical Kh and factor of safety of every face of the structures by finite elements and bounds."""
+"""Defines the stage `faces`: critical Kh and factor of safety of every face of the structures by finite elements and
+bounds."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""The stage `fem`: the critical seismic coefficient of a meshed section, its files and its pictures."""
+"""Defines the stage `fem`: the critical seismic coefficient of a meshed section, its files and its pictures."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,4 +1,4 @@
-"""The stage `liquefied`: stability of the continuum after liquefaction, before any slide."""
+"""Defines the stage `liquefied`: stability of the continuum after liquefaction, before any slide."""
 
 import math
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""The work of the stage `slide`: every case of liquefaction, from the discs at rest to the end of the slide.
+"""Does the work of the stage `slide`: every case of liquefaction, from the discs at rest to the end of the slide.
 
 The stage writes dem/cases.json, history.csv, and for every case a .pvd with discs and pore springs in time. With
 checkpoints in dem/slide_* an interrupted run continues.

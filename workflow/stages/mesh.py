@@ -1,4 +1,4 @@
-"""The stage `mesh`: the quadrilaterals of a section, their files and their pictures."""
+"""Defines the stage `mesh`: the quadrilaterals of a section, their files and their pictures."""
 
 import shutil
 

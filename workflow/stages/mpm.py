@@ -1,4 +1,4 @@
-"""The stage `mpm`: every case of liquefaction by the material point method, for comparison with the discs."""
+"""Defines the stage `mpm`: every case of liquefaction by the material point method, for comparison with the discs."""
 
 import copy
 import math
@@ -34,8 +34,8 @@ AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
 
 @dataclass(frozen=True, eq=False)
 class PointRun:
-    """Holds the specification of one slide by material points: the case, the damping rate (1/s) of velocities that the
-    grid cannot resolve, and cells of the settings or coarse cells. The slide starts from ground at rest."""
+    """Specifies one slide by material points, which starts from ground at rest: the case, the damping rate (1/s) of
+    velocities that the grid cannot resolve, and whether the cells are those of the settings or coarse ones."""
 
     config: Config
     slider: "PointSlider"
@@ -118,7 +118,7 @@ def work(job: Job) -> None:
 
 def alike_by_strength(config: Config, wanted: Sequence[int]) -> dict[int, int]:
     """For every case, return the first case in which the same layers keep the same strength. Material points do not
-    depend on the other numbers of a case, so that both slides are the same.
+    depend on the other numbers of a case, so that such cases have the same slide.
     """
     remains = remaining(config)
     return first_equal({n: (tuple(remains[n].items()), config.cases[n - 1].volumetric_strain) for n in wanted})

@@ -1,4 +1,4 @@
-"""The stage `report`: the pictures of several stages, summary.json and report.html."""
+"""Defines the stage `report`: the pictures of several stages, summary.json and report.html."""
 
 import time
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""The stage `residual`: whether a failure continues with the residual strength after large shear strains.
+"""Defines the stage `residual`: whether a failure continues with the residual strength after large shear strains.
 
 The verdict has two steps. With peak strength the ground fails along a surface; soil that has slid along this surface
 has residual strength (Skempton 1964, Géotechnique 14, 77-102), as has a slope that slid before. Between peak and

@@ -1,4 +1,4 @@
-"""The stage `response`: response of the layers at a point to a record of the rock below."""
+"""Defines the stage `response`: response of the layers at a point to a record of the rock below."""
 
 from collections.abc import Mapping
 from pathlib import Path

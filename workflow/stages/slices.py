@@ -1,4 +1,4 @@
-"""The stage `slices`: critical slip circles by Bishop's and Spencer's methods, their file and their picture."""
+"""Defines the stage `slices`: critical slip circles by Bishop's and Spencer's methods, their file and their picture."""
 
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Literal

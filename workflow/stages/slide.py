@@ -1,4 +1,4 @@
-"""The stage `slide`: slides of the calibrated discs after liquefaction."""
+"""Defines the stage `slide`: slides of the calibrated discs after liquefaction."""
 
 from collections.abc import Mapping
 from pathlib import Path

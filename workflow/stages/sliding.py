@@ -1,4 +1,4 @@
-"""One slide, from the discs at rest or from its last checkpoint to its end."""
+"""Computes one slide, from the discs at rest or from its last checkpoint to its end."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The stage `triggering`: which strata the earthquake liquefies, by the blow counts of the borings."""
+"""Defines the stage `triggering`: which strata the earthquake liquefies, by the blow counts of the borings."""
 
 from workflow.earthquake.triggering.assessment import assess
 from workflow.results.triggering import TriggeringAnswer

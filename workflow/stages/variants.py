@@ -1,4 +1,4 @@
-"""The stage `variants`: the critical Kh with one assumption changed at a time."""
+"""Defines the stage `variants`: the critical Kh with one assumption changed at a time."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -98,8 +98,8 @@ def on_a_mesh(
 
 
 def like_with_like(changes: Sequence[Change], config: Config, progress: Progress) -> list[Change]:
-    """Return the changes. If the answer is a path, each change is computed on the first mesh, together with the path of
-    the unchanged ``config`` on this mesh.
+    """Return the changes, each compared with an unchanged result of the same method. If the answer is a path, each
+    change is computed on the first mesh, together with the path of the unchanged ``config`` on this mesh.
 
     The critical Kh of a sequence of meshes are limit loads of the reduced element. Another element has another critical
     Kh on the same mesh, which is no effect of the change. So changes are left out if the path of the unchanged config

@@ -1,1 +1,1 @@
-"""Studies: many samples of one section, their statistics, and convergence."""
+"""Computes studies: many samples of one section, their statistics, and convergence."""

@@ -1,4 +1,4 @@
-"""The continuum of a sample: critical Kh by finite elements, and its strict bounds."""
+"""Computes the continuum of a sample: critical Kh by finite elements, and its strict bounds."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""The study of convergence: the same slides with smaller discs, and with smaller time steps."""
+"""Studies convergence: the same slides with smaller discs, and with smaller time steps."""
 
 import math
 from collections.abc import Iterator, Sequence

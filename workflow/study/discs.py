@@ -1,4 +1,4 @@
-"""The discs of a sample: all stages of a run up to `slide`, of which a few numbers are stored."""
+"""Computes the discs of a sample: all stages of a run up to `slide`, of which a few numbers are stored."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory

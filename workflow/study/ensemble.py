@@ -1,4 +1,4 @@
-"""Tasks computed by workers, each once; stored answers are read from the folder."""
+"""Computes tasks by workers, each once; stored answers are read from the folder."""
 
 import socket
 import time

@@ -1,4 +1,4 @@
-"""Fragility: the probability of failure, and of slides beyond a length, over the intensity of shaking."""
+"""Computes fragility: the probability of failure, and of slides beyond a length, over the intensity of shaking."""
 
 import math
 from collections.abc import Iterator

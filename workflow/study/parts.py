@@ -1,4 +1,4 @@
-"""Parts of a study: what can be computed for a sample."""
+"""Defines the parts of a study: the results that can be computed for a sample."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The pictures of a study, from its table and its answer."""
+"""Draws the pictures of a study, from its table and its answer."""
 
 import numpy as np
 

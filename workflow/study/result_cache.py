@@ -1,4 +1,4 @@
-"""Cache of the answers of tasks: one file for each, named by its fingerprint."""
+"""Caches the answers of tasks: one file for each, named by its fingerprint."""
 
 import errno
 import fcntl

@@ -1,4 +1,4 @@
-"""Statistics of a table of samples: probabilities with intervals, and effects of uncertain numbers."""
+"""Computes statistics of a table of samples: probabilities with intervals, and effects of uncertain numbers."""
 
 from collections.abc import Sequence
 from typing import Any

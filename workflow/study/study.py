@@ -1,4 +1,4 @@
-"""A study: samples of the uncertain numbers, each computed once, and their statistics."""
+"""Runs a study: samples of the uncertain numbers, each computed once, and their statistics."""
 
 import re
 from collections import Counter

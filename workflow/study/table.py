@@ -1,4 +1,4 @@
-"""The samples of a study as one table, samples.csv, in the order of their numbers."""
+"""Holds the samples of a study as one table, samples.csv, in the order of their numbers."""
 
 import csv
 import io

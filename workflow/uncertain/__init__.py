@@ -1,1 +1,1 @@
-"""Uncertain numbers of the input: their distributions, their places, and samples of them."""
+"""Handles uncertain numbers of the input: their distributions, their places, and samples of them."""

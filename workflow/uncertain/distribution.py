@@ -1,4 +1,4 @@
-"""Distributions of one number, each given by its quantile function."""
+"""Defines distributions of one number, each given by its quantile function."""
 
 import math
 from statistics import NormalDist

@@ -1,4 +1,5 @@
-"""Places of uncertain numbers in an input, by paths such as "strata.5 Asd.bottom.depth.2", and their change.
+"""Finds the places of uncertain numbers in an input, by paths such as "strata.5 Asd.bottom.depth.2", and changes the
+numbers.
 
 A path leads from table to table; an entry of a list is given by its name or its number from 1. At the end of a line,
 ".2" means the depth or elevation of its second point. "*" stands for every entry that has the key.

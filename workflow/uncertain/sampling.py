@@ -1,4 +1,4 @@
-"""Samples of the uncertain numbers: equal seeds give equal samples on any number of computers."""
+"""Draws samples of the uncertain numbers: equal seeds give equal samples on any number of computers."""
 
 import warnings
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""The tables [uncertain], distributions of numbers of the input, and [study], their sampling."""
+"""Defines the tables [uncertain], distributions of numbers of the input, and [study], their sampling."""
 
 from collections.abc import Callable, Iterator, Mapping, Set
 from contextlib import suppress

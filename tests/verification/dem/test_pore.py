@@ -16,7 +16,7 @@ from dem.springs import LayerSprings
 from tests.support.dem_cases import MASS, RADIUS, SOIL, trace
 
 HEAVY = replace(SOIL, density=1e16, effective_density=0.0, cn=0.0, ct=0.0, allowed_overlap=2.0)
-LENGTH = 2.1 * RADIUS  # set with a gap: the element springs do not touch
+LENGTH = 2.1 * RADIUS  # set with a gap: the contact springs do not touch
 DT = 2e-3
 
 
@@ -65,7 +65,7 @@ def test_snaps_in_shear_at_mohr_coulombs_limit(squeeze: float, crack_by: str) ->
     """|Ft| first exceeds Fn tan(theta) + b C; Fn that of the whole contact, or of the pore spring alone."""
     soil = replace(HEAVY, cohesion=3.21e4, friction=0.3)
     model = pair(soil, 0.0, 0.05)
-    # moved together first: a push on pore and element spring
+    # moved together first: a push on pore and contact spring
     model.x[1] -= squeeze * 2.0 * RADIUS
     seen = trace(model, DT, 750, watch, crack_by=crack_by)
     distance = np.concatenate([[LENGTH - squeeze * 2.0 * RADIUS], seen[:-1, 0]])

@@ -1,1 +1,1 @@
-"""Liquefaction triggering: the factor F_L at every blow count and in every stratum, and its consequences."""
+"""Assesses liquefaction triggering: the factor F_L at every blow count and in every stratum, and its consequences."""

@@ -139,7 +139,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
 
 
 def _why_not(section: Section, sample: Sample | Cone, where: Overburden) -> str:
-    """Return why a test is not assessed by any method: the ground is above the water table, or clay; empty if a method
+    """Return the reason why no method assesses a test: the ground is above the water table, or clay; empty if a method
     applies.
     """
     if not where.below_water:

@@ -1,4 +1,4 @@
-"""A standard penetration test with its stresses, and the resistance by a method of triggering.
+"""Holds a standard penetration test with its stresses, and the resistance by a method of triggering.
 
 Stresses in kPa, depths in m, fines and plasticity in percent, grain sizes in mm, as in the published relations.
 """

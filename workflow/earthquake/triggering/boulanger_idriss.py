@@ -1,4 +1,4 @@
-"""Triggering by Boulanger & Idriss (2014) from cone penetration tests.
+"""Assesses triggering by Boulanger & Idriss (2014) from cone penetration tests.
 
 R. W. Boulanger, I. M. Idriss, CPT and SPT Based Liquefaction Triggering Procedures, Report UCD/CGM-14/01, University of
 California at Davis (2014); numbers of equations are that report's. Stresses in kPa.
@@ -120,7 +120,7 @@ def assess(point: ConeTest, shaking: SurfaceMotion) -> Resistance:
 
 
 def why_not(point: ConeTest) -> str:
-    """Return why a soil is not assessed by this method; empty if it is."""
+    """Return the reason why a soil is not assessed by this method; empty if it is."""
     if point.q <= point.total:
         return "its cone resistance is below the weight of the soil above"
     if point.index > CLAY:

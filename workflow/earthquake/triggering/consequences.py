@@ -1,4 +1,4 @@
-"""Consequences of liquefaction: residual strength, strain potential, and volumetric strain by drainage."""
+"""Computes the consequences of liquefaction: residual strength, strain potential, and volumetric strain by drainage."""
 
 import math
 import statistics

@@ -1,7 +1,7 @@
-"""Triggering by the Specifications for Highway Bridges, Part V, of the Japan Road Association, in three forms.
+"""Assesses triggering by the Specifications for Highway Bridges, Part V, of the Japan Road Association, in three forms.
 
-The form of 1990 gives the F_L of the paper; 2012 has the form of 1996 and 2002; 2017 has another correction for fines.
-Stresses in kPa, grain sizes in mm, fines in percent.
+The form of 1990 gives the F_L of the paper. The form of 2012 is that of 1996 and 2002, too. The form of 2017 has
+another correction for fines. Stresses are in kPa, grain sizes in mm, fines in percent.
 """
 
 import math
@@ -116,7 +116,7 @@ def assess_later(
 
 
 def why_not(point: BlowCount) -> str:
-    """Return why the code requires no assessment of a soil; empty if the code requires one."""
+    """Return the reason why the code requires no assessment of a soil; empty if the code requires one."""
     if point.depth > DEEPEST:
         return f"deeper than {DEEPEST:g} m"
     if point.fines > 35.0 and point.plasticity is not None and point.plasticity > 15.0:

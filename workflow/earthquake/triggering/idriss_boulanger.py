@@ -1,4 +1,4 @@
-"""Triggering by Idriss & Boulanger (2008) from blow counts.
+"""Assesses triggering by Idriss & Boulanger (2008) from blow counts.
 
 I. M. Idriss, R. W. Boulanger, Soil Liquefaction during Earthquakes, Monograph MNO-12, Earthquake Engineering Research
 Institute (2008). Stresses in kPa.
@@ -98,7 +98,7 @@ def assess(point: BlowCount, shaking: SurfaceMotion, energy_ratio: float, rods_a
 
 
 def why_not(point: BlowCount) -> str:
-    """Return why a soil is not assessed by this method; empty if it is."""
+    """Return the reason why a soil is not assessed by this method; empty if it is."""
     if point.plasticity is not None and point.plasticity >= PLASTIC:
         return f"plasticity index {point.plasticity:g} % is at least {PLASTIC:g} %: behaves as clay"
     if point.depth > DEEPEST:

@@ -1,4 +1,4 @@
-"""The methods of triggering by their names in [triggering]."""
+"""Lists the methods of triggering by their names in [triggering]."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

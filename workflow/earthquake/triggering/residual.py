@@ -1,4 +1,5 @@
-"""Residual strength of liquefied ground over the vertical effective stress before the earthquake, by three relations.
+"""Computes the residual strength of liquefied ground over the vertical effective stress before the earthquake, by three
+relations.
 
 The relations are fitted to back-analysed failures. Stresses are in kPa. Outside the range of a relation the result is
 `None`.

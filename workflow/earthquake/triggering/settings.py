@@ -1,5 +1,5 @@
-"""Method and borings of the triggering analysis, the table [triggering] of the input file, and the free face of lateral
-spreads."""
+"""Defines method and borings of the triggering analysis (the table [triggering] of the input file), and the free face
+of lateral spreads."""
 
 from collections.abc import Mapping
 from typing import Any, Literal, get_args
