@@ -1,5 +1,5 @@
-"""Bisects triangles at their longest edges (Rivara 1984): divides marked cells, and as few other cells as a conforming mesh
-requires.
+"""Bisects triangles at their longest edges (Rivara 1984): divides marked cells, and as few other cells as a
+conforming mesh requires.
 
 No angle becomes smaller than half of the smallest angle of the first mesh (Rosenberg & Stenger 1975).
 """

@@ -1,10 +1,8 @@
 """Calibrates discs: finds the factor on their constants with which their critical Kh is equal to that of the FEM.
 
-A factor multiplies the constants of all layers that belong to one parameter. The parameter stiffness multiplies all
-springs, and dashpots by its square root (the damping ratio is constant). The parameter friction multiplies the friction
-of contacts and pore springs. The parameter pore_strength multiplies the cohesion of pore springs and the stretch at
-which they break, and the cohesion of soil discs. The parameter strength is friction and pore_strength together, and the
-parameter all is stiffness and strength together.
+A factor multiplies constants of all layers: all springs, and dashpots by its square root (parameter stiffness); the
+friction of contacts and pore springs (friction); the cohesion of pore springs and the stretch at which they break, or
+the cohesion of soil discs (pore_strength); the last two together (strength); or all of these (all).
 
 For soil discs one factor multiplies the strength, as in strength reduction: friction and cohesion, but not rolling
 friction and stiffness. The uncalibrated critical Kh of soil discs is a prediction.

@@ -176,8 +176,7 @@ class FactorSearch:
         return problem if self.gauge == "kh" else with_all_loads_live(problem, self.target)
 
     def over(self, bound: float) -> float:
-        """Return by how much a bound exceeds the required value: the bound of Kh less the given Kh, or the logarithm of
-        the share of loads that the ground resists."""
+        """Return the excess of a bound: of Kh over the given Kh, or the logarithm of the share of loads resisted."""
         if self.gauge == "kh":
             return bound - self.target
         return math.log(bound) if bound > 0.0 else -math.inf
@@ -311,9 +310,8 @@ class FactorSearch:
     def prove_both(self, finally_: bool) -> None:
         """Prove the upper bound, which takes less work, then the lower bound.
 
-        On the last triangles (``finally_``) both bounds are proven to the required gap. On earlier triangles they are
-        proven only if little is proven yet, since the solver may fail on finer triangles, or if the upper bound
-        decides.
+        On the last triangles (``finally_``) the required gap has to be reached. Earlier triangles prove bounds only if
+        little is proven yet, since the solver may fail on finer triangles, or if the upper bound decides.
         """
         sides: tuple[tuple[BoundSide, float], ...] = (("upper", 1.0), ("lower", -1.0))
         for side, sense in sides:

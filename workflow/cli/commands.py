@@ -1,5 +1,4 @@
-"""Defines the command `noshiro` and its subcommands. Modules are imported when a command is called, so that `noshiro
---help` is fast."""
+"""Defines the command `noshiro`. Modules are imported when a command is called, so that `noshiro --help` is fast."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -387,8 +386,7 @@ def _up_to(
 
 
 def _warn(verbosity: Verbosity, invocation: "Invocation", command: str, chosen: Sequence[str]) -> list[str]:
-    """Print and return warnings on options that are still stored from an earlier command, and on settings that no stage
-    reads."""
+    """Print and return warnings on options stored from an earlier command, and on settings that no stage reads."""
     from workflow.cli.terminal import warn
     from workflow.cli.unread import in_words
 
