@@ -59,18 +59,25 @@ class Case(Model):
     cohesion: float = Field(default=0.0, ge=0.0, le=1.0, description="remaining share of the cohesion")
     residual: Share | dict[str, Share] = Field(
         default=0.0,
-        description="residual strength over the vertical effective stress before shaking; one value for all, "
-        "or one for each stratum by name; friction and cohesion count instead if they give a larger strength",
+        description=(
+            "residual strength over the vertical effective stress before shaking; one value for all "
+            "strata, or one for each stratum by name. If shares of friction and cohesion give a larger "
+            "strength, that strength counts"
+        ),
     )
     residual_strength: ResidualStrength | dict[str, ResidualStrength] = Field(
         default=0.0,
-        description='residual strength, constant within a stratum, such as "4 kPa"; one value for '
-        "all, or one for each stratum by name; in place of residual",
+        description=(
+            'residual strength as a stress, constant within a stratum, such as "4 kPa"; one value for all '
+            "strata, or one for each stratum by name; it replaces residual"
+        ),
     )
     strain_potential: Share | dict[str, Share] = Field(
         default=0.0,
-        description="shear strain of liquefied ground before it regains strength, such as 0.4, with hardly any "
-        "stiffness; one value for all, or one for each stratum by name",
+        description=(
+            "shear strain that liquefied ground undergoes with hardly any stiffness before it regains "
+            "strength, such as 0.4; one value for all strata, or one for each stratum by name"
+        ),
     )
     volumetric_strain: float = Field(
         default=0.0,

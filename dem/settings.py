@@ -46,77 +46,115 @@ class DemSettings(Model):
 
     model: DiscModelName = Field(
         default="soil",
-        description='"soil": random discs whose contacts are found in element tests, or "paper": rows, springs and '
-        "pore springs of the paper",
+        description=(
+            '"soil": random discs whose contacts follow from element tests; "paper": the discs of the '
+            "paper, in rows, with springs for contacts and breakable springs for pore water"
+        ),
     )
     paper: StrictBool = Field(
         default=False,
-        description="true to compute the paper's own discs, too, unchanged and with the paper's constant Kh of 0.1",
+        description="true to compute also the discs of the paper, unchanged and with the paper's constant Kh of 0.1",
     )
     packing: Literal["auto", "box", "lattice", "random"] = Field(
         default="auto",
-        description='of model = "paper": "box": rows along the mean surface, gravity tilted; "lattice": the same rows '
-        'cut to the outline; "random"; or "auto": box where surface and base are straight and parallel, random '
-        "elsewhere; soil discs are always random",
+        description=(
+            'arrangement of the discs with model = "paper": "box" (rows parallel to the mean surface, '
+            'gravity tilted), "lattice" (the same rows cut to the outline), "random", or "auto" (box '
+            "where surface and base are straight and parallel, else random); soil discs are always random"
+        ),
     )
-    radius: Length | None = Field(default=None, description='(mean) radius of the discs, such as "0.75 m"')
+    radius: Length | None = Field(default=None, description='mean radius of the discs, such as "0.75 m"')
     elements: int = Field(default=2500, ge=50, le=1_000_000, description="number of discs if no radius is given")
-    spread: float = Field(default=0.2, ge=0.0, lt=0.9, description="half width of the radii of a random packing")
+    spread: float = Field(
+        default=0.2,
+        ge=0.0,
+        lt=0.9,
+        description="half the width of the range of radii in a random packing, over the mean radius",
+    )
     porosity: float = Field(
         default=0.2,
         gt=0.1,
         lt=0.5,
-        description='of model = "paper": voids over area of a random packing, at least; soil discs have that of their '
-        "element tests",
+        description=(
+            "least porosity, the area of the voids over the total area, of a random packing with model = "
+            '"paper"; soil discs have the porosity of their element tests'
+        ),
     )
-    seed: int = Field(default=0, ge=0, description="seed of a random packing")
+    seed: int = Field(default=0, ge=0, description="seed of the random packing")
     springs: Literal["soil", "table2"] = Field(
         default="soil",
-        description='of model = "paper": "soil": by eqs. (5)-(13) from the strata, or "table2": the paper\'s Table 2',
+        description=(
+            'springs of the discs with model = "paper": "soil" for eqs. (5)-(13) of the paper with the '
+            'properties of the strata, or "table2" for Table 2 of the paper'
+        ),
     )
-    stiffness_scale: float = Field(default=0.01, gt=0.0, description="factor on the springs of eqs. (9)-(13)")
-    damping_ratio: float = Field(default=1.0, ge=0.0, description="factor on the dashpots sqrt(m K)")
-    mean: Mean = Field(default="arithmetic", description="mean of two layers' constants at a contact between them")
-    kh: RecordedKh = Field(default=(0.2, 0.3), description="seismic coefficients whose states are stored")
-    kh_limit: float = Field(default=1.0, gt=0.0, description="seismic coefficient beyond which to stop")
-    resolution: float = Field(default=0.005, gt=0.0, le=0.1, description="width of the bracket of the critical Kh")
+    stiffness_scale: float = Field(
+        default=0.01, gt=0.0, description="factor on the springs of eqs. (9)-(13) of the paper"
+    )
+    damping_ratio: float = Field(
+        default=1.0, ge=0.0, description="factor on the dashpots sqrt(m K) with the mass m and the stiffness K"
+    )
+    mean: Mean = Field(
+        default="arithmetic", description="kind of mean of the constants of two layers at a contact between them"
+    )
+    kh: RecordedKh = Field(
+        default=(0.2, 0.3), description="seismic coefficients at which the state of the discs is stored"
+    )
+    kh_limit: float = Field(default=1.0, gt=0.0, description="largest Kh: the search for the critical Kh ends there")
+    resolution: float = Field(
+        default=0.005, gt=0.0, le=0.1, description="width of the bracket of the critical Kh at which the search ends"
+    )
     unbalanced: float = Field(
         default=4e-4,
         gt=0.0,
         le=1e-2,
-        description="the discs stand if mean unbalanced force over mean contact force is at most this",
+        description="the discs stand if the mean unbalanced force over the mean contact force is at most this value",
     )
     kinetic: float = Field(
-        default=1e-5, gt=0.0, description="the discs stand if kinetic over stored energy is at most this"
+        default=1e-5,
+        gt=0.0,
+        description="the discs stand if the kinetic energy over the stored energy is at most this value",
     )
     growth: float | None = Field(
         default=None,
         gt=1.0,
-        description="the discs fail at this displacement: over the elastic one for the paper's discs (3 if not "
-        "given), over the "
-        "displacement at which the FEM reaches its critical Kh for soil discs (3.5 if not given)",
+        description=(
+            "displacement at which the discs count as failed. For the discs of the paper it is a multiple "
+            "of the elastic displacement (3 by default), for soil discs a multiple of the displacement at "
+            "which the FEM reaches its critical Kh (3.5 by default)"
+        ),
     )
     patience: float = Field(
         default=15.0, gt=0.0, description="number of natural periods of the ground after which a trial is undecided"
     )
     parameter: Literal["auto", "stiffness", "friction", "pore_strength", "strength", "all", "none"] = Field(
         default="auto",
-        description="parameter that calibration multiplies by a factor: stiffness, friction, stretch and "
-        "cohesion of pore springs "
-        "(pore_strength), friction and pore_strength (strength), or all; auto: chosen by the sensitivities. "
-        "For soil discs: strength, or none",
+        description=(
+            "parameter of the discs that the calibration multiplies by a factor: stiffness, friction, "
+            "pore_strength (stretch and cohesion of pore springs), strength (friction and pore_strength) "
+            'or all; "auto" takes the one with the largest influence. For soil discs it is strength, or '
+            "none"
+        ),
     )
     range: tuple[float, float] | None = Field(
         default=None,
-        description="least and largest factor allowed; if not given [0.1, 10.0], and [0.75, 1.33] for soil discs",
+        description="least and largest factor allowed; by default [0.1, 10.0], and [0.75, 1.33] for soil discs",
     )
-    tolerance: float = Field(default=0.005, gt=0.0, le=0.1, description="allowed difference to the FEM's critical Kh")
+    tolerance: float = Field(
+        default=0.005, gt=0.0, le=0.1, description="allowed difference to the critical Kh of the FEM"
+    )
     out_of_reach: Literal["stop", "go on"] = Field(
         default="stop",
-        description='what to do if no factor reaches the critical Kh of the FEM: "stop" or "go on" with the closest',
+        description=(
+            'what happens if no factor leads to the critical Kh of the FEM: "stop" ends the run, "go on" '
+            "continues with the nearest factor"
+        ),
     )
     allowed_overlap: float = Field(
-        default=1.0, gt=0.0, le=2.0, description="deepest overlap over the mean radius; deeper ones stop a run"
+        default=1.0,
+        gt=0.0,
+        le=2.0,
+        description="largest overlap of two discs over their mean radius; a larger overlap stops the run",
     )
     element_tests: StrictBool = Field(default=True, description="true to run element tests of the discs of every layer")
     workers: int = Field(default=2, ge=1, le=256, description="number of concurrent trials, or of threads of one trial")
@@ -190,66 +228,81 @@ class SlideSettings(Model):
 
     cases: tuple[Case, ...] = Field(
         default=LOOSE_SAND,
-        description="one table [[slide.cases]] for each, numbered from 1; [] for those of [triggering] alone. If not "
-        'given, three residual strengths of loose sand; with model = "paper", three stiffnesses without strength',
+        description=(
+            "cases of liquefaction, one table [[slide.cases]] for each, numbered from 1; [] if only the "
+            "cases of [triggering] are computed. By default there are three cases with residual strengths "
+            'of loose sand; with model = "paper", three cases with different stiffness and no strength'
+        ),
     )
     kh: float = Field(
         default=0.1,
         ge=0.0,
         le=1.0,
-        description='seismic coefficient, constant or cyclic with kh_cycles; "k_max" takes that of '
-        '[site_response], "earthquake" that of [earthquake] with its cycles, which is the default where there is one. '
-        "Where no shaking is given, 0.1 both ways in the 15 cycles of magnitude 7.5",
+        description=(
+            'seismic coefficient Kh of the slides, constant or in kh_cycles cycles. "k_max" is the Kh by '
+            '[site_response]; "earthquake" is the cyclic Kh that is equivalent to [earthquake], and the '
+            "default if the file has this table. If the file gives no shaking, Kh is 0.1 in 15 cycles, as "
+            "in an earthquake of magnitude 7.5"
+        ),
     )
     kh_seconds: float | None = Field(
         default=None,
         gt=0.0,
-        description="seconds for which Kh is constant before it is removed; without end if not given",
+        description="duration of the constant Kh (s); by default it has no end",
     )
     kh_cycles: float | None = Field(
         default=None,
         gt=0.0,
         le=200.0,
-        description="uniform cycles of a Kh that acts both ways, instead of a constant Kh",
+        description="number of uniform cycles in which Kh acts in both directions",
     )
     kh_period: float | None = Field(default=None, gt=0.0, le=20.0, description="period of these cycles (s)")
     accelerogram: str = Field(
         default="",
-        description="a record of the base instead of kh, a file as in [sliding_block]; positive acts downhill; "
-        '"average" takes the average acceleration above the slip surface by [site_response]',
+        description=(
+            "file with a record of the motion of the base, which replaces kh, in a format as for "
+            '[sliding_block]; positive values act downhill. "average" is the average acceleration above '
+            "the slip surface by [site_response]"
+        ),
     )
     unit: RecordUnit = ""
     component: RecordComponent = ""
     scale: float = Field(
-        default=1.0, ge=-100.0, le=100.0, description="factor on the record; negative reverses its direction"
+        default=1.0, ge=-100.0, le=100.0, description="factor on the record; a negative factor reverses its direction"
     )
     liquefies_at: Seconds | Literal["F_L"] = Field(
         default="F_L",
-        description='time (s) after the beginning of the shaking at which the layers liquefy; with "F_L", the '
-        "smallest F_L by "
-        "the blow counts: when a record first reaches this share of its peak (1 without any), and after "
-        "F_L^(1/0.34) of the "
-        "cycles of Kh (0 without any)",
+        description=(
+            'time (s) after the beginning of the shaking at which the layers liquefy. With "F_L" it '
+            "follows from the smallest F_L by the blow counts: a layer liquefies when a record first "
+            "reaches F_L times its peak, or after the share F_L^(1/0.34) of the cycles of Kh. Layers "
+            "without blow counts liquefy at the peak of a record, or at the beginning of the cycles"
+        ),
     )
     onset: Seconds | None = Field(
         default=None,
-        description="seconds in which the layers liquefy; 0: instantaneously. If not given 5, some cycles of shaking, "
-        "and 0 "
-        'for model = "paper"',
+        description=(
+            "time in which a layer liquefies (s), 0 for at once; by default 5, some cycles of shaking, "
+            'and 0 with model = "paper"'
+        ),
     )
     step: float | None = Field(
         default=None,
         gt=0.0,
         le=0.8,
-        description="time step over the stable one, halved where energy does not balance; if not given 0.6, and 0.3 "
-        'for model = "paper"',
+        description=(
+            "time step over the stable time step, which is halved if the energy does not balance; by "
+            'default 0.6, and 0.3 with model = "paper"'
+        ),
     )
     still: float = Field(
         default=0.01,
         gt=0.0,
-        description="the surface is at rest if it moves by less than this length (m) in 5 s; discs may "
-        "oscillate by three times this "
-        "length; for material points this length or 0.2 % of the slide, twice in a row",
+        description=(
+            "the surface is at rest if it moves by less than this length (m) in 5 s. The surface of discs "
+            "may oscillate by three times this length. The surface of material points is at rest if it "
+            "moves by less than this length, or 0.2 % of the slide, in two intervals of 5 s in a row"
+        ),
     )
     duration: float = Field(default=60.0, gt=0.0, description="largest simulated duration of a slide (s)")
     methods: tuple[SlideMethod, ...] = Field(
@@ -258,21 +311,29 @@ class SlideSettings(Model):
         description='methods by which the slides are computed: "discs", "mpm" (material point method), or both',
     )
     mpm_cells: int = Field(
-        default=3000, ge=100, le=100_000, description="cells of the material point method on the section, about"
+        default=3000,
+        ge=100,
+        le=100_000,
+        description="approximate number of cells of the material point method on the section",
     )
     mpm_sides: Literal["free-field", "smooth", "fixed", "periodic"] | None = Field(
         default=None,
-        description="sides of the section in slides; by default those of [fem]; discs lie in a box with fixed sides "
-        "unless they are free-field or periodic; if neither is given, the "
-        'sides are "smooth" also if only the higher end of the ground is level',
+        description=(
+            "sides of the section in slides, by default those of [fem]. Discs lie in a box with fixed "
+            "sides unless the sides are free-field or periodic. If neither table gives sides, they are "
+            '"smooth" also where only the higher end of the ground is level'
+        ),
     )
-    frames: int = Field(default=30, ge=2, le=1000, description="pictures of an animation, states of a .pvd")
+    frames: int = Field(
+        default=30, ge=2, le=1000, description="number of pictures of an animation, and of states in a .pvd file"
+    )
     seeds: tuple[Seed, ...] | PackingCount | None = Field(
         default=None,
-        description="seeds of random packings on which the cases are repeated, such as [1, 2]; or the number "
-        "of packings, "
-        "such as 36 for a study; [] for none. If not given soil discs are packed twice more, so that a slide has an "
-        "interval",
+        description=(
+            "seeds of the random packings on which the cases are repeated, such as [1, 2]; or the number "
+            "of packings, such as 36 for a study; [] for none. By default soil discs are packed twice "
+            "more, so that a slide has an interval"
+        ),
     )
 
     def problems(self, strata: Sequence[str]) -> list[str]:

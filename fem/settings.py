@@ -114,8 +114,10 @@ class FemSettings(Model):
     )
     rigid_box: StrictBool = Field(
         default=True,
-        description="true to calibrate discs to the critical Kh between fixed sides, false to the critical Kh "
-        "with the sides of this table",
+        description=(
+            "true to calibrate the discs to the critical Kh between fixed sides, false to calibrate them "
+            "to the critical Kh with the sides of this table"
+        ),
     )
     direction: DirectionSetting = Field(
         default="both",
@@ -130,13 +132,14 @@ class FemSettings(Model):
         default=0.01,
         ge=0.0,
         le=0.5,
-        description="largest remaining error, such as 0.01, above which a finer mesh is made: as a share of "
-        "the critical "
-        "Kh, or of 0.2 if the critical Kh is smaller; half of this error for a factor of safety; with 0, or "
-        "with given columns and "
-        "rows, the first mesh is the only one",
+        description=(
+            "largest remaining discretisation error, such as 0.01; finer meshes are made until the error "
+            "is smaller. The error is a share of the critical Kh, or of 0.2 if the critical Kh is "
+            "smaller; a factor of safety has half of this error. With 0, or with given columns and rows, "
+            "the first mesh is the only one"
+        ),
     )
-    max_cells: int = Field(default=6000, ge=100, le=500_000, description="cells of the finest mesh")
+    max_cells: int = Field(default=6000, ge=100, le=500_000, description="largest number of cells of a mesh")
     vertical: float = Field(default=0.0, gt=-1.0, lt=1.0, description="vertical seismic coefficient, positive upwards")
     flow: FlowSetting = Field(
         default="auto",
@@ -152,28 +155,37 @@ class FemSettings(Model):
     )
     own_dilation: StrictBool = Field(
         default=False,
-        description="whether a third critical Kh is computed where ψ < φ, about that of ground which flows with the ψ "
-        "of the strata; it takes some 20 s",
+        description=(
+            "true to compute, where ψ < φ, also the approximate critical Kh of ground that flows with the "
+            "ψ of its strata, which takes some 20 s"
+        ),
     )
     kh: RecordedKh = Field(
         default=(),
         description="seismic coefficients whose fields are stored, such as [0.2, 0.3]; by default 0.5 and 0.8 "
         "of the critical Kh; the fields at the critical Kh are always stored",
     )
-    kh_limit: float = Field(default=1.5, gt=0.0, description="seismic coefficient beyond which to stop")
-    first_step: float = Field(default=0.02, gt=0.0, le=0.1, description="first step of the seismic coefficient")
-    tolerance: float = Field(default=1e-6, ge=1e-12, le=1e-3, description="unbalanced force over the weight")
+    kh_limit: float = Field(default=1.5, gt=0.0, description="largest Kh: the search for the critical Kh ends there")
+    first_step: float = Field(default=0.02, gt=0.0, le=0.1, description="first step of Kh along the path")
+    tolerance: float = Field(
+        default=1e-6,
+        ge=1e-12,
+        le=1e-3,
+        description="largest unbalanced force, over the weight, of a state in equilibrium",
+    )
     relaxation: float = Field(
         default=0.002,
         ge=0.0,
         le=0.1,
-        description="displacement over which the overstress is relaxed, in elastic displacements; used with "
-        'flow = "section"',
+        description=(
+            "displacement over which the viscous overstress decays, over the elastic displacement; it is "
+            'used with flow = "section"'
+        ),
     )
     safety_factor_at: tuple[Annotated[float, Field(ge=-LARGEST, le=LARGEST)], ...] = Field(
         default=(0.0,), description="seismic coefficients at which the factor of safety is computed, such as [0.0, 0.1]"
     )
-    threads: int = Field(default=1, ge=1, le=256, description="threads of the stress update")
+    threads: int = Field(default=1, ge=1, le=256, description="number of threads that update the stress")
 
 
 class BoundsSettings(Model):
@@ -181,8 +193,10 @@ class BoundsSettings(Model):
 
     run: StrictBool | Literal["auto"] = Field(
         default="auto",
-        description='true or false: whether `noshiro run`, and `noshiro fem` with factors of safety, find them; "auto" '
-        "is true",
+        description=(
+            "whether `noshiro run`, and `noshiro fem` with factors of safety, compute strict bounds: true "
+            'or false; "auto" is true'
+        ),
     )
     gap: float = Field(
         default=0.01,
@@ -192,7 +206,7 @@ class BoundsSettings(Model):
         "mean of both, or of a Kh "
         "of 0.2 if the mean is smaller; half of this gap for a factor of safety",
     )
-    max_cells: int = Field(default=20_000, ge=100, le=500_000, description="triangles at which to stop")
+    max_cells: int = Field(default=20_000, ge=100, le=500_000, description="largest number of triangles")
     seconds: float = Field(
         default=60.0,
         gt=0.0,

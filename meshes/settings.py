@@ -32,19 +32,30 @@ class MeshSettings(Model):
     """Holds the settings of meshes, the table [mesh] of the input file. Sizes are edge lengths (m)."""
 
     method: Literal["auto", "mapped", "free"] = Field(
-        default="auto", description='"mapped" (columns and rows), "free", or "auto": whichever the layers allow'
+        default="auto",
+        description=(
+            'kind of mesh: "mapped" (in columns and rows), "free", or "auto" (mapped where the layers '
+            "allow it, else free)"
+        ),
     )
-    columns: int | None = Field(default=None, ge=1, description="columns of a mapped mesh")
-    rows: int | None = Field(default=None, ge=1, description="rows of a mapped mesh")
-    size: Length | None = Field(default=None, description="target cell size, a length such as 2.0")
-    sizes: dict[str, Length] = Field(default={}, description='target cell size in a stratum, "name" = size')
+    columns: int | None = Field(default=None, ge=1, description="number of columns of a mapped mesh")
+    rows: int | None = Field(default=None, ge=1, description="number of rows of a mapped mesh")
+    size: Length | None = Field(default=None, description="target size of the cells, a length such as 2.0")
+    sizes: dict[str, Length] = Field(
+        default={}, description='target sizes of the cells in strata, each as "name" = size'
+    )
     towards: dict[str, Length] = Field(
-        default={}, description='cell size at "surface", "base" or the bottom of the named stratum'
+        default={},
+        description=(
+            'target sizes of the cells along "surface", "base" or the bottom of a stratum, each as "name" = size'
+        ),
     )
     least_thickness: Length | None = Field(
         default=None,
-        description="thickness at which a layer that thins out ends in a step, in a free mesh; by default "
-        "a third of the cell size",
+        description=(
+            "thickness at which a layer that thins out ends in a step, in a free mesh; by default a third "
+            "of the size of a cell"
+        ),
     )
     max_cells: int = Field(
         default=3000,
@@ -53,7 +64,7 @@ class MeshSettings(Model):
         description="approximate largest number of cells of a mesh without given size or columns and rows, "
         "before refine; by default 3000, or fem.max_cells if that is smaller",
     )
-    refine: int = Field(default=1, ge=1, le=64, description="a whole number that divides every cell size")
+    refine: int = Field(default=1, ge=1, le=64, description="whole number by which all sizes of cells are divided")
 
     def problems(self, section: Section) -> list[str]:
         """Return settings that do not fit the section, one sentence each."""

@@ -48,35 +48,37 @@ class Section(Model):
     """
 
     name: str = Field(
-        description="a name that can be a folder's: up to 80 letters, digits and . _ -, such as s13",
+        description="name of the section and of its folder: up to 80 letters, digits and . _ -, such as s13",
         pattern=r"^[A-Za-z0-9][\w.-]{0,79}$",
     )
-    title: str = Field(default="", description="the title of the report and of pictures; the name if not given")
+    title: str = Field(default="", description="title of the report and of pictures; by default the name")
     reconstruction: StrictBool = Field(
-        default=False, description="true or false: whether the ground was not surveyed but inferred"
+        default=False, description="true or false: whether the ground was inferred and not surveyed"
     )
     reconstruction_note: str = Field(default="", description="a sentence on what the reconstruction is inferred from")
     unusual: StrictBool = Field(
         default=False, description="true if unusual quantities of soils, water or loads are intended"
     )
     surface: Polyline = Field(description="the ground surface, [[x, elevation], ...]")
-    base: Line = Field(description="the lowest line of the section, { elevation = ... } or { depth = ... }")
+    base: Line = Field(description="lower boundary of the section, { elevation = ... } or { depth = ... }")
     water_table: Line | None = Field(
-        default=None, description="a line that is only drawn, where the densities of the strata have the water in them"
+        default=None, description="water table for pictures alone, if the densities of the strata include water"
     )
-    water: Water | None = Field(default=None, description="a table [water]: where water stands")
+    water: Water | None = Field(default=None, description="table [water]: the water table, or heads of seepage")
     surcharges: tuple[Surcharge, ...] = Field(default=(), description="loads on the ground, tables [[surcharges]]")
     beyond: Length | None = Field(
         default=None, description='length over which ground and water continue beyond both ends, such as "100 m"'
     )
-    beyond_slope: Slope = Field(default="level", description='"level", or "parallel" to the last stretch of the ground')
+    beyond_slope: Slope = Field(
+        default="level", description='slope of the ground there: "level", or "parallel" to its last stretch'
+    )
     structures: tuple[Structure, ...] = Field(
-        default=(), description="structures that a failure endangers, a table [[structures]] each; if none, embankments"
+        default=(), description="structures that failures endanger, a table [[structures]] each; by default embankments"
     )
     strata: tuple[Stratum, ...] = Field(min_length=1, description="one [[strata]] table for each layer")
     zones: tuple[Zone, ...] = Field(
         default=(),
-        description="ground of any outline in the place of strata, a table [[zones]] each, with the keys of [[strata]]",
+        description="zones of any outline, in place of strata, a table [[zones]] each, with the keys of [[strata]]",
     )
 
     _zone_notices: tuple[str, ...] = PrivateAttr(default=())  # what became of zones, which are strata once it is read

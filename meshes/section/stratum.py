@@ -57,11 +57,17 @@ class Stratum(Model):
     """
 
     name: str = Field(
-        description="a name of its own, such as '4 Asd', without quotation marks or line breaks", pattern=NAME_PATTERN
+        description=(
+            "name of the stratum, which no other stratum has, such as '4 Asd', without quotation marks or line breaks"
+        ),
+        pattern=NAME_PATTERN,
     )
     description: str = Field(default="", description="the soil in words; the source of its parameters in the report")
     bottom: Line | None = Field(
-        default=None, description="a line { depth = ... } or { elevation = ... }; only the lowest may omit it"
+        default=None,
+        description=(
+            "lower boundary, a line { depth = ... } or { elevation = ... }; only the lowest stratum may omit it"
+        ),
     )
     youngs_modulus: Stiffness = Field(description='a stiffness such as "1560 tf/m^2"')
     poissons_ratio: PoissonsRatio = Field(description="a Poisson's ratio from 0 to below 0.5")
@@ -87,27 +93,31 @@ class Stratum(Model):
     )
     cohesion_from: ElevationOrLine | None = Field(
         default=None,
-        description="where cohesion_increase begins: an elevation (m), a line, or { depth = 0 } for the ground",
+        description=(
+            "elevation at which cohesion_increase begins: an elevation (m), a line, or { depth = 0 } for "
+            "the ground surface"
+        ),
     )
     cohesion_minimum: Strength | None = Field(
-        default=None, description='the least cohesion of a cohesion that varies, such as "5 kPa"'
+        default=None, description='least value of a cohesion that varies, such as "5 kPa"'
     )
     strength_ratio: Ratio | None = Field(
         default=None,
         description="S of a cohesion S σ'v OCR^m, with the vertical effective stress before shaking, such as 0.22; "
         "it is added to cohesion",
     )
-    ocr: Ratio | None = Field(
-        default=None, description="the overconsolidation ratio OCR of strength_ratio; 1 if not given"
-    )
-    ocr_exponent: Ratio | None = Field(default=None, description="the exponent m of OCR, 0 to 1; 0.8 if not given")
+    ocr: Ratio | None = Field(default=None, description="overconsolidation ratio OCR in strength_ratio; by default 1")
+    ocr_exponent: Ratio | None = Field(default=None, description="exponent m of OCR, 0 to 1; by default 0.8")
     pre_overburden_pressure: Strength | None = Field(
-        default=None, description="the difference of preconsolidation stress and σ'v, in place of ocr"
+        default=None, description="difference of preconsolidation stress and σ'v, which replaces ocr"
     )
     consolidated_below: ElevationOrLine | None = Field(
         default=None,
-        description="a line, an elevation (m) or { depth = ... }: soil above it, such as a new embankment, has not "
-        "consolidated the ground; strength_ratio then leaves its weight out",
+        description=(
+            "line, elevation (m) or { depth = ... } that separates consolidated ground from new soil "
+            "above it, such as a new embankment; the weight of the new soil does not count in the σ'v of "
+            "strength_ratio"
+        ),
     )
     friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
     tension: Strength | None = Field(
@@ -116,39 +126,48 @@ class Stratum(Model):
     )
     dilation_angle: Angle | None = Field(
         default=None,
-        description='a dilation angle ψ such as "5 deg"; fem.flow tells what applies to strata without one',
+        description='a dilation angle ψ such as "5 deg"; fem.flow determines the flow of strata without one',
     )
     residual_cohesion: Strength | None = Field(
         default=None,
-        description='the cohesion of soil after large shear strains, such as "0 kPa"; with residual_friction_angle',
+        description='cohesion after large shear strains, such as "0 kPa"; given together with residual_friction_angle',
     )
     residual_friction_angle: Angle | None = Field(
         default=None,
-        description='the friction angle after large shear strains, such as "12 deg"; see noshiro residual',
+        description=(
+            'friction angle after large shear strains, such as "12 deg"; `noshiro residual` computes the '
+            "stability with it"
+        ),
     )
     liquefies_in: CaseNumbers = Field(default=Cases(), description=LIQUEFIES_IN)
     piezometric_level: ElevationOrLine | None = Field(
         default=None, description="the piezometric level of the stratum, if it is not the water table"
     )
     pore_pressure_ratio: Ratio | None = Field(
-        default=None, description="pore pressure over the weight of the soil above, such as 0.25; in place of a level"
+        default=None,
+        description="pore pressure over the weight of the soil above, such as 0.25, which replaces a water level",
     )
     excess_pore_pressure_ratio: Annotated[Ratio, Field(le=1.0)] = Field(
         default=0.0,
-        description="pore pressure that shaking adds, over the vertical effective stress before it, from 0 to 1",
+        description="pore pressure that shaking adds, over the vertical effective stress before shaking, from 0 to 1",
     )
     permeability: Permeability | None = Field(
         default=None,
-        description='the permeability: flow velocity under a gradient of 1, such as "1e-5 m/s"; for flow in [water]',
+        description=(
+            'permeability, the flow velocity under a gradient of 1, such as "1e-5 m/s"; it is needed if '
+            "water flows ([water], flow)"
+        ),
     )
     permeability_vertical: Permeability | None = Field(
         default=None,
-        description="permeability to vertical flow, if it differs; permeability is then that to horizontal flow",
+        description="permeability to vertical flow, if it differs from that to horizontal flow",
     )
     drains: StrictBool = Field(
         default=False,
-        description="true if pore pressure in the stratum follows a drawdown at once (drained); false: the pressure "
-        "falls only by the load that is removed",
+        description=(
+            "true if the pore pressure in the stratum follows a drawdown at once (drained ground); false "
+            "if it falls only by the load of the removed water"
+        ),
     )
 
     _place: str = PrivateAttr(default="")  # the table of its file, such as "zones 2", where not its own number tells

@@ -19,7 +19,9 @@ class Structure(Model):
     name: str = Field(min_length=1, description="name of the structure, such as main levee")
     start: Coordinate = Field(alias="from", description="x of the left foot of the structure, such as 56.0")
     end: Coordinate = Field(alias="to", description="x of the right foot of the structure, such as 86.0")
-    kind: Kind = Field(default="other", description='"levee", "quay", "bank", "building" or "other"')
+    kind: Kind = Field(
+        default="other", description='kind of the structure: "levee", "quay", "bank", "building" or "other"'
+    )
 
 
 def structure_problems(structures: Sequence[Structure], extent: tuple[float, float]) -> list[str]:

@@ -35,7 +35,9 @@ class Surcharge(Model):
 
     start: Coordinate = Field(alias="from", description="x of the left end of the load, such as 20.0")
     end: Coordinate = Field(alias="to", description="x of the right end of the load, such as 28.0")
-    pressure: Pressures = Field(description='a pressure such as "20 kPa", or one at either end')
+    pressure: Pressures = Field(
+        description='pressure of the load, such as "20 kPa", or a list of two pressures, one for each end'
+    )
     seismic_share: float = Field(
         default=1.0,
         ge=0.0,

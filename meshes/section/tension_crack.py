@@ -40,14 +40,14 @@ class TensionCrack(Model):
     bottom: ElevationOrLine | None = Field(
         default=None,
         description=(
-            "where cracks end: { depth = 2.0 } below the ground (m), an elevation (m) or a line; there is no "
-            "crack where this is above the ground"
+            "bottom of the cracks: { depth = 2.0 } below the ground (m), an elevation (m) or a line; "
+            "there is no crack where it lies above the ground"
         ),
     )
     water: Annotated[str | float, PlainValidator(_read_water), PlainSerializer(written)] = Field(
         default="dry",
         description=(
-            '"dry", "full", or the depth of the water in the cracks, such as "1.5 m"; a crack that is less deep is full'
+            'water in the cracks: "dry", "full", or its depth, such as "1.5 m"; a crack that is less deep is full'
         ),
     )
 

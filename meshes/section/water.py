@@ -28,23 +28,25 @@ class Water(Model):
     """
 
     table: ElevationOrLine | None = Field(
-        default=None, description="the water table: points [[x, elevation], ...], one elevation, or { depth = ... }"
+        default=None,
+        description="water table: points [[x, elevation], ...], one elevation, or { depth = ... } below the ground",
     )
     flow: StrictBool = Field(
         default=False,
         description=(
-            "true if pore pressures are those of steady seepage: table gives the heads where it stands on the "
-            "ground and at both sides, and the water in between is computed"
+            "true for the pore pressures of steady seepage: the table then gives the heads at both sides "
+            "and where water stands on the ground, and the water table in between is computed"
         ),
     )
     cutoffs: tuple[Cutoff, ...] = Field(
-        default=(), description="walls that seeping water does not cross, a table [[water.cutoffs]] each"
+        default=(), description="walls that water does not flow through, a table [[water.cutoffs]] each"
     )
     after_drawdown: ElevationOrLine | None = Field(
         default=None,
         description=(
-            "the water table after a rapid drawdown; table is then the one before. Strata that do not drain "
-            "keep their pore pressure, less the weight of the water that was removed from the ground above"
+            "water table after a rapid drawdown; the key table then gives the water table before it. In "
+            "strata that do not drain, the pore pressure falls only by the load of the water that was "
+            "removed from the ground surface"
         ),
     )
     unit_weight: UnitWeight = Field(
@@ -52,8 +54,10 @@ class Water(Model):
     )
     head: Literal["vertical", "normal"] = Field(
         default="vertical",
-        description='how the head below a sloping table is measured: "vertical", or "normal" (times cos² of the slope, '
-        "as in seepage parallel to it)",
+        description=(
+            'direction in which the pressure head below a sloping water table is measured: "vertical", or '
+            '"normal" to it (times cos² of the slope, as in seepage parallel to the slope)'
+        ),
     )
     westergaard: StrictBool = Field(
         default=False,

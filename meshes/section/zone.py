@@ -97,9 +97,9 @@ class Zone(Stratum):
     points: Outline = Field(description="the corners of the outline in order, [[x, z], ...]")
     material: str | None = Field(
         default=None,
-        description="the name of the stratum or zone whose soil it has, instead of soil keys of its own",
+        description="name of the stratum or zone whose soil the zone has; it replaces keys of the soil in the zone",
     )
-    bottom: None = Field(default=None, description="none: a zone has points")
+    bottom: None = Field(default=None, description="not allowed, since a zone has points")
 
     @model_serializer(mode="wrap")
     def _as_written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:

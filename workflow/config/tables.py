@@ -26,7 +26,7 @@ class FigureSettings(Model):
     """Holds the settings of the pictures and of the report, the table [figures] of the input file."""
 
     report_width: int = Field(
-        default=1280, ge=400, le=1600, description="pixels across of the pictures in the report, from 400 to 1600"
+        default=1280, ge=400, le=1600, description="width of the pictures in the report in pixels, from 400 to 1600"
     )
     report_animations: StrictBool = Field(
         default=True, description="true to include animations of the slides, and of the path of Kh, in the report"
@@ -36,29 +36,30 @@ class FigureSettings(Model):
 class Observed(Model):
     """Holds a displacement that was measured, one table [[report.observed]] of the input file."""
 
-    name: str = Field(min_length=1, description="where or how it was measured, such as inclinometer SI-5")
+    name: str = Field(min_length=1, description="place or method of the measurement, such as inclinometer SI-5")
     displacement: Length = Field(description='measured displacement of the ground, such as "0.26 m"')
     x: Coordinate | None = Field(
-        default=None, description="horizontal position in the section, to compare with the discs there"
+        default=None, description="position of the measurement along the section, where the discs are compared with it"
     )
-    source: str = Field(default="", description="where the measurement is published")
+    source: str = Field(default="", description="publication of the measurement")
 
 
 class ReportSettings(Model):
     """Holds the title block of the report, the table [report] of the input file. Empty entries are left out."""
 
-    project: str = Field(default="", description="the name of the project")
-    client: str = Field(default="", description="for whom the report is")
-    author: str = Field(default="", description="who answers for it")
-    number: str = Field(default="", description="the number of the report, or its revision")
-    standard: str = Field(default="", description="the standard that it follows")
-    logo: str = Field(default="", description="a picture, .png, .jpg or .svg, beside this file")
-    language: Language = Field(default="en", description='of the report: "en" (English) or "ja" (Japanese)')
+    project: str = Field(default="", description="name of the project")
+    client: str = Field(default="", description="client for whom the report is written")
+    author: str = Field(default="", description="engineer who is responsible for the report")
+    number: str = Field(default="", description="number of the report, or its revision")
+    standard: str = Field(default="", description="standard that the report follows")
+    logo: str = Field(default="", description="file of a logo, .png, .jpg or .svg, in the folder of the section file")
+    language: Language = Field(default="en", description='language of the report: "en" (English) or "ja" (Japanese)')
     appendix: bool = Field(
-        default=False, description="true adds the appendices: comparison with the paper, input and provenance"
+        default=False, description="true to add the appendices: comparison with the paper, input and provenance"
     )
     observed: tuple[Observed, ...] = Field(
-        default=(), description="one table [[report.observed]] for each measured displacement, drawn beside all others"
+        default=(),
+        description="measured displacements, one table [[report.observed]] for each, drawn beside those of all methods",
     )
 
 
@@ -83,12 +84,17 @@ class FaceSettings(Model):
 
     run: StrictBool | Literal["auto"] = Field(
         default="auto",
-        description='true or false: whether `noshiro run` computes them; "auto" is true for up to two structures',
+        description=(
+            'whether `noshiro run` computes the faces of structures: true or false; "auto" is true for up '
+            "to two structures"
+        ),
     )
     bounds: StrictBool = Field(
         default=True,
-        description="true if faces that do not fail first shall have strict bounds of their critical Kh, too; of the "
-        "factor of safety with bounds.safety_factor = true",
+        description=(
+            "true to find strict bounds of the critical Kh also for faces that do not fail first, and of "
+            "their factor of safety if bounds.safety_factor is true"
+        ),
     )
 
 
@@ -97,19 +103,22 @@ class SlidingBlockSettings(Model):
     this block."""
 
     accelerogram: str = Field(
-        default="", description="a file with a record of the ground: PEER, K-NET, COSMOS, CSMIP, ESM or .csv"
+        default="", description="file with a record of the ground motion: PEER, K-NET, COSMOS, CSMIP, ESM or .csv"
     )
     unit: RecordUnit = ""
     component: RecordComponent = ""
     scale: RecordScale = 1.0
     kh: float | None = Field(
-        default=None, ge=0.0, le=2.0, description="the constant seismic coefficient; by default that of the slides"
+        default=None,
+        ge=0.0,
+        le=2.0,
+        description="constant seismic coefficient under which the block slides; by default that of the slides",
     )
     seconds: float | None = Field(
         default=None,
         gt=0.0,
         le=3600.0,
-        description="duration of the constant coefficient (s); by default as for the slides",
+        description="duration of the constant seismic coefficient (s); by default that of the slides",
     )
 
     def in_use(self) -> Accelerogram:
@@ -146,7 +155,7 @@ class Tables(Model):
         description="a table [triggering] of borings, and of the method of triggering analysis",
     )
     free_face: FreeFaceSettings = Field(
-        default=FreeFaceSettings(), description="a table [free_face] of a bank that liquefied ground spreads towards"
+        default=FreeFaceSettings(), description="a table [free_face] of the bank towards which liquefied ground spreads"
     )
     criteria: CriteriaSettings = Field(
         default=CriteriaSettings(), description="a table [criteria] of the limits that the answers are compared with"
@@ -162,4 +171,6 @@ class Tables(Model):
         default=StudySettings(), description="a table [study] of the samples of `noshiro study`"
     )
     figures: FigureSettings = Field(default=FigureSettings(), description="a table [figures] of pictures and report")
-    report: ReportSettings = Field(default=ReportSettings(), description="a table [report] of the head of the report")
+    report: ReportSettings = Field(
+        default=ReportSettings(), description="a table [report] with the title block of the report"
+    )

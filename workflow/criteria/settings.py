@@ -54,7 +54,7 @@ class FactorCriterion(Model):
     """Holds the smallest factor of safety allowed, the table [criteria.factor_of_safety] of the input file."""
 
     limit: float = Field(gt=0.0, le=100.0, description="the least factor of safety, such as 1.2")
-    kh: float = Field(default=0.0, ge=0.0, le=2.0, description="Kh of this factor of safety")
+    kh: float = Field(default=0.0, ge=0.0, le=2.0, description="Kh at which this factor of safety is required")
     source: str = Field(default="", description=SOURCE)
 
 
@@ -69,7 +69,7 @@ class LengthCriterion(Model):
     """Holds the largest displacement or settlement allowed, the table [criteria.displacement] or
     [criteria.crest_settlement]."""
 
-    limit: Length = Field(description='the largest length that is allowed, such as "0.3 m"')
+    limit: Length = Field(description='the largest length allowed, such as "0.3 m"')
     source: str = Field(default="", description=SOURCE)
 
 
@@ -79,7 +79,7 @@ class FreeboardCriterion(Model):
     limit: Height = Field(description='the least height of the crest above the water, such as "0.5 m", or 0')
     water: Coordinate | None = Field(
         default=None,
-        description="elevation of the water, such as 12.5; by default the table beside the structure",
+        description="elevation of the water (m), such as 12.5; by default that of the water table beside the structure",
     )
     source: str = Field(default="", description=SOURCE)
 

@@ -36,33 +36,43 @@ class EarthquakeSettings(Model):
     """
 
     magnitude: float | None = Field(
-        default=None, ge=4.0, le=9.5, description="the (moment) magnitude, from 4 to 9.5, such as 7.7"
+        default=None, ge=4.0, le=9.5, description="moment magnitude, from 4 to 9.5, such as 7.7"
     )
     distance: Length | None = Field(
         default=None, description='the shortest distance to the fault, a length such as "27 km"'
     )
     depth: Length = Field(default=10_000.0, description='the depth of the middle of the fault, such as "14 km"')
-    mechanism: Mechanism = Field(default="crustal", description='"crustal", "interplate" or "intraplate"')
-    site: Site = Field(default="average", description='the ground: "rock", "average" or "soft"')
+    mechanism: Mechanism = Field(
+        default="crustal", description='type of the earthquake: "crustal", "interplate" or "intraplate"'
+    )
+    site: Site = Field(default="average", description='kind of ground: "rock", "average" or "soft"')
     relation: Relation = Field(
         default="fukushima_tanaka",
-        description='how acceleration falls with distance: "fukushima_tanaka" (1990) or "si_midorikawa" (1999), of '
-        'Japan, or "boore" (Boore et al. 2014), of shallow crustal earthquakes anywhere',
+        description=(
+            'attenuation relation of the peak acceleration: "fukushima_tanaka" (1990) or "si_midorikawa" '
+            '(1999), of Japan, or "boore" (Boore et al. 2014), of shallow crustal earthquakes anywhere'
+        ),
     )
     vs30: float | None = Field(
         default=None, gt=0.0, description='mean V_s of the uppermost 30 m (m/s), such as 270, for relation = "boore"'
     )
     slip: Slip = Field(
-        default="unknown", description='of the fault: "strike-slip", "normal", "reverse" or "unknown"; for "boore"'
+        default="unknown",
+        description='slip of the fault: "strike-slip", "normal", "reverse" or "unknown", for relation = "boore"',
     )
     peak_acceleration: Acceleration | None = Field(
         default=None,
-        description='the peak acceleration at the ground surface, such as "250 gal"; takes precedence over all others',
+        description=(
+            'peak acceleration at the ground surface, such as "250 gal"; it takes precedence over the '
+            "record, and over magnitude and distance"
+        ),
     )
     record: str = Field(
         default="",
-        description="a file with a record of the ground surface (PEER, K-NET, COSMOS, ESM, .csv), whose peak "
-        "is used; takes precedence over magnitude and distance",
+        description=(
+            "file with a record of the ground surface (PEER, K-NET, COSMOS, ESM, .csv), whose peak is "
+            "used; it takes precedence over magnitude and distance"
+        ),
     )
     unit: RecordUnit = ""
     component: RecordComponent = ""
@@ -213,25 +223,33 @@ class SiteResponseSettings(Model):
 
     record: str = Field(
         default="",
-        description="a file with a record of the rock below (PEER, K-NET, COSMOS, ESM, .csv), as it is where rock "
-        "crops out",
+        description=(
+            "file with a record of the rock below (PEER, K-NET, COSMOS, ESM, .csv), as it would be where "
+            "the rock crops out"
+        ),
     )
     unit: RecordUnit = ""
     component: RecordComponent = ""
     scale: RecordScale = 1.0
-    x: Coordinate | None = Field(default=None, description="where, along the section; its middle if not given")
+    x: Coordinate | None = Field(
+        default=None,
+        description="position of the computed column of layers along the section; by default the middle of the section",
+    )
     velocities: dict[str, Annotated[float, Field(gt=10.0, le=3000.0)]] = Field(
-        default={}, description="measured V_s (m/s) by the name of the stratum; else from E and ν"
+        default={}, description="measured V_s (m/s) by the name of the stratum; by default V_s follows from E and ν"
     )
     plasticity: dict[str, Annotated[float, Field(ge=0.0, le=200.0)]] = Field(
-        default={}, description="plasticity index (%) by the name of the stratum, 0 if not given"
+        default={}, description="plasticity index (%) by the name of the stratum; by default 0"
     )
     base_velocity: float = Field(default=400.0, gt=50.0, le=5000.0, description="V_s (m/s) of the rock below")
     base_density: Density = Field(default=2000.0, description='the density of the rock below, such as "2.0 t/m^3"')
     slip_depth: Length | None = Field(
         default=None,
-        description="the depth of the slip surface there, above which acceleration is averaged, for a block (by "
-        'default that of the finite elements) and for kh = "k_max" in [slide]',
+        description=(
+            "depth of the slip surface at this position. The acceleration is averaged above it, for a "
+            'rigid block (by default above the slip surface of the finite elements) and for kh = "k_max" '
+            "in [slide]"
+        ),
     )
 
 

@@ -24,7 +24,7 @@ class Distribution(Model):
     uniform: tuple[Number, Number] | None = Field(default=None, description="[least, greatest]")
     triangular: tuple[Number, Number, Number] | None = Field(default=None, description="[least, most likely, greatest]")
     list: tuple[Any, ...] | None = Field(default=None, min_length=1, description="values, also words, of equal chance")
-    chances: tuple[float, ...] | None = Field(default=None, description="the probabilities of the values of a list")
+    chances: tuple[float, ...] | None = Field(default=None, description="probabilities of the values of a list")
     between: tuple[Number, Number] | None = Field(
         default=None, description="[least, greatest] that a normal or lognormal number may have"
     )

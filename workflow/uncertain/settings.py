@@ -16,9 +16,13 @@ SamplingMethod = Literal["sobol", "latin", "saltelli"]
 class Correlation(Model):
     """Holds the correlation of two uncertain numbers."""
 
-    of: tuple[str, str] = Field(description="two of the paths in this table")
+    of: tuple[str, str] = Field(
+        description="paths of the two correlated numbers, both of them in the table [uncertain]"
+    )
     coefficient: float = Field(
-        gt=-1.0, lt=1.0, description="correlation of the normal variables behind both (Gaussian copula), such as -0.5"
+        gt=-1.0,
+        lt=1.0,
+        description="correlation of the normal variables behind both numbers (Gaussian copula), such as -0.5",
     )
 
 
@@ -114,7 +118,12 @@ Length = Annotated[float, Field(gt=0.0)]
 class StudySettings(Model):
     """Holds the number and method of the samples of a study, and the slides whose probability is wanted."""
 
-    samples: int = Field(default=64, ge=2, le=1_000_000, description="samples; a power of two fills the space best")
+    samples: int = Field(
+        default=64,
+        ge=2,
+        le=1_000_000,
+        description="number of samples; a power of two fills the space of the numbers most evenly",
+    )
     method: SamplingMethod = Field(
         default="sobol",
         description='"sobol" (scrambled sequence; more samples continue fewer), "latin" (Latin hypercube), or '
@@ -122,7 +131,7 @@ class StudySettings(Model):
     )
     seed: int = Field(default=0, ge=0, description="seed of the samples")
     exceeds: tuple[Length, ...] = Field(
-        default=(0.1, 0.5, 1.0), min_length=1, description="slides (m) whose probability of exceedance is given"
+        default=(0.1, 0.5, 1.0), min_length=1, description="slides (m) whose probability of exceedance is computed"
     )
 
     @model_validator(mode="after")

@@ -27,51 +27,70 @@ class TriggeringSettings(Model):
 
     method: TriggeringMethod = Field(
         default="idriss_boulanger_2008",
-        description='"idriss_boulanger_2008", or a form of the Japanese highway code: "highway_1990" (that behind the '
-        'paper), "highway_2012", "highway_2017"; "boulanger_idriss_2014" for cone penetration tests',
+        description=(
+            'method of the triggering analysis: "idriss_boulanger_2008"; a form of the Japanese highway '
+            'code, "highway_1990" (used in the paper), "highway_2012" or "highway_2017"; or '
+            '"boulanger_idriss_2014" for cone penetration tests'
+        ),
     )
     energy_ratio: float = Field(
         default=60.0,
         ge=20.0,
         le=120.0,
-        description="energy of the hammer in percent of its free fall, from 20 to 120, for "
-        "borings that give none; only for Idriss & Boulanger",
+        description=(
+            "energy of the hammer in percent of that of its free fall, from 20 to 120, for borings that "
+            "do not give it; it is used by Idriss & Boulanger only"
+        ),
     )
     rods_above: Length = Field(
-        default=1.5, description='length of the rods above the ground, such as "1.5 m"; for Idriss & Boulanger'
+        default=1.5,
+        description='length of the rods above the ground, such as "1.5 m"; it is used by Idriss & Boulanger only',
     )
     motion: MotionType = Field(
-        default="I", description='type of motion of the highway code from 2012 on: "I" plate boundary, "II" inland'
+        default="I",
+        description=(
+            'type of ground motion in the highway code from 2012 on: "I" of earthquakes at plate '
+            'boundaries, "II" of inland earthquakes'
+        ),
     )
     share: float = Field(
         default=0.5,
         gt=0.0,
         le=1.0,
-        description="share of a stratum in which F_L has to be below 1 for the stratum to liquefy",
+        description="share of a stratum in which F_L has to be below 1, so that the stratum counts as liquefied",
     )
     cases: tuple[CaseName, ...] = Field(
         default=(),
-        description="cases of the slide that follow from the blow counts, after those that [slide] gives, in place of "
-        'its default ones: "median", "low strength", "high strength", by the residual strengths of three relations; '
-        "all three where [slide] has no cases and whatever liquefies is triggered",
+        description=(
+            'cases of the slides that follow from blow counts: "median", "low strength" and "high '
+            'strength", by the residual strengths of three relations. They are added to the cases that '
+            "[slide] gives, and replace its default cases. By default all three are computed if [slide] "
+            "gives no cases and the blow counts determine all strata that liquefy"
+        ),
     )
     residual: Residual = Field(
         default="strength",
-        description='what these cases keep: "strength", that of the soil where it was tested, in kPa and all over the '
-        "stratum, since it fails undrained and depends on its density, and not on what lies above; "
-        'or "ratio", a share of the vertical effective stress of each place',
+        description=(
+            'residual strength in these cases: "strength" is that at the tests, in kPa and constant over '
+            "the stratum, since liquefied soil fails undrained with a strength that depends on its "
+            'density; "ratio" is a share of the vertical effective stress at each place'
+        ),
     )
     water_gathers: StrictBool = Field(
         default=True,
-        description="whether water gathers below a layer of low permeability on top of the liquefied one; false "
-        "where there is no such layer: Idriss & Boulanger (2008) then give a larger residual strength",
+        description=(
+            "true if a layer of low permeability lies on the liquefied layer, so that water gathers below "
+            "it and loosens the sand; if false, Idriss & Boulanger (2008) give a larger residual strength"
+        ),
     )
     pore_pressure: StrictBool = Field(
         default=False,
-        description="true if strata that do not liquefy, and have no excess_pore_pressure_ratio, get the mean one of "
-        "their tests (F_L from 1 to 2)",
+        description=(
+            "true if strata that do not liquefy get the mean excess pore pressure ratio of their tests "
+            "(F_L from 1 to 2), unless they have an excess_pore_pressure_ratio"
+        ),
     )
-    borings: tuple[Boring, ...] = Field(default=(), description="one table [[triggering.borings]] for each boring")
+    borings: tuple[Boring, ...] = Field(default=(), description="borings, one table [[triggering.borings]] for each")
 
 
 def left_to_blow_counts(data: Mapping[str, Any]) -> bool:
@@ -92,10 +111,11 @@ def left_to_blow_counts(data: Mapping[str, Any]) -> bool:
 class FreeFaceSettings(Model):
     """Holds toe and top of a free face, and the place behind it for which the displacement is required."""
 
-    crest: Coordinate | None = Field(default=None, description="the x of its upper edge")
-    toe: Coordinate | None = Field(default=None, description="the x of its foot")
+    crest: Coordinate | None = Field(default=None, description="x of the upper edge of the free face")
+    toe: Coordinate | None = Field(default=None, description="x of the foot of the free face")
     at: Coordinate | None = Field(
-        default=None, description="the x, behind the crest, where the displacement is computed; by default the crest"
+        default=None,
+        description="x behind the crest at which the displacement is computed; by default that of the crest",
     )
 
     def problems(self, ground: np.ndarray) -> list[str]:
