@@ -132,7 +132,7 @@ def pushover_critical_kh(
         model = last_point if whole else model
         came = max((trial.displacement_m for trial in search.trials), default=0.0)
         search.reason = f"after {came:.3g} m: {type(error).__name__}: {error}"
-        ended = f"; displaced further until {type(error).__name__}: {error}"
+        ended = f"; the test continued until {type(error).__name__}: {error}"
     if whole:
         search.verdict = "bracketed"
         search.reason = (
@@ -202,7 +202,7 @@ def _points(
                 if not until_failed:
                     return
         pulses.whole()
-    yield f"; displaced further to {moved:.2g} m, {ended}"
+    yield f"; the test continued to a displacement of {moved:.2g} m, {ended}"
 
 
 def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, moved: float) -> str:

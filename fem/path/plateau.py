@@ -149,7 +149,7 @@ def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], fl
     more."""
     growth = growth_per_doubling(path)
     if path.steps and ductility(path) >= rule.earliest and 0.0 <= growth < rule.growth:
-        reason = f"it changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"
+        reason = f"the load changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"
         return StopReason("plateau", reason, "")
     return StopReason("undecided", path.reason, "try another mesh or element, or a smaller first_step")
 
@@ -163,13 +163,13 @@ def _stop_reason(path: EquilibriumPath, ductility: float, limit: float, rule: Pl
     if path.factor > limit:
         return StopReason("no failure", f"no failure up to {limit:g}", "raise the limit to search for larger values")
     if ductility >= rule.earliest and last < (1.0 - rule.fall) * highest:
-        return StopReason("peak", f"it fell by {100 * (1.0 - last / highest):.0f} % from its peak", "")
+        return StopReason("peak", f"the load fell by {100 * (1.0 - last / highest):.0f} % from its peak", "")
     if ductility >= rule.earliest and growth < rule.growth:
         return StopReason("plateau", f"it {doubled}", "")
     if ductility >= rule.latest or len(path.steps) >= path.settings.most_steps:
         verdict: PathVerdict = "plateau" if growth < rule.tolerated_growth else "undecided"
         remedy = "" if verdict == "plateau" else 'refine the mesh, or use the reduced element with flow = "davis"'
-        return StopReason(verdict, f"at the end of the path it {doubled}", remedy)
+        return StopReason(verdict, f"at the end of the path the load {doubled}", remedy)
     return None
 
 

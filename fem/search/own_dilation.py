@@ -71,7 +71,9 @@ def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult
         except (NoAnswerError, InputError) as error:
             return OwnDilation(None, None, None, tuple(sizes), str(error))
         if full.mechanism is None or full.kc <= 0.0 or np.isfinite(full.ground.problem.strength.tension).any():
-            return OwnDilation(None, None, None, tuple(sizes), "no failure, or a tension cut-off")
+            return OwnDilation(
+                None, None, None, tuple(sizes), "there is no failure, or a stratum has a tension cut-off"
+            )
         ground = full.ground
         second = None if values else full.mechanism.stress
         result = nonassociated_limit_load(ground.problem, mesh, ground.constant, ground.load, second, left)
@@ -80,5 +82,7 @@ def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult
             return OwnDilation(None, None, None, tuple(sizes), result.reason)
         values.append(result.kh)
     if max(values) - min(values) > SPREAD * abs(values[-1]):
-        return OwnDilation(None, min(values), max(values), tuple(sizes), "the mesh decides too much of it")
+        return OwnDilation(
+            None, min(values), max(values), tuple(sizes), "the values on the three meshes differ too much"
+        )
     return OwnDilation(values[-1], min(values), max(values), tuple(sizes))

@@ -172,7 +172,7 @@ def fem(
     element: Annotated[str | None, typer.Option(help="auto, quadratic, reduced or bilinear.")] = None,
     direction: Annotated[str | None, typer.Option(help="both, downhill or uphill.")] = None,
     vertical: Annotated[float | None, typer.Option(help="Vertical seismic coefficient, positive upwards.")] = None,
-    associated: Annotated[bool, typer.Option("--associated", help="Dilation angle = friction angle.")] = False,
+    associated: Annotated[bool, typer.Option("--associated", help="Take ψ = φ in all strata.")] = False,
     safety_factor: Annotated[
         bool, typer.Option("--safety-factor", help="Also factors of safety and their bounds, at Kh = 0 and every --kh.")
     ] = False,
@@ -292,13 +292,13 @@ def compare(
 def bounds(
     section: SectionFile,
     folder: Out = None,
-    gap: Annotated[float | None, typer.Option(help="Gap at which to stop: (upper - lower) over their mean.")] = None,
+    gap: Annotated[float | None, typer.Option(help="Required gap: (upper - lower) over their mean.")] = None,
     davis: Annotated[bool | None, typer.Option(help="Bound Davis's reduced strength for ψ < φ, too.")] = None,
     safety_factor: Annotated[
         bool | None, typer.Option("--safety-factor", help="Bound the factor of safety, too, ψ = φ.", show_default=False)
     ] = None,
     sides: Annotated[str | None, typer.Option(help="free-field, smooth, fixed or periodic.")] = None,
-    max_cells: Annotated[int | None, typer.Option(help="Triangles at which to stop.")] = None,
+    max_cells: Annotated[int | None, typer.Option(help="Largest number of triangles.")] = None,
     settings: Set = None,
     force: Force = False,
     quiet: Quiet = False,
@@ -349,7 +349,7 @@ _of_stage("calibrate", Panel.LIQUEFACTION, "Calibrate the discs so that they fai
 def slide(
     section: SectionFile,
     folder: Out = None,
-    case: Annotated[list[int] | None, typer.Option("--case", help="This case only; repeatable.")] = None,
+    case: Annotated[list[int] | None, typer.Option("--case", help="Compute this case only; repeatable.")] = None,
     model: Model = None,
     settings: Set = None,
     force: Force = False,

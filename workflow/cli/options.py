@@ -34,9 +34,7 @@ class Panel(StrEnum):
     AFTER = "After a run"
 
 
-Version = Annotated[
-    bool, typer.Option("--version", callback=_version, is_eager=True, help="Say which version this is.")
-]
+Version = Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")]
 SectionFile = Annotated[Path, typer.Argument(help="The section, a TOML file.", readable=False, show_default=False)]
 Folder = Annotated[Path, typer.Argument(help="The folder of a run.", show_default=False)]
 Out = Annotated[

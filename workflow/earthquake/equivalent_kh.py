@@ -110,4 +110,6 @@ def equivalent_kh(
         of = f"M {REFERENCE:g}, since no magnitude is given," if magnitude is None else f"M {magnitude:g}"
         counted = f"of {of} (Idriss & Boulanger 2008) with its mean period (Rathje et al. 2004)"
     cycles, period = round(cycles, 1), round(period, 2)
-    return EquivalentKh(kh, cycles, period, f"{words}, both ways in {cycles:g} cycles {counted} of {period:g} s")
+    return EquivalentKh(
+        kh, cycles, period, f"{words}, in both directions in {cycles:g} cycles {counted} of {period:g} s"
+    )

@@ -150,7 +150,7 @@ class EarthquakeSettings(Model):
         one_way = "" if slide.kh_cycles is not None or slide.kh_seconds is not None else " in one direction without end"
         return (
             f"slide, {slide.shaking}{one_way} is used, as given; the equivalent of [earthquake] is Kh = "
-            f"{cycles.kh:g} both ways, "
+            f"{cycles.kh:g} in both directions, "
             f'{cycles.cycles:g} cycles of {cycles.period:g} s (slide.kh = "{EARTHQUAKE}")'
         )
 

@@ -58,7 +58,7 @@ class BlockDrive:
     def words(self) -> str:
         """Return the loading in words."""
         if self.cycles is not None:
-            return f"both ways, {self.cycles:g} cycles of {self.period:g} s"
+            return f"in both directions, {self.cycles:g} cycles of {self.period:g} s"
         return "held" if math.isinf(self.seconds) else f"for {self.seconds:g} s"
 
 
@@ -122,7 +122,7 @@ def block_slide(settings: Tables, kc: float) -> BlockSlide | None:
         return None if math.isinf(slide) else BlockSlide(slide, slide, f"Kh = {kh:g} {drive.words}")
     record = settings.sliding_block.in_use()
     both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
-    return BlockSlide(min(both), max(both), f"{record.name}, both ways")
+    return BlockSlide(min(both), max(both), f"{record.name}, in both directions")
 
 
 def _constant(settings: Tables, kc: float, resisted: str) -> Iterator[Estimate]:

@@ -35,13 +35,17 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
         "Shaking",
         "Shaking is represented by a constant horizontal force, Kh times g times the seismic density, with the same "
         "Kh everywhere: without waves, amplification and frequency. "
-        + (f"Kv = {config.fem.vertical:g} acts with it. " if config.fem.vertical else "No vertical acceleration. ")
+        + (
+            f"Kv = {config.fem.vertical:g} acts together with Kh. "
+            if config.fem.vertical
+            else "No vertical acceleration. "
+        )
         + DIRECTIONS[config.fem.direction],
     )
     yield (
         "Strength",
-        "Mohr-Coulomb with constant c and φ, which do not fall with strain or with the number of cycles. "
-        + FLOWS[flow_of(config.section.strata, config.fem.flow)],
+        "The strength is Mohr-Coulomb with constant c and φ, which do not fall with strain or with the number of "
+        "cycles. " + FLOWS[flow_of(config.section.strata, config.fem.flow)],
     )
     yield "Water", _water(config.section)
     if (flow := config.section.water_pressure.flow) is not None:
@@ -90,14 +94,16 @@ def _water(section: Section) -> str:
         )
     head = "across the flow" if section.water_pressure.normal else "vertically"
     phrase = (
-        "Effective stress: below the water level of each stratum pores are saturated, with the pressure head "
+        "The analysis is in effective stresses: below the water level of each stratum pores are saturated, with the "
+        "pressure head "
         f"measured {head}; above it there is neither pore pressure nor suction. Free water loads the ground surface. "
         "The horizontal force acts on all "
         "of the saturated mass. No excess pore pressure builds up with strain."
     )
     if section.water_pressure.flow is not None:
         phrase = (
-            "Effective stress: pore pressure is that of steady seepage between free water and the heads at the sides, "
+            "The analysis is in effective stresses: the pore pressure is that of steady seepage between free water "
+            "and the heads at the sides, "
             "0 above the phreatic line, without suction. Shaking and sliding do not change the flow. The horizontal "
             "force acts on all of the saturated mass. No excess pore pressure builds up with strain."
         )
@@ -111,7 +117,7 @@ def _water(section: Section) -> str:
 def _of_the_paper(config: Config) -> str:
     """Return the loading of the paper's own discs, if they are computed in addition to soil discs."""
     both_models = config.dem.model == "soil" and config.dem.paper
-    return f"On the paper's own discs its Kh = {PAPER_LOADING['kh']:g} acts without end. " if both_models else ""
+    return f"On the discs of the paper, Kh = {PAPER_LOADING['kh']:g} acts without end. " if both_models else ""
 
 
 def _driven(config: Config) -> str:
@@ -124,4 +130,4 @@ def _driven(config: Config) -> str:
     if config.slide.kh_cycles is not None:
         return f"{words}: uniform cycles instead of the irregular ones of an earthquake"
     lasts = "" if config.slide.kh_seconds is not None else " that acts until their end"
-    return f"a constant {words}{lasts}, while an earthquake acts both ways and ends"
+    return f"a constant {words}{lasts}, while an earthquake acts in both directions and ends"

@@ -53,8 +53,8 @@ CAPTIONS = (
         r"curves",
         "both",
         "Kh over displacement of the continuum and of the discs. Bands: brackets of the critical Kh. The critical Kh "
-        "of soil discs, which harden and have no plateau, is the largest mean over a fifth of the displacement, up to "
-        "the vertical line.",
+        "of soil discs, which harden and have no plateau, is the largest Kh, averaged over a fifth of the "
+        "displacement, up to the vertical line.",
         True,
     ),
     Caption(
@@ -92,17 +92,19 @@ CAPTIONS = (
         "dem",
         "Influence of each parameter on the critical Kh of the discs, and trials of the calibration.",
     ),
-    Caption(r"dem_model", "dem", "The discs by layer, at rest under their weight. Dark: boundary elements."),
+    Caption(r"dem_model", "dem", "The discs by layer, at rest under their weight. Dark: fixed boundary discs."),
     Caption(
         r"dem_before_kh_(.*)",
         "dem",
-        "Discs before calibration, Kh = {0}: displacement, and pore springs of discs that have them.",
+        "Discs before calibration, Kh = {0}: displacement; for discs of the paper also their pore springs, breakable "
+        "springs that stand for pore water.",
     ),
-    Caption(r"dem_paper_kh_(.*)", "dem", "The paper's own discs, Kh = {0}: displacement and pore springs."),
+    Caption(r"dem_paper_kh_(.*)", "dem", "The discs of the paper, Kh = {0}: displacement and pore springs."),
     Caption(
         r"dem_after_kh_(.*)",
         "dem",
-        "Calibrated discs, Kh = {0}: displacement, and pore springs of discs that have them.",
+        "Calibrated discs, Kh = {0}: displacement; for discs of the paper also their pore springs, breakable springs "
+        "that stand for pore water.",
     ),
     Caption(r"dem_.*", "dem", "The discs."),
     Caption(r"displacements", "comparison", "Displacements by all methods.", True),

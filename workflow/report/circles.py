@@ -30,7 +30,7 @@ STEEPLY = (
     ", since they cut steeply through {strata}, where the normal force on a circle is an assumption of the method; "
     "with ψ = φ the ground resists a larger Kh"
 )
-RELY = "rely on elements and bounds, since the critical mechanism is no circle, as along a weak layer"
+RELY = "rely on finite elements and bounds, since the critical mechanism is no circle, for example along a weak layer"
 
 
 def of_circles(results: Results) -> Iterator[str]:
@@ -120,7 +120,7 @@ def _why_far(results: Results, circle: CirclePart, elements: float, line: np.nda
     if spencer is not None and abs(spencer - elements) <= CONFIRMS * elements:
         value = coefficient(spencer) if kh is None else f"{spencer:.2f}"
         where += f", while Spencer's method has {value}"
-    return f"{where}: rely on the elements, whose slip surface is no circle"
+    return f"{where}: rely on the finite elements, whose slip surface is no circle"
 
 
 def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:

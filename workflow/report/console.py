@@ -85,8 +85,8 @@ def fem_sentences(
         most = f", at most {coefficient(answer.kc_upper)} on this mesh" if answer.kc_upper > answer.kc else ""
         how = f": {answer.ended}{most}, {answer.reason}"
     yield (
-        f"Critical Kh = {critical_with_flow(answer, coefficient)}.{how_to_get_own_dilation(answer)} Seismic force "
-        f"{FORCE[answer.direction]}, to the {answer.towards}{how}.{interval}"
+        f"Critical Kh = {critical_with_flow(answer, coefficient)}.{how_to_get_own_dilation(answer)} The seismic "
+        f"force acts {FORCE[answer.direction]}, to the {answer.towards}{how}.{interval}"
     )
     if every:
         if answer.davis is not None or answer.associated is not None:
@@ -108,7 +108,7 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
     compared = factor.davis if factor.davis is not None else factor.associated
     number = with_flow(factor.factor, answer.flow, compared, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
-        return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, the largest factor of the search."
+        return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, where the search ended."
     phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {factor.verdict.capitalize()}{most}, "
     phrase += f"{factor.reason}{rest}."
     if not every:
@@ -124,8 +124,8 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
     if factor.shallow_failure is not None and factor.shallow_failure < factor.factor:
         depth, faces = answer.settings.least_depth, answer.shallow_failures
         edges = bool(faces) and all(face.is_edge(depth) for face in faces)
-        what = "The edge of a layer without cohesion" if edges else "Its cohesionless face"
-        phrase += f" {what} fails (shallow failure) at {factor.shallow_failure:.3f}."
+        what = "The edge of a layer without cohesion" if edges else "A cohesionless face"
+        phrase += f" {what} fails before (shallow failure), at a factor of {factor.shallow_failure:.3f}."
     return phrase
 
 
@@ -134,7 +134,8 @@ def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
     if answer.meshes:
         phrase = ", ".join(f"{mesh.kc:.4f} ({mesh.cells} cells)" for mesh in answer.meshes)
         tends = f" The sequence of meshes converges to {answer.kc_limit:.4f}." if answer.kc_limit is not None else ""
-        yield f"On meshes adapted to the mechanism: {phrase}. The sequence ended because {answer.meshes_ended}.{tends}"
+        yield f"On meshes adapted to the mechanism the critical Kh is {phrase}."
+        yield f"The sequence of meshes ended because {answer.meshes_ended}.{tends}"
 
 
 def comparison_sentences(answer: FemAnswer) -> Iterator[str]:
@@ -160,7 +161,8 @@ def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
     """Return the edge of a layer without cohesion, from ``start`` to ``end`` (m), that fails locally at ``kh``."""
     when = f"at Kh = {coefficient(kh)}" if kh > 0.0 else "by its own weight"
     width = f"{end - start:.2g} m wide where it comes out of the ground at x = {start:g} m"
-    return f"The edge of {shown_name(stratum)}, {width}, has no cohesion and fails locally {when}: no slope failure."
+    local = f"The edge of {shown_name(stratum)}, {width}, has no cohesion and fails locally {when}"
+    return f"{local}: this is no slope failure."
 
 
 def _out_at(sides: tuple[str, ...]) -> str:
@@ -199,7 +201,7 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         where = ", ".join(f"{x:g}" for x in answer.load_ends)
         yield (
             f"Sand without cohesion has no bearing capacity below the end of a load next to bare ground (x = {where} "
-            f"m). For the bounds below it has half of the pressure as a cohesion, down to {answer.least_depth:g} m."
+            f"m). In the bounds below, this sand has a cohesion of half the pressure, down to {answer.least_depth:g} m."
         )
     name = proven(answer.strengthened_faces, ends)
     yield f"{name} with ψ = φ, the upper bound for every ψ ≤ φ: {answer.words}."
@@ -218,24 +220,26 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
 def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
     """Yield sentences on how the discs were calibrated, from dem/calibration.json."""
     if answer.kc is None:
-        yield f"Discs: no critical Kh: {answer.verdict}, {answer.reason}."
+        yield f"The critical Kh of the discs was not found: {answer.verdict}, {answer.reason}."
     elif answer.range is None or answer.target_kc is None:
-        yield (f"Discs: critical Kh = {_bracket(answer.kc, answer)}, not calibrated: {answer.reason}.")
+        yield f"Without calibration the critical Kh of the discs is {_bracket(answer.kc, answer)}: {answer.reason}."
     elif answer.verdict == "calibrated":
         if answer.predicted_kc is not None and answer.predicted_ratio is not None:
             yield (
-                f"Discs, uncalibrated: critical Kh = {coefficient(answer.predicted_kc)}, {answer.predicted_ratio:.2f} "
-                "times the lower end of the critical Kh of the finite elements with the same boundary conditions."
+                f"Without calibration the critical Kh of the discs is {coefficient(answer.predicted_kc)}, "
+                f"{answer.predicted_ratio:.2f} times the lower end of the critical Kh of the finite elements with the "
+                "same boundary conditions."
             )
         yield (
-            f"Discs: critical Kh = {_bracket(answer.kc, answer)} for "
-            f"{_tried(answer, answer.target_kc)}, with {answer.parameter} = {answer.value:.4g}."
+            f"With the {answer.parameter} of the discs multiplied by {answer.value:.4g} their critical Kh is "
+            f"{_bracket(answer.kc, answer)}, for {_tried(answer, answer.target_kc)}."
         )
     else:
         low, high = answer.range
         yield (
-            f"Discs: {answer.parameter} from {low:g} to {high:g} does not reach critical Kh = "
-            f"{coefficient(answer.target_kc)}; nearest {coefficient(answer.kc)} at {answer.value:.4g}: {answer.reason}."
+            f"No factor on the {answer.parameter} of the discs from {low:g} to {high:g} gives a critical Kh of "
+            f"{coefficient(answer.target_kc)}; the nearest is {coefficient(answer.kc)}, with the factor "
+            f"{answer.value:.4g}: {answer.reason}."
         )
 
 
@@ -274,8 +278,8 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
         settled += "".join(f"; {note}" for note in case.notes)
         yield (
             f"Case {which} ({name}): the largest slide is {metres(case.slide_max_m)} at x = "
-            f"{case.slide_max_at_x_m:.0f} m, "
-            f"{case.uphill} {metres(abs(case.settlement_uphill_m))} uphill on average{settled}."
+            f"{case.slide_max_at_x_m:.0f} m, and the uphill third {case.uphill} by "
+            f"{metres(abs(case.settlement_uphill_m))} on average{settled}."
         )
     yield from crest_sentences(crest_parts(config, answer))
 
@@ -283,13 +287,12 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
 def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
     """Yield sentences on the slide of every case by the material point method, from mpm/slides.json."""
     if answer.not_possible:
-        yield f"Not possible by material points: {answer.not_possible}."
+        yield f"The material point method cannot compute the slides: {answer.not_possible}."
     for number, case in sorted(answer.cases.items()):
         between_ends = span([case.slide_max_low_m, case.slide_max_high_m])
         yield (
             f"{config.called(number)}: by the material point method the largest slide of the surface is "
-            f"{between_ends}, the "
-            f"crest settles {metres(case.settlement_crest_m)}; {case.reason}."
+            f"{between_ends}, and the crest settles {metres(case.settlement_crest_m)}; {case.reason}."
         )
         yield from (f"- {note}." for note in case.notes)
     yield from crest_sentences(crest_parts(config, points=answer))
@@ -299,14 +302,15 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     """Yield sentences on the response of the layers to the record, from site_response.json."""
     largest = max(answer.layers, key=lambda layer: layer.strain)
     yield (
-        f"{answer.record}: {answer.peak_rock_gal:.0f} gal on rock, {answer.peak_surface_gal:.0f} gal at the surface at "
-        f"x = {answer.x_m:g} m; largest shear strain {100.0 * largest.strain:.3g} % in {shown_name(largest.stratum)} "
-        f"at {0.5 * (largest.top_m + largest.bottom_m):.1f} m."
+        f"Under {answer.record} the peak acceleration at x = {answer.x_m:g} m is {answer.peak_rock_gal:.0f} gal on "
+        f"rock and {answer.peak_surface_gal:.0f} gal at the surface; the largest shear strain is "
+        f"{100.0 * largest.strain:.3g} % in {shown_name(largest.stratum)}, "
+        f"{0.5 * (largest.top_m + largest.bottom_m):.1f} m below the ground."
     )
     if answer.change > CAME_TO_REST:
         yield (
-            f"Warning: the site response has not converged: after {answer.rounds} rounds one more changes G or damping "
-            f"by {100.0 * answer.change:.1f} %."
+            f"Warning: the site response has not converged: after {answer.rounds} iterations one more iteration "
+            f"changes G or damping by {100.0 * answer.change:.1f} %."
         )
     if answer.warning:
         yield f"Warning: {answer.warning}."
@@ -314,7 +318,7 @@ def response_sentences(answer: SiteResponseAnswer) -> Iterator[str]:
     wanted = [5.0 * k for k in range(1, int(bottoms[-1] / 5.0) + 1)] or bottoms[-1:]
     nearest = dict.fromkeys(min(range(len(bottoms)), key=lambda k: abs(bottoms[k] - depth)) for depth in wanted)
     phrases = (f"{answer.layers[k].k_max:.3f} ({bottoms[k]:.3g} m)" for k in nearest)
-    yield f"k_max of the ground above a depth: {', '.join(phrases)}."
+    yield f"k_max, the largest average acceleration over g of the ground above a depth, is {', '.join(phrases)}."
 
 
 def _slides(config: Config, store: Store) -> Iterator[str]:
@@ -369,7 +373,7 @@ def run_lines(answer: Summary) -> list[str]:
     ]  # fmt: skip
     lines += crests_in_short(answer.crests or (), Texts())
     lines += verdict_paragraph(list(answer.criteria or ()))
-    failed = [f"{stage}: no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]
+    failed = [f"the stage {stage} has no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]
     lines += failed[:1]
     warnings = [part.what if not part.remedy else f"{part.what} {part.remedy}" for part in answer.warnings]
     shown = warnings[: max(MOST_LINES - len(lines) - 1, 0)]

@@ -130,10 +130,11 @@ def crest_sentences(parts: Iterator[CrestPart]) -> Iterator[str]:
         low, high = metres(part.settlement_low_m), metres(part.settlement_high_m)
         spread = "" if low == high else f" ({low} to {high} over packings)"
         drained = "" if not part.reconsolidation_m else f", {metres(part.reconsolidation_m)} of it by reconsolidation"
-        left_over = "" if part.freeboard_m is None else f"; freeboard {metres(part.freeboard_m)} is left"
+        left_over = "" if part.freeboard_m is None else f"; the remaining freeboard is {metres(part.freeboard_m)}"
         moves = "" if part.at_rest else "; the slide is not at rest"
         yield (
-            f"Crest of {part.structure}, {part.by}: it settles {metres(part.settlement_m)}{spread}{drained}{left_over}"
+            f"Crest of {part.structure}, {part.by}: the crest settles "
+            f"{metres(part.settlement_m)}{spread}{drained}{left_over}"
             f"{moves}."
         )
 
@@ -147,7 +148,8 @@ def crests_in_short(parts: Sequence[CrestPart], _: Texts) -> Iterator[str]:
         values = {"structure": name, "settlement": span(ends)}
         if left:
             yield _(
-                "After liquefaction the crest of {structure} settles {settlement}; the freeboard left is {freeboard}.",
+                "After liquefaction the crest of {structure} settles {settlement}; the remaining freeboard is "
+                "{freeboard}.",
                 freeboard=signed_span(left),
                 **values,
             )

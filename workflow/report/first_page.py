@@ -160,13 +160,13 @@ def _contradicted(results: Results, fem: FemAnswer, kh: GoverningKh, conditions:
     opinion.
     """
     word = (
-        "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give {excess} % more; no mechanism "
-        "requires more than the upper bound, so that the upper bound counts."
+        "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give {excess} % more, but the "
+        "section fails at the strict upper bound at the latest, so that the upper bound counts."
     )
     if kh.is_limit:
         word = (
-            "The section fails {way} at Kh = {kc} or less ({conditions}). The finite elements give {excess} % more; no "
-            "mechanism requires more than the upper bound, so that the upper bound counts, as a limit."
+            "The section fails {way} at Kh = {kc} or less ({conditions}). The finite elements give {excess} % more, "
+            "but the section fails at the strict upper bound at the latest, so that the upper bound counts, as a limit."
         )
     phrase = _(
         word,
@@ -252,14 +252,17 @@ def conclusions(results: Results, _: Texts) -> Iterator[str]:
         yield residual_verdict(results.residual.steps, _)
     yield from _why_kh(results, _)
     if results.cases is not None and len([name for name, cases in results.cases.sets.items() if cases]) > 1:
-        yield _("Discs are calibrated unless the text says so; discs with the springs of the paper are for comparison.")
+        yield _(
+            "Discs are calibrated unless the text says otherwise; discs with the springs of the paper serve for "
+            "comparison."
+        )
     compared = [row for row in rows(results) if row.agrees is not None]
     off = [row for row in compared if not row.agrees]
     if off:
         discs = [row for row in compared if "calibrated" in row.quantity]
         yield _(
-            "{off} of {all} comparisons with the paper disagree; of the {discs} for the calibrated discs "
-            "{off_discs} do: the depths of the layers are a reconstruction.",
+            "{off} of {all} comparisons with the paper disagree, among them {off_discs} of the {discs} comparisons "
+            "for calibrated discs. One cause is that the depths of the layers are a reconstruction.",
             off=len(off),
             all=len(compared),
             off_discs=len([row for row in discs if not row.agrees]),

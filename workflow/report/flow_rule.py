@@ -85,8 +85,8 @@ def own_dilation_sentences(fem: FemAnswer) -> Iterator[str]:
     else:
         yield (
             f"The critical Kh is about {coefficient(third.kc)} for {fem.own_angles}, {third.low:.3f} to "
-            f"{third.high:.3f} on three meshes. An iteration of pressures found it; element and mesh decide 5 to 15 % "
-            "of it."
+            f"{third.high:.3f} on three meshes. This Kh was found by iteration, and depends on element and mesh by 5 "
+            f"to 15 %."
         )
 
 

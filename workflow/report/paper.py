@@ -214,7 +214,7 @@ def _measured(results: Results) -> PaperRow:
         return row
     phrase = f"{span(slides)} in cases 2 and 3"
     agrees = min(slides) <= (1.0 + WITHIN) * MEASURED and max(slides) >= (1.0 - WITHIN) * MEASURED
-    return replace(row, ours=phrase, agrees=agrees, why=f"{SECTION}; and so are cases and Kh")
+    return replace(row, ours=phrase, agrees=agrees, why=f"{SECTION}; cases and Kh are assumptions, too")
 
 
 def _other_loading(results: Results) -> str:
@@ -234,4 +234,4 @@ def _smooth() -> PaperRow:
     )
     agrees = round(plane.acceleration, 2) == 0.44 and abs(plane.speed(9.0) - 4.0) <= 0.1
     return PaperRow("block on a smooth plane of 2.6°", "0.44 m/s²; 4 m/s and 3 m after 9 s", "Sec. 5", phrase, agrees,
-               "its 3 m after 9 s is a slip")  # fmt: skip
+               "the 3 m after 9 s in the paper are an error")  # fmt: skip

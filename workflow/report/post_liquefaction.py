@@ -161,14 +161,13 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
         "moved further"
     )
     if not flow:
-        yield f"{far}, and in no case does it flow."
+        yield f"{far}; in none of the cases does the ground flow."
         return
     times = listed([f"{1.0 / case.factor_upper:.2f}" for case in flow if case.factor_upper])
     names = listed([_which(case) for case in flow])
     yield (
-        f"{far}. Either the ground differs from the section, or its residual strength was larger than in {names} "
-        f"leave{'s' if len(flow) == 1 else ''} it, at least {times} times as much: these strengths are on the safe "
-        "side."
+        f"{far}. Either the ground differs from the section, or its residual strength was at least {times} times that "
+        f"of {names}: {'this strength is' if len(flow) == 1 else 'these strengths are'} on the safe side."
     )
     if stand:
         agree = "agrees" if len(stand) == 1 else "agree"
@@ -180,12 +179,12 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
     for case in answer.cases:
         yield outcome(case)
         strengths = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa" for s in case.strata]
-        yield f"    Residual strength: {listed(list(dict.fromkeys(strengths)))}."
+        yield f"    The residual strength is {listed(list(dict.fromkeys(strengths)))}."
         if case.factor is not None or case.factor_lower is not None:
-            yield f"    Factor of safety at Kh = 0, between sides held horizontally: {factors(case)}."
+            yield f"    The factor of safety at Kh = 0, between sides held horizontally, is {factors(case)}."
         if case.kc is not None and case.kc_lower is not None:
             bounds = bracket(case.kc_lower, case.kc_upper, 3)
-            yield f"    Critical Kh by elements {case.kc:.3f}, by strict bounds {bounds}."
+            yield f"    The critical Kh is {case.kc:.3f} by finite elements, and {bounds} by strict bounds."
         for note in case.notes:
             yield f"    Warning: {note}."
     enough = just_enough(answer.cases)
@@ -201,5 +200,5 @@ def factors(case: Bearing) -> str:
         phrases.append(f"{bracket(case.factor_lower, case.factor_upper, 2)} by strict bounds with ψ = φ")
     if case.factor is not None:
         less = case.factor_lower is not None and case.factor < case.factor_lower
-        phrases.append(f"{case.factor:.2f} by elements" + (", lower since ψ < φ" if less else ""))
+        phrases.append(f"{case.factor:.2f} by finite elements" + (", lower since ψ < φ" if less else ""))
     return ", ".join(phrases)

@@ -38,17 +38,18 @@ def residual_details(steps: TwoSteps) -> Iterator[str]:
     """Yield sentences on the strengths, the factors of safety of the verdict, and missing results."""
     # Parts of a stratum that zones or cracks divide are named once.
     strata = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa and {s.friction_deg:.3g}°" for s in steps.strata]
-    yield f"Residual strength: {listed(list(dict.fromkeys(strata)))}."
+    yield f"The residual strength is {listed(list(dict.fromkeys(strata)))}."
     if steps.peak is not None:
-        yield f"Factor of safety at Kh = 0 with peak strength: {steps.peak:.2f} by elements."
+        yield f"With peak strength the factor of safety at Kh = 0 is {steps.peak:.2f} by finite elements."
     along = steps.along
     if along is not None and along.residual is not None:
         peak = f" ({along.peak:.2f} with peak strength)" if along.peak is not None else ""
-        yield f"With residual strength along the slip surface of peak strength: {along.residual:.2f} by Spencer{peak}."
+        value = f"{along.residual:.2f} by Spencer's method{peak}"
+        yield f"With residual strength along the slip surface of peak strength it is {value}."
     if steps.everywhere.factor is not None or steps.everywhere.factor_lower is not None:
-        yield f"With residual strength everywhere: {factors(steps.everywhere)}."
+        yield f"With residual strength everywhere it is {factors(steps.everywhere)}."
     if steps.everywhere.kc is not None:
-        yield f"Critical Kh with residual strength: {steps.everywhere.kc:.3f} by elements."
+        yield f"With residual strength the critical Kh is {steps.everywhere.kc:.3f} by finite elements."
     for note in (*steps.notes, *steps.everywhere.notes):
         yield f"Warning: {note}."
 

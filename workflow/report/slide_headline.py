@@ -62,10 +62,10 @@ def _second_opinion(first: MethodSlides, other: MethodSlides, _: Texts) -> str:
         "interval": _spread(other, _),
     }
     if first.error is None or other.error is None:
-        return _("Second opinion, by {other}: {slide} ({interval}).", **values)
+        return _("A second opinion, by {other}, is {slide} ({interval}).", **values)
     return _(
         "This number counts, because {first} predicted half of the known {kind} within a factor of {near}, and {other} "
-        "within {far}. Second opinion, by {other}: {slide} ({interval}).",
+        "within {far}. A second opinion, by {other}, is {slide} ({interval}).",
         kind=_(first.error.kind),
         near=f"{first.error.middle:.2g}",
         far=f"{other.error.middle:.2g}",

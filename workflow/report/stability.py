@@ -48,7 +48,7 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
     if third is not None and third.kc is not None:
         interval = _("{low} to {high}", low=number(third.low, 3), high=number(third.high, 3))
         angles = _("ψ as given") if any(fem.dilation_deg.values()) else _("ψ = 0")
-        how = _("{angles}; element and mesh decide 5 to 15 % of it", angles=angles)
+        how = _("{angles}; depends on element and mesh by 5 to 15 %", angles=angles)
         about = _("about {kc}", kc=coefficient(third.kc))
         yield StabilityRow(name, about, interval, f"{_(SIDES[fem.settings.sides])}, {how}")
     other = fem.opposite
@@ -143,7 +143,10 @@ def _discs(results: Results, _: Texts) -> Iterator[StabilityRow]:
             "boundary conditions of the disc box: {terms}", terms=f"{_(SIDES[like.sides])}, {_(FLOW[like.flow])}"
         )
         yield StabilityRow(
-            _("critical Kh, finite elements to compare discs with"), coefficient(like.kc), most, conditions
+            _("critical Kh, finite elements with the boundary conditions of the discs"),
+            coefficient(like.kc),
+            most,
+            conditions,
         )
     compared = _("compare with the row above, not with the first row") if like is not None else ""
     if calibration is not None and calibration.predicted_kc is not None:

@@ -252,7 +252,7 @@ def _cases_are(config: Config) -> Iterator[str]:
     nothing = f", and none of {whose} {listed(lost)}" if lost else ""
     names = f" ({listed(called)})" if len(called) == len(cases) else ""
     if config.dem.paper and any(case["residual"] or case["residual_strength"] for case in cases):
-        nothing += "; the paper's own discs have no residual strength"
+        nothing += "; the discs of the paper have no residual strength"
     yield f"In {of_cases(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(phrases)}{nothing}."
 
 
@@ -293,7 +293,7 @@ def _spread(mean: float, values: Sequence[float], interval: Sequence[float] | No
     shown."""
     phrases = [span(values)] if span(values) != about([mean]) else []
     if interval is not None and span(interval) != about([mean]):
-        phrases.append(f"mean of all packings {span(interval)} with 95 %")
+        phrases.append(f"95 % interval of the mean of all packings: {span(interval)}")
     return about([mean]) + (f" ({'; '.join(phrases)})" if phrases else "")
 
 

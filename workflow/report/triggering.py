@@ -40,6 +40,6 @@ def stratum_sentence(stratum: StratumPart) -> str:
     word = "liquefies" if stratum.liquefies else "does not liquefy"
     phrase = f"{name} {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it"
     if stratum.lowest_factor is not None:
-        phrase += f", smallest F_L {stratum.lowest_factor:.2f}"
+        phrase += f", and the smallest F_L is {stratum.lowest_factor:.2f}"
     rest = stratum.tests - stratum.judged
-    return phrase + (f"; {rest} of {stratum.tests} tests in it not assessed ({stratum.reason})." if rest else ".")
+    return phrase + (f"; {rest} of {stratum.tests} tests in it were not assessed ({stratum.reason})." if rest else ".")

@@ -132,10 +132,10 @@ def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
     if surfaces.mean_distance_m is not None and surfaces.same_stratum_share is not None:
         deeper = ""
         if surfaces.excess_above is not None and surfaces.excess_above < NO_MORE:
-            deeper = " Discs fail higher up; the continuum fails there at the same Kh."
+            deeper = " The discs fail higher up than the continuum, which fails there at the same Kh."
         elif surfaces.excess_above is not None:
             deeper = (
-                f" Discs fail higher up: for a failure of the continuum at that depth Kh must be larger by "
+                f" The discs fail higher up than the continuum, which would fail there only if Kh were larger by "
                 f"{100 * surfaces.excess_above:.0f} %."
             )
         yield (

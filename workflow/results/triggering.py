@@ -101,8 +101,8 @@ class StratumPart(Part):
     def words(self) -> str:
         """Return whether the stratum liquefies, as text for tables."""
         if not self.judged:
-            return f"not judged: {self.reason}"
-        rest = f" ({self.judged} of {self.tests} tests judged)" if self.judged < self.tests else ""
+            return f"not assessed: {self.reason}"
+        rest = f" ({self.judged} of {self.tests} tests assessed)" if self.judged < self.tests else ""
         return f"{'yes' if self.liquefies else 'no'}{rest}"
 
 

@@ -88,8 +88,8 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
         )
     if kc is not None and bracket is not None and kc > bracket.upper:
         notes.append(
-            f"the elements bear Kh = {kc:.3f}, more than the strict upper bound of {bracket.upper:.3f}: their mesh "
-            f"is too coarse for the weak layer, and the bounds govern"
+            f"the finite elements give a critical Kh of {kc:.3f}, above the strict upper bound of "
+            f"{bracket.upper:.3f}: the mesh is too coarse for the weak layer, and the bounds govern"
         )
     stands, reason = _stands(kc, lower, upper)
     if unstable:
@@ -220,5 +220,5 @@ def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple
     if lower is not None and lower > 1.0:
         return "stands", f"a lower bound proves a factor of safety above {lower:.2f}"
     if kc is None:
-        return "flows", "the elements find no equilibrium under its weight"
-    return "stands", f"the elements find equilibria up to Kh = {kc:.3f}"
+        return "flows", "the finite elements find no equilibrium under the weight of the ground"
+    return "stands", f"the finite elements find equilibrium up to Kh = {kc:.3f}"

@@ -37,7 +37,7 @@ def ignored(config: Config) -> tuple[str, ...]:
 
 STAGE = Stage(
     name="calibrate",
-    what="discs that fail at the same Kh",
+    what="discs calibrated to the critical Kh of the finite elements",
     work=work,
     draw=draw,
     needs=("fem",),

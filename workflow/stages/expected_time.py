@@ -66,7 +66,8 @@ def announcement(decisions: Sequence[Decision], config: Config) -> str:
         return ""
     names = ", ".join(sorted((name for name in costs if costs[name] > SHARE * total), key=lambda name: -costs[name]))
     on = "a free processor" if processors == 1 else f"{processors} free processors"
-    return f"This takes about {_about(total / processors)} on {on}, within a factor of two; longest: {names}."
+    time = _about(total / processors)
+    return f"The run takes about {time} on {on}, within a factor of two. The longest stages are {names}."
 
 
 def _about(seconds: float) -> str:

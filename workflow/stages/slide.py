@@ -53,7 +53,7 @@ def ignored(config: Config) -> tuple[str, ...]:
 
 STAGE = Stage(
     name="slide",
-    what="slides once layers have liquefied",
+    what="slides after liquefaction",
     work=work,
     draw=draw,
     needs=("calibrate",),

@@ -44,16 +44,16 @@ def test_the_strength_with_which_it_just_stands() -> None:
 def test_elements_below_the_strict_bounds_say_why() -> None:
     """Bounds are those of ψ = φ: elements that take ψ as it is bear less, and a reader wants to know."""
     case = after_liquefaction(1, 4.0, 0.8)
-    assert factors(case) == "0.79 to 0.81 by strict bounds with ψ = φ, 0.80 by elements"
+    assert factors(case) == "0.79 to 0.81 by strict bounds with ψ = φ, 0.80 by finite elements"
     less = case.model_copy(update={"factor": 0.7})
-    assert factors(less).endswith("0.70 by elements, lower since ψ < φ")
+    assert factors(less).endswith("0.70 by finite elements, lower since ψ < φ")
 
 
 def test_a_case_is_called_by_its_name_and_ground_that_rises_does_not_settle() -> None:
     data = slope()
     data["strata"][0]["liquefies_in"] = [1]
     config = analysed({**data, "slide": {"cases": [{"name": "loose", "stiffness": 0.1}]}})
-    for settlement, said in ((0.25, "settles 0.25 m uphill"), (-0.25, "rises 0.25 m uphill")):
+    for settlement, said in ((0.25, "uphill third settles by 0.25 m"), (-0.25, "uphill third rises by 0.25 m")):
         case = dem_fixture.case(0.1, 3.0).model_copy(update={"settlement_uphill_m": settlement})
         messages = list(slide_sentences(config, CasesAnswer(sets={"calibrated": {1: case}}, random=None)))
         assert messages[0].endswith("case 1, loose, upper: stiffness 0.1, damping 0.316, friction 0, cohesion 0.")
@@ -76,7 +76,7 @@ def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_mea
         assert (
             "At most 0.2 m were measured, on 10 m of height, where a flow failure would have moved further." in text
         ) == said
-        assert ("at least 1.24 times as much" in text) == said
+        assert ("at least 1.24 times that of" in text) == said
         assert ("With the measured displacement case 2 (case with 9 kPa) agrees." in text) == said
 
 

@@ -124,7 +124,7 @@ def test_circles_far_from_the_elements_are_told_with_the_surface_of_the_elements
     )
     assert first.startswith(start)
     assert second.startswith("slip circles have a critical Kh of 0.119, while finite elements have 0.078, which slip")
-    assert second.endswith("rely on the elements, whose slip surface is no circle")
+    assert second.endswith("rely on the finite elements, whose slip surface is no circle")
     assert list(against_elements(results(both, slices=circles(1.4, 0.08), fem=fem))) == []
     (cautious,) = against_elements(results(both, slices=circles(1.2, 0.08), fem=fem))
     assert cautious.endswith("find strict bounds (bounds.run), and report the circles as the more cautious result")

@@ -228,7 +228,7 @@ def test_level_ground_has_no_factor_of_safety_but_one_above_where_the_search_end
         kh=0.0, factor=20.007, upper=33.6, verdict="no failure", reason="", curve=(), shallow_failure=None
     )
     text = safety_sentence(factor, fem(run))
-    assert text == "Factor of safety at Kh = 0: above 20, the largest factor of the search."
+    assert text == "Factor of safety at Kh = 0: above 20, where the search ended."
 
 
 def test_a_slip_surface_of_no_length_is_told_as_a_place(run: Config) -> None:

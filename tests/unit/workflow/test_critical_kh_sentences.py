@@ -102,8 +102,8 @@ def test_a_third_number_is_about_so_much_and_one_that_did_not_settle_says_why(ru
     third = OwnDilationPart(kc=0.129, low=0.128, high=0.134, cells=(350, 450, 600), reason="")
     answer = fem(run).model_copy(update={"own_dilation": third, "dilation_deg": {"Soil": 0.0}})
     assert list(own_dilation_sentences(answer)) == [
-        "The critical Kh is about 0.129 for ψ = 0, 0.128 to 0.134 on three meshes. An iteration of pressures found it; "
-        "element and mesh decide 5 to 15 % of it."
+        "The critical Kh is about 0.129 for ψ = 0, 0.128 to 0.134 on three meshes. This Kh was found by iteration, "
+        "and depends on element and mesh by 5 to 15 %."
     ]
     rows = {(row.value, row.interval) for row in stability_rows(results(run, fem=answer), Texts())}
     assert ("about 0.129", "0.128 to 0.134") in rows

@@ -28,7 +28,7 @@ def bounds(width: float) -> str:
 def test_seven_centimetres_of_a_liner_are_an_edge() -> None:
     assert elements(0.07) == (
         'The edge of "Liner", 0.07 m wide where it comes out of the ground at x = 32.9 m, has no cohesion and '
-        "fails locally by its own weight: no slope failure."
+        "fails locally by its own weight: this is no slope failure."
     )
     assert bounds(0.07).startswith('The edge of "Liner", 0.07 m wide')
     assert "fails locally at Kh = 0.050" in bounds(0.07)

@@ -26,7 +26,9 @@ def test_every_stage_has_its_seconds() -> None:
 def test_a_run_of_s13_takes_some_minutes(monkeypatch: pytest.MonkeyPatch) -> None:
     """In full it takes 532 s of processors."""
     words = message(monkeypatch)
-    assert re.match(r"This takes about [45] min on 2 free processors, within a factor of two; longest: ", words)
+    assert re.match(
+        r"The run takes about [45] min on 2 free processors, within a factor of two. The longest stages are ", words
+    )
     assert words.index("calibrate") < words.index("bounds")
     assert "slices" not in words
 

@@ -62,7 +62,7 @@ def test_the_interval_of_a_slide_is_that_of_the_method_nearer_to_known_slides(
     assert (
         f"the surface slides {value} by {'material points' if middle < 3.2 else 'discs'} (one case)" in slide.conclusion
     )
-    assert f": {other} (" in slide.conclusion.partition("Second opinion, by ")[2]
+    assert f", is {other} (" in slide.conclusion.partition("A second opinion, by ")[2]
 
 
 def test_where_nothing_liquefies_the_third_number_is_that_of_a_rigid_block_in_the_earthquake() -> None:

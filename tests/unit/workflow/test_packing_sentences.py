@@ -26,8 +26,8 @@ def test_an_interval_where_there_are_several_packings(run: Config) -> None:
     assert spread.mean_ci95 == pytest.approx((-0.114, 6.714), abs=2e-3)
     assert spread.from_zero.mean_ci95 == pytest.approx((0.0, 6.714), abs=2e-3)
     assert (
-        "On 3 random packings calibrated to the same critical Kh the largest slide is 3.3 m (2.1 to 4.8 m; mean of all "
-        "packings 0 to 6.7 m with 95 %) in case 2." in messages
+        "On 3 random packings calibrated to the same critical Kh the largest slide is 3.3 m (2.1 to 4.8 m; 95 % "
+        "interval of the mean of all packings: 0 to 6.7 m) in case 2." in messages
     )
 
 

@@ -158,7 +158,7 @@ def test_a_report_in_japanese_says_the_same_numbers() -> None:
         "<sup>b</sup> Warning: 13 % of the energy is lost, so that the slide is a low estimate;<br><sup>c</sup>",
         "<td>In case 1 liquefaction leaves 砂 with a residual strength of 4.6 kPa and 4.2 kPa, a shear strain of 45 % "
         "before strength is regained and 3.8 % less of its volume, and none of its friction and cohesion.</td>",
-        "<td>not judged: plasticity index 25 % is at least 7 %: behaves as clay; above the water table</td>",
+        "<td>not assessed: plasticity index 25 % is at least 7 %: behaves as clay; above the water table</td>",
     ],
 )
 def test_sentences_between_japanese_ones_and_notes_of_tables_are_japanese(html: str) -> None:

@@ -75,7 +75,7 @@ def test_the_crest_of_the_levee_after_a_slide() -> None:
     assert part.reconsolidation_m == pytest.approx(0.19, abs=0.005)  # within the slide, whose discs shrink
     assert (part.water_m, part.freeboard_m) == (pytest.approx(9.8), pytest.approx(4.7))
     text = " ".join(slide_sentences(config, slid(sunk(config, 0.5))))
-    assert "it settles 0.50 m, 0.19 m of it by reconsolidation; freeboard 4.7 m is left." in text
+    assert "the crest settles 0.50 m, 0.19 m of it by reconsolidation; the remaining freeboard is 4.7 m." in text
 
 
 def test_reconsolidation_is_added_to_slides_that_lose_no_volume() -> None:

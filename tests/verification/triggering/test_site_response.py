@@ -151,7 +151,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert answer["layers"][0]["velocity_m_s"] == 160.0
     assert answer["layers"][-1]["bottom_m"] == pytest.approx(20.0)
     assert answer["peak_rock_gal"] == pytest.approx(60.0, abs=1.0)
-    assert "k_max of the ground above a depth" in capsys.readouterr().out
+    assert "average acceleration over g of the ground above a depth" in capsys.readouterr().out
     result = SiteResponseAnswer.read(Store(tmp_path / "run"))
     between = [layer for layer in result.layers if abs(layer.bottom_m - 5.0 * round(layer.bottom_m / 5.0)) > 0.3]
     *_, messages = response_sentences(result.model_copy(update={"layers": between}))
