@@ -89,7 +89,7 @@ class DiscModel(DiscState):
         boundary.check_period(law, float(radii.max()))
         margin = float(0.4 * radii.mean()) if skin is None else skin
         if not margin > 0.0:
-            raise ValueError(f"discs: the skin of the neighbour list must be positive, is {margin}")
+            raise ValueError(f"discs: the margin of the neighbour list (skin) must be positive, but is {margin}")
         density, effective = materials.densities(layer)
         # what belongs to contacts is there once the list is made
         numbers = ("pair_i", "pair_j", "line_disc", "line_id")

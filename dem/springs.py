@@ -42,17 +42,18 @@ class LayerSprings:
         Normal and tangential stiffness of pore springs, the breakable springs between discs that stand for pore water
         in the paper (N/m).
     density : float
-        Density of the discs, eq. (5), for inertia and horizontal force (kg/m3).
+        Density of the discs, eq. (5) of the paper, for inertia and horizontal force (kg/m3).
     effective_density : float
         Effective density of the discs, for weight (kg/m3).
     friction : float
         Coulomb friction mu of contacts; negative for soil discs of clay, see `Strength`.
     cohesion : float
-        Cohesion b C of the pore springs, eq. (16) (N).
+        Cohesion of the pore springs, b C of eq. (16) of the paper (N).
     alpha, beta : float
-        Reach of a pore spring when it is set, eq. (14), and stretch at which it cracks, eq. (15).
+        Distance of the centres over the sum of the radii up to which a pore spring is set, eq. (14) of the paper, and
+        at which the spring cracks, eq. (15), over its initial length.
     pore_friction : float or None
-        tan(theta) of eq. (16); `friction` if None.
+        Friction coefficient of the pore springs, tan(theta) of eq. (16) of the paper; `friction` if None.
     allowed_overlap : float
         Largest overlap as a share of the mean radius of the pair; larger overlaps stop the run.
     contact_cohesion : float
@@ -99,17 +100,17 @@ class LayerSprings:
     def __post_init__(self) -> None:
         for key in ("kn", "density"):
             if not getattr(self, key) > 0.0:
-                raise ValueError(f"layer {self.name}: {key} must be positive, is {getattr(self, key)}")
+                raise ValueError(f"layer {self.name}: {key} must be positive, but is {getattr(self, key)}")
         for key in (
             "ks", "cn", "ct", "kpn", "kps", "effective_density", "cohesion", "contact_cohesion", "rolling_friction",
             "stop", "attraction", "undrained_strength",
         ):  # fmt: skip
             if not getattr(self, key) >= 0.0:
-                raise ValueError(f"layer {self.name}: {key} must not be negative, is {getattr(self, key)}")
+                raise ValueError(f"layer {self.name}: {key} must not be negative, but is {getattr(self, key)}")
         if self.friction < 0.0 and not self.contact_cohesion > 0.0:
             raise ValueError(f"layer {self.name}: friction may be negative only together with a contact cohesion")
         if not 0.0 <= self.faded <= 1.0:
-            raise ValueError(f"layer {self.name}: faded must lie between 0 and 1, is {self.faded}")
+            raise ValueError(f"layer {self.name}: faded must lie between 0 and 1, but is {self.faded}")
         if not (self.alpha >= 1.0 and self.beta > 1.0):
             raise ValueError(f"layer {self.name}: alpha must be at least 1 and beta above 1")
 
@@ -239,7 +240,7 @@ def soil_discs(
         If the void ratio is negative.
     """
     if not void_ratio >= 0.0:
-        raise ValueError(f"layer {name}: void ratio must not be negative, is {void_ratio}")
+        raise ValueError(f"layer {name}: void ratio must not be negative, but is {void_ratio}")
     mass = np.pi * radius**2 * density * (1.0 + void_ratio)
     kn, ks = stiffness, SHEAR_STIFFNESS * stiffness
     return LayerSprings(

@@ -108,9 +108,9 @@ class Engine:
 
     def __post_init__(self) -> None:
         if self.threads < 1:
-            raise ValueError(f"threads must be at least 1, is {self.threads}")
+            raise ValueError(f"threads must be at least 1, but is {self.threads}")
         if self.dt != "auto" and not self.dt > 0.0:
-            raise ValueError(f"dt must be positive or 'auto', is {self.dt}")
+            raise ValueError(f"dt must be positive or 'auto', but is {self.dt}")
         if self.crack_by not in ("contact", "pore"):
             raise ValueError(f"crack_by is 'contact' or 'pore', not {self.crack_by!r}")
 

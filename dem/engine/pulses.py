@@ -11,8 +11,8 @@ from dem.model import DiscModel
 
 
 class Pulses:
-    """Runs discs in short sections. Inside the block, positions and velocities of the model are current, but its
-    contacts only after a call of `whole`.
+    """Runs discs in short sections. Inside the ``with`` block, positions and velocities of the model are current, but
+    its contacts only after a call of `whole`.
 
     Energies are not summed. The time step is a share of the stable step at the time when the neighbour list was made.
     """

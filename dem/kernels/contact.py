@@ -37,8 +37,8 @@ def spring(over: float, kn: float, gap: float) -> float:
 
 @device_function(forceinline=True)
 def spring_energy(over: float, kn: float, gap: float) -> tuple[float, float]:
-    """Return the energy (J) of the spring of `spring`, and the energy of the bond. The energy of the bond is negative:
-    minus the work that separates attracting discs from the state without spring force.
+    """Return the energy (J) of the normal spring whose force `spring` returns, and the energy of the bond. The energy
+    of the bond is negative: minus the work that separates attracting discs from the state without spring force.
     """
     touch = over > -gap
     return 0.5 * kn * over * over if touch else 0.0, -0.5 * kn * gap * gap if touch else 0.0

@@ -19,10 +19,11 @@ not depend on the packing, and ground that slips has the shear stress s. The sti
    bonds. Bonds that exist from the onset have 1 + FIRST times this limit until they have slipped: discs that lose their
    contacts rearrange, and until slip has aligned all bonds, those at their limit give only 0.77 s.
 
-Where the partner is fixed or has not liquefied, the terms of the liquefied disc count twice in both sums. Between two
-strata the terms of the weaker disc count twice in the bond: ground slips where it is weakest. Forces are evaluated
-every few steps, for the positions in the middle of these steps, and are constant in between. Sums over the pairs of a
-disc are in the order of its partners, so that they do not depend on the number of threads.
+Each sum over a pair has one term for each of its two discs. If the partner is fixed or has not liquefied, the term of
+the liquefied disc is counted twice, in place of the term of the partner. In a bond between two strata the term of the
+weaker disc is counted twice, since the ground slips where it is weakest. Forces are evaluated every few steps, for the
+positions in the middle of these steps, and are constant in between. Sums over the pairs of a disc are in the order of
+its partners, so that they do not depend on the number of threads.
 
 Work is summed from one evaluation to the next with the constant forces, except that half of the last step has the new
 forces (velocity Verlet).

@@ -1,10 +1,10 @@
 """Eliminates the unknowns that an interior-point method has at one corner of a cell (kernels).
 
-At a corner the strain rate, q = [volume, difference, shear], and its conjugate multiplier m, minus the stress, obey q +
-C m = g with a compliance C of three rows. With friction it is U⁻¹ W² U⁻¹, U = diag(1, sin φ, sin φ), W² that of
-``corner_cones.py``; where φ = 0 the volume is constant, except for a small compliance δ whose effect iterative
-refinement removes, and the dissipation t is eliminated. A tension cut-off adds its own compliance, as springs in
-series.
+At a corner the strain rate q = [volume, difference, shear] and its conjugate multiplier m, which is minus the stress,
+obey q + C m = g with a compliance C of three rows. In ground with friction C = U⁻¹ W² U⁻¹, where U = diag(1, sin φ, sin
+φ) and W² is the matrix of ``corner_cones.py``. In ground with φ = 0 the volume is constant, and the dissipation t is
+eliminated; C then has a small compliance δ of the volume, whose effect iterative refinement removes. A tension cut-off
+adds its own compliance, as for springs in series.
 
 Rows and columns of the equations are in this order: [load, volume of clay, cones of corners, cones of cut-offs, single
 openings] and [velocities, t of clay, single openings, openings]. ``clay``, ``single`` and ``triple`` (k,) number the

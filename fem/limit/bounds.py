@@ -223,7 +223,7 @@ def _unstable(section: Section, upper: float) -> UnstableError:
     """
     if section.uplift is not None:
         return lifted(section.uplift, "the section fails under its own weight")
-    most = f"its Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could stabilise it"
+    most = f"the critical Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could stabilise it"
     loose = excess_pressure_advice(section.strata)
     if loose:
         return UnstableError(f"the section fails by excess pore pressure and its weight: {most}", loose)

@@ -238,7 +238,7 @@ def _limit(
     reason why there is no limit load.
     """
     if not solution.sure:
-        return NoAnswerError(f"the limit load of the elements was not found ({solution.ended})", "use another mesh")
+        return NoAnswerError(f"the limit load by finite elements was not found ({solution.ended})", "use another mesh")
     if solution.none == "no mechanism":
         return ConicLimitLoad(np.inf, None, (np.inf, np.inf))
     if solution.none:

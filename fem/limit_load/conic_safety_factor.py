@@ -215,7 +215,7 @@ class _FactorSearch:
         self.last = at, solution.warm
         if solution.none or not solution.sure:
             why = solution.ended or solution.none
-            raise NoAnswerError(f"the factor of safety of the elements was not found ({why})", "use another mesh")
+            raise NoAnswerError(f"the factor of safety by finite elements was not found ({why})", "use another mesh")
         borne = self.ground.stress(solution)[:, :2].mean(axis=1)
         slope = float(solution.shear @ self.softening(at, borne)) / self.ground.unit + solution.torn
         spare = solution.multiplier / slope if slope > 0.0 else solution.multiplier

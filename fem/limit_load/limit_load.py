@@ -116,7 +116,7 @@ def critical_limit_load(
     """
     ground = loaded_ground(section, mesh, settings.changed(element="reduced"), comm, faces)
     if ground.limit is None:
-        raise NoAnswerError("the limit load of the elements was not found", "use another mesh")
+        raise NoAnswerError("the limit load by finite elements was not found", "use another mesh")
     return _limit_load_of(section, mesh, settings, ground)
 
 

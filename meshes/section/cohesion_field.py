@@ -103,7 +103,7 @@ class CohesionField:
     @property
     def notices(self) -> list[tuple[int, str]]:
         """Return notices on strengths that vary, as pairs of the number of the stratum and a sentence."""
-        varying = [(int(k), "its cohesion varies; discs have its mean throughout") for k in np.flatnonzero(self.varies)]
+        varying = [(int(k), "the cohesion varies; discs have its mean throughout") for k in np.flatnonzero(self.varies)]
         return varying + [(k, words) for k, _ in varying if (words := self._without_strength(k))]
 
     def _without_strength(self, stratum: int) -> str:
@@ -121,8 +121,8 @@ class CohesionField:
             return ""
         where, what = (x[below], "its top, below other ground,") if below.any() else (x[none], "the ground")
         return (
-            f"its strength is zero at {what} from x = {where.min():.3g} to {where.max():.3g} m, and it slips there "
-            "first; give cohesion_minimum, pre_overburden_pressure or a crust if it has more"
+            f"the strength of the stratum is zero at {what} from x = {where.min():.3g} to {where.max():.3g} m, and "
+            f"the stratum slips there first; give cohesion_minimum, pre_overburden_pressure or a crust if it has more"
         )
 
     @cached_property

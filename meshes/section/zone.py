@@ -27,7 +27,8 @@ def read_outline(value: Any) -> Points:
     if crossing is not None:
         at = f"x = {crossing[0]:.6g}, z = {crossing[1]:.6g} m"
         raise ValueError(
-            f"its edges meet at {at}; expected corners in order along an outline that does not cross itself"
+            f"the edges of the outline meet at {at}; expected corners in order along an outline that does not cross "
+            f"itself"
         )
     if len(again) < 3 or polygon_area(np.array(again, dtype=float)) <= 0.0:
         raise ValueError("has no area; expected corners that do not lie on one line")

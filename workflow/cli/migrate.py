@@ -22,7 +22,7 @@ def migrate(
     from workflow.config.renamed import rewritten
 
     if to is not None and write:
-        raise InputError("noshiro migrate", ["expected --out FILE or --write, not both"])
+        raise InputError("noshiro migrate", ["give either --out FILE or --write, not both"])
     if to is not None and to.exists():
         raise InputError(str(to), ["exists already; expected the name of a new file, or --write to change the old one"])
     read_toml(section)  # tells what is wrong with the file

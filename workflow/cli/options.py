@@ -73,7 +73,7 @@ Model = Annotated[
 
 
 def literal_help(call: Callable[..., Any]) -> Any:
-    """Make a command line show words in brackets unchanged in its help. Other calls are returned unchanged."""
+    """Return a command line whose help shows words in brackets unchanged; return any other function as it is."""
     from rich.markup import escape
 
     if not isinstance(call, typer.Typer):

@@ -114,7 +114,7 @@ def notices(data: Mapping[str, Any]) -> list[str]:
 
 
 def _old_words(rule: Renamed, value: Any) -> list[str]:
-    """Return the old words in a value."""
+    """Return the old names in a value."""
     if isinstance(value, str):
         return [value] if value in rule.values else []
     inside = value.values() if isinstance(value, Mapping) else value if isinstance(value, list | tuple) else ()

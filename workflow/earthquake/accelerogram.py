@@ -135,11 +135,11 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
     if not values.any():
         raise ValueError("holds only zeros; expected a record of ground motion")
     if abs(series.time[0]) > COARSE:
-        remarks.append(f"its times begin at {series.time[0]:.6g} s, and are counted from there")
+        remarks.append(f"the times of the record begin at {series.time[0]:.6g} s, and are counted from there")
         series = replace(series, time=series.time - series.time[0])
     if measured.motion != "acceleration":
         peak = f"{np.abs(series.values).max():.4g} {series.unit or unit}"
-        remarks.append(f"it holds {measured.motion}, up to {peak}, which is differentiated in time")
+        remarks.append(f"the record holds {measured.motion}, up to {peak}, which is differentiated in time")
         values = _differentiated(series.time, values, 1 if measured.motion == "velocity" else 2)
     elif series.counts:
         values = values - values.mean()
@@ -149,7 +149,8 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
     record = Accelerogram(name, series.format, series.time, values)
     if record.peak >= IMPOSSIBLE:
         raise ValueError(
-            f'its peak is {record.peak / GRAVITY:.3g} g with the unit "{series.unit or unit}"; no recorded '
+            f'the peak of the record is {record.peak / GRAVITY:.3g} g with the unit "{series.unit or unit}"; no '
+            f"recorded "
             "ground motion is as large: check the unit, and that the values are accelerations"
         )
     stated = None if series.peak is None else measured.factor * series.peak
@@ -162,20 +163,23 @@ def _unit(series: RecordedSeries, setting: str) -> MotionUnit:
     """Return the quantity and unit of the values. Raises ValueError if they are missing or contradictory."""
     named = motion_unit(series.unit) if series.unit else None
     if series.unit and named is None:
-        raise ValueError(f'its heading gives the unit "{series.unit}", which is not understood; {EXPECTED}')
+        raise ValueError(f'the heading of the file gives the unit "{series.unit}", which is not understood; {EXPECTED}')
     wanted = motion_unit(setting) if setting else None
     if named is None and wanted is None:
         raise ValueError(
-            'its heading names no unit; expected unit = "g", "m/s^2" or "gal" after the name of the file, or a '
+            'the heading of the file names no unit; expected unit = "g", "m/s^2" or "gal" after the name of the '
+            "file, or a "
             "heading such as time (s), acceleration (g)"
         )
     if named is not None and wanted is not None and named != wanted:
-        raise ValueError(f'unit = "{setting}": its heading says "{series.unit}"; expected the same, or no unit')
+        raise ValueError(
+            f'unit = "{setting}": the heading of the file says "{series.unit}"; expected the same, or no unit'
+        )
     unit = named or wanted
     assert unit is not None
     if series.quantity and not unit.motion.startswith(series.quantity.lower()[:5]):
-        said = f"its heading says {series.quantity.lower()}, in {series.unit or setting}, a unit of {unit.motion}"
-        raise ValueError(f"{said}: expected equal values")
+        said = f"the heading of the file says {series.quantity.lower()}, in {series.unit or setting}"
+        raise ValueError(f"{said}, a unit of {unit.motion}: expected equal values")
     return unit
 
 
@@ -202,8 +206,10 @@ def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, l
     size = f"{mean / GAL:.3g} gal, {100.0 * abs(mean) / peak:.2g} % of its peak"
     shifted = abs(middle - mean) <= 0.25 * abs(mean) and abs(mean) < 0.5 * peak
     if shifted:
-        return values - mean, [f"its mean of {size}, was subtracted as an offset"]
-    return values, [f"its mean is {size}, so that the ground is not at rest at the end; the record is not corrected"]
+        return values - mean, [f"the mean of the record, {size}, was subtracted as an offset"]
+    return values, [
+        f"the mean of the record is {size}, so that the ground is not at rest at the end; the record is not corrected"
+    ]
 
 
 def _warnings(record: Accelerogram, stated: float | None) -> Iterator[str]:
@@ -213,14 +219,15 @@ def _warnings(record: Accelerogram, stated: float | None) -> Iterator[str]:
         yield text
     longest = float(np.diff(record.time).max())
     if longest > (1.0 + 1e-9) * COARSE:
-        yield f"its time steps are up to {longest:g} s long; expected up to {COARSE:g} s; check their unit"
+        steps = f"the time steps of the record are up to {longest:g} s long"
+        yield f"{steps}; expected up to {COARSE:g} s; check their unit"
     if stated is not None and abs(record.peak - stated) > STATED * stated:
-        yield f"its peak is {record.peak / GAL:.4g} gal, where its heading says {stated / GAL:.4g} gal"
+        yield f"the peak of the record is {record.peak / GAL:.4g} gal, where its heading says {stated / GAL:.4g} gal"
 
 
 def _size(peak: float) -> str:
     if peak > STRONG:
-        return f"its peak is {peak / GRAVITY:.3g} g, above {STRONG / GRAVITY:g} g; check its unit"
+        return f"the peak of the record is {peak / GRAVITY:.3g} g, above {STRONG / GRAVITY:g} g; check its unit"
     if peak < FAINT:
-        return f"its peak is {peak / GAL:.3g} gal, below {FAINT / GAL:.2g} gal; check its unit"
+        return f"the peak of the record is {peak / GAL:.3g} gal, below {FAINT / GAL:.2g} gal; check its unit"
     return ""

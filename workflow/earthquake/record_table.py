@@ -70,14 +70,14 @@ def _components(lines: Sequence[str]) -> list[RecordedSeries]:
         return [RecordedSeries("columns", "", steps(len(series), step, "the heading"), series, unit_in(text),
                                word_of(text))]  # fmt: skip
     if len(rows[-1]) != len(rows[0]):
-        raise ValueError(f"its last row has {len(rows[-1])} numbers; expected {_numbers(len(rows[0]))}")
+        raise ValueError(f"the last row has {len(rows[-1])} numbers; expected {_numbers(len(rows[0]))}")
     values = np.array(_without_count(rows) if not heading else rows)
     columns = columns or [TableColumn("", "")] * values.shape[1]
     timed = [k for k, column in enumerate(columns) if TIME.search(column.name) or time_unit(column.unit)]
     counters = [k for k, column in enumerate(columns) if COUNTER.search(column.name) and not column.unit]
     if not timed and (values.shape[1] == 1 or step is not None or 0 in counters):
         if step is None:
-            has = "holds one column" if values.shape[1] == 1 else f'its first column, "{columns[0].name}", is no time'
+            has = "holds one column" if values.shape[1] == 1 else f'the first column, "{columns[0].name}", is no time'
             raise ValueError(f'{has}: expected a column of time before it, or a heading such as "dt = 0.01 s"')
         time, no_component = steps(len(values), step, "the heading"), counters
     else:
@@ -238,7 +238,7 @@ def _times(values: np.ndarray, column: TableColumn) -> np.ndarray:
     if len(values) >= 50 and typical > LONGEST_STEP:
         unit = f'in "{column.unit}"' if column.unit else "without a unit, which are taken as seconds"
         raise ValueError(
-            f"its times, {unit}, are {typical:g} s apart; expected up to {LONGEST_STEP:g} s. If they are milliseconds, "
+            f"the times, {unit}, are {typical:g} s apart; expected up to {LONGEST_STEP:g} s. If they are milliseconds, "
             'head their column "time (ms)"'
         )
     return values * second

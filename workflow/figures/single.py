@@ -113,7 +113,7 @@ def window(job: Job, field: str, at: float | None) -> None:
         raise InputError(
             "screen",
             [
-                f"there is none ({missing}); look at the pictures in "
+                f"no window can be opened ({missing}); look at the pictures in "
                 f"{job.store.folder / 'figures'}, draw one with noshiro plot {job.store.folder} --field {field}, or "
                 f"open {job.store.folder / 'fem/fields.pvd'} in ParaView"
             ],

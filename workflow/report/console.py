@@ -267,7 +267,7 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
     if phrases:
         yield f"Factors and residual strengths of the layers that liquefy: {'; '.join(phrases)}."
     for name, which, case in answer.each():
-        settled = "" if case.settled else f"; not at rest: {case.reason}"
+        settled = "" if case.settled else f"; the slide is not at rest: {case.reason}"
         if not case.settled and lies_still(case):
             settled = f"; it moved {moved_lately([case])} in the last 10 s"
         if case.stopped_by is not None:

@@ -162,7 +162,7 @@ def _sets(results: Results) -> list[str]:
 def _slides(results: Results, name: str) -> Iterator[PaperRow]:
     cases = results.cases.sets[name] if results.cases is not None else {}
     springs = {"table2": ", springs of Table 2", "calibrated": ", calibrated springs"}.get(name, "")
-    open_points = "the text leaves open how contacts are averaged and how fast layers liquefy"
+    open_points = "the text of the paper leaves open how contacts are averaged and how fast layers liquefy"
     loading = "" if name == "table2" else _other_loading(results)
     why = f"{SECTION}; {loading}{open_points} (see docs/theory/paper.md)"
 

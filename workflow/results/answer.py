@@ -127,4 +127,4 @@ def line(points: np.ndarray) -> Line:
 def _problems(error: ValidationError) -> list[str]:
     """Return the first three keys that do not fit, each with the expected value."""
     phrases = [f"{'.'.join(map(str, fault['loc'])) or 'the file'}: {fault['msg']}" for fault in error.errors()]
-    return [*phrases[:3], "it was written by another version of the program; run the stage that writes it again"]
+    return [*phrases[:3], "another version of the program wrote the file; run the stage that writes it again"]

@@ -80,11 +80,11 @@ class DirectionPart(Part):
             case None, None:
                 return f"{to} no bound was found{out}"
             case None, float() as upper:
-                return f"{to} it fails at {upper:.4f} at the latest{out}"
+                return f"{to} the section fails at {upper:.4f} at the latest{out}"
             case float() as lower, None:
-                return f"{to} it stands up to {lower:.4f} at least{out}"
+                return f"{to} the section stands up to {lower:.4f} at least{out}"
             case lower, upper:
-                return f"{to} it is {lower:.4f} to {upper:.4f}{out}"
+                return f"{to} the critical Kh is {lower:.4f} to {upper:.4f}{out}"
 
     @property
     def way_out(self) -> str:

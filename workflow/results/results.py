@@ -37,7 +37,8 @@ class Results:
     have no result, ``older`` the stages computed by another version of the program, and ``stages`` the stages of the
     report.
 
-    The answers are those of the files, None if a stage has none. ``bounds`` always has both bounds.
+    The answers are those of the files, None if a stage has none. ``bounds`` is None unless both bounds were
+    found.
     """
 
     config: Config

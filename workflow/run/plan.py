@@ -155,7 +155,7 @@ def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
     if changed:
         return f"changed: {', '.join(changed)}"
     if entry.outcome == "begun":
-        return "it was stopped, and continues"
+        return "the stage was stopped, and continues"
     if entry.outcome == "part":
         return "some cases are not yet computed"
     if entry.outcome == "done" and not record.left(stage.name):

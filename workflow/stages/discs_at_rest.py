@@ -1,5 +1,5 @@
 """Brings discs of a section to rest under their weight, or reads them from a checkpoint if there is one: soil discs, or
-the paper's."""
+the discs of the paper."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

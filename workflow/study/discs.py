@@ -55,7 +55,7 @@ def _numbers(answer: CasesAnswer) -> Numbers:
 
 
 class _Silence:
-    """Ignores the stages of a sample, as a listener to its run."""
+    """Ignores the messages of the stages while a sample is computed."""
 
     def begin(self, decision: Decision) -> Progress:
         return silent

@@ -29,7 +29,7 @@ def test_ground_whose_weight_no_stress_balances_is_said_to_fail():
 
 def test_what_the_solver_proves_only_almost_is_no_verdict(monkeypatch):
     monkeypatch.setattr(cone_program, "_poorness", lambda result: 2)
-    with pytest.raises(NoAnswerError, match="limit load of the elements was not found") as caught:
+    with pytest.raises(NoAnswerError, match="limit load by finite elements was not found") as caught:
         limit()
     assert not isinstance(caught.value, UnstableError)
 

@@ -132,7 +132,7 @@ BAD = {
     "outside": ([zone("a", [[0.0, 30.0], [5.0, 30.0], [5.0, 35.0]])], "hangs up to"),
     "off": ([zone("a", [[110.0, 3.0], [120.0, 3.0], [120.0, 5.0]])], 'zones 1 "a": lies outside the section'),
     "below": ([zone("a", [[10.0, -3.0], [20.0, -3.0], [20.0, -1.0]])], 'zones 1 "a": lies outside the section'),
-    "bow": ([zone("a", [[10.0, 3.0], [20.0, 8.0], [20.0, 3.0], [10.0, 8.0]])], "its edges meet at x = 15, z = 5.5 m"),
+    "bow": ([zone("a", [[10.0, 3.0], [20.0, 8.0], [20.0, 3.0], [10.0, 8.0]])], "outline meet at x = 15, z = 5.5 m"),
     "line": ([zone("a", [[10.0, 3.0], [20.0, 3.0], [30.0, 3.0]])], "zones 1 \"a\", points"),
     "two points": ([zone("a", [[10.0, 3.0], [20.0, 3.0]])], "expected three or more points"),
     "no point": ([zone("a", [[10.0, 3.0], [20.0, 3.0], [20.0, "x"]])], "point 3, z = 'x'"),

@@ -90,7 +90,7 @@ def test_two_columns(heading: str, unit: str, factor: float, tmp_path: Path) -> 
     [
         ("", "is no accelerogram"),
         ("hello\nworld", "is no accelerogram"),
-        ("0.0, 1.0\n0.1, 2.0\n", "its heading names no unit"),
+        ("0.0, 1.0\n0.1, 2.0\n", "the heading of the file names no unit"),
         ("t (s), a (g)\n0.0, 1.0\n0.1, x\n", "line 3: '0.1, x': expected two numbers"),
         ("t (s), a (g)\n0.1, 1.0\n0.0, 1.0\n", "the time falls from 0.1 s to 0 s"),
         ("t (s), a (g)\n0.1, 1.0\n0.2, nan\n", "not finite"),

@@ -42,7 +42,7 @@ def test_every_reason_has_its_words(ended):
     part = bracket_part(result(ended), BoundsSettings())
     words = {
         "gap": "is within the required 0.0020 in Kh",
-        "enough": "fails under its own weight: its Kh is at most 0.0608",
+        "enough": "fails under its own weight: the critical Kh is at most 0.0608",
         "triangles": "900 triangles, 20000 allowed",
         "time": "more than the allowed computing work (60 s)",
         "stalled": "no longer reduce it",

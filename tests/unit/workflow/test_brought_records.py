@@ -56,7 +56,7 @@ def test_clock_times_are_counted_from_the_first_one() -> None:
     text = "Timestamp,acc (m/s2)\n" + rows("2011-03-11 14:46:%05.2f,%.6f", TIME, VALUES)
     result = read_text(text)
     np.testing.assert_allclose(result.time, TIME, atol=1e-6)
-    assert result.remarks == ("its times begin at 53160 s, and are counted from there",)
+    assert result.remarks == ("the times of the record begin at 53160 s, and are counted from there",)
 
 
 def test_number_and_step_of_deepsoil_are_no_sample() -> None:
@@ -73,7 +73,7 @@ def test_the_components_have_the_names_above_their_units() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("No,acc (gal)\n" + rows("%d,%.4f", np.arange(COUNT), VALUES), 'its first column, "No", is no time'),
+        ("No,acc (gal)\n" + rows("%d,%.4f", np.arange(COUNT), VALUES), 'the first column, "No", is no time'),
         ("time (s),acc (g)\n" + rows("%.1f,%.6f", TIME, VALUES), "times are equal to the time before, such as 0"),
         ("time (s),acc (g)\n" + rows("%.2f,%.1f", TIME, 0.0 * VALUES), "holds only zeros"),
         ("time (s),acc (g)\n0.00,0.1\n0.01,NaN\n", "line 3: '0.01,NaN': a value is missing or not finite"),

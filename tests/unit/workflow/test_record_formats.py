@@ -200,8 +200,8 @@ def test_one_of_several_components_is_asked_for() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("t,a\n0.00,0.1\n0.01,0.2\n0.02,-0.3\n", "its heading names no unit"),
-        ("t (s),a (counts)\n0.00,0.1\n0.01,0.2\n", "its heading names no unit"),
+        ("t,a\n0.00,0.1\n0.01,0.2\n0.02,-0.3\n", "the heading of the file names no unit"),
+        ("t (s),a (counts)\n0.00,0.1\n0.01,0.2\n", "the heading of the file names no unit"),
         ("units: furlongs\nt (s),a\n0.00,0.1\n0.01,0.2\n", 'gives the unit "furlongs", which is not understood'),
         ("acc (g)\n0.1\n0.2\n-0.3\n", "expected a column of time before it"),
         (records.peer(np.ones(8), 0.01, "G").replace("SEC,", "DAYS,"), '"DAYS" is no unit of time'),
@@ -223,7 +223,7 @@ def test_what_is_missing_is_asked_for(text: str, message: str) -> None:
 def test_the_unit_given_must_be_that_of_the_heading() -> None:
     text = WRITERS["PEER in g"](motion(2, 100, 0.01), 0.01)
     assert read_text(text, unit="g").peak == read_text(text).peak
-    assert 'unit = "gal": its heading says "G"' in refused(text, unit="gal")
+    assert 'unit = "gal": the heading of the file says "G"' in refused(text, unit="gal")
 
 
 def test_milliseconds_are_read_and_asked_for() -> None:
@@ -234,7 +234,7 @@ def test_milliseconds_are_read_and_asked_for() -> None:
     assert "are 10 s apart" in refused(columns(time, values, "time,acc (m/s^2)"))
     assert "the heading gives the time" not in refused(columns(time, values, "t (h),acc (m/s^2)"))
     [remark] = read_text(columns(0.25 * np.arange(200), values, "time (s),acc (m/s^2)")).remarks
-    assert remark == "its time steps are up to 0.25 s long; expected up to 0.1 s; check their unit"
+    assert remark == "the time steps of the record are up to 0.25 s long; expected up to 0.1 s; check their unit"
 
 
 @given(seed=st.integers(0, 10**6), offset=st.floats(0.011, 0.2), sign=st.sampled_from([-1.0, 1.0]))
@@ -246,7 +246,7 @@ def test_an_offset_is_taken_off_and_told(seed: int, offset: float, sign: float) 
     text = read_text(WRITERS["PEER in g"](shifted, 0.01))
     if abs(shifted.mean()) > 0.0105 * np.abs(shifted).max():
         assert len(text.remarks) == 1
-        assert "its mean" in text.remarks[0]
+        assert "the mean of the record" in text.remarks[0]
     if "taken off" in "".join(text.remarks):
         assert np.abs(text.acceleration - values).max() < 0.01 * np.abs(values).max()
 
@@ -271,12 +271,12 @@ def test_peaks_are_doubted() -> None:
     values /= np.abs(values).max()
     time = 0.01 * np.arange(300)
     strong = read_text(columns(time, 3.5 * values, "time (s),a (g)"))
-    assert strong.remarks == ("its peak is 3.5 g, above 3 g; check its unit",)
-    assert "its peak is 40 g" in refused(columns(time, 40.0 * values, "time (s),a (g)"))
+    assert strong.remarks == ("the peak of the record is 3.5 g, above 3 g; check its unit",)
+    assert "the peak of the record is 40 g" in refused(columns(time, 40.0 * values, "time (s),a (g)"))
     faint = read_text(columns(time, 0.3 * values, "time (s),a (gal)"))
-    assert "its peak is 0.3 gal, below 0.98 gal" in faint.remarks[0]
+    assert "the peak of the record is 0.3 gal, below 0.98 gal" in faint.remarks[0]
     assert (
-        "multiplied by 20, its peak is 4 g"
+        "multiplied by 20, the peak of the record is 4 g"
         in read_text(columns(time, 0.2 * values, "t (s),a (g)")).scaled(20.0).remarks[0]
     )
     wrong = records.knet(100.0 * values, 0.01).replace("Max. Acc. (gal)   ", "Max. Acc. (gal)   9")

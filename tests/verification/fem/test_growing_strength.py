@@ -143,7 +143,7 @@ def test_ground_whose_strength_goes_to_zero_at_its_top_is_told() -> None:
         return [text for text in read.notices if "strength is zero" in text]
 
     [weak] = message()
-    assert "its strength is zero at its top, below other ground, from x = 0.05 to 15.9 m, and it slips there" in weak
+    assert "the strength of the stratum is zero at its top, below other ground, from x = 0.05 to 15.9 m" in weak
     assert message(cohesion_minimum="5 kPa") == []
     assert message(pre_overburden_pressure="10 kPa") == []
     bare = [text for text in slope(strength_ratio=0.3).notices if "strength is zero" in text]
