@@ -1,5 +1,7 @@
 # `make run` and `make test` set up all they need; `make help` lists the rest.
 BIN := .venv/bin
+# A worker that crashes ends the tests: another one would try the same test again, and crash, too.
+TESTS := -n auto --dist loadfile --no-loadscope-reorder --max-worker-restart=0
 # the discs' kernels, which tests side by side would compile at the same time, each for itself
 KERNELS := from dem.precompile import precompile; from meshes.executor import OneThread; precompile(OneThread(), print)
 SECTION ?= meshes/sections/s13.toml
@@ -34,10 +36,10 @@ lint: setup ## style, types, who may import whom, and the words of the documenta
 	$(BIN)/python docs/names.py
 
 test: checked ## what every change must pass
-	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest $(TESTS)
 
 test-all: checked ## and the long studies
-	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder -m ''
+	$(BIN)/python -m pytest $(TESTS) -m '' -o faulthandler_timeout=7200
 
 checked: setup browser
 	@$(BIN)/python -c "$(KERNELS)" & $(MAKE) --no-print-directory lint && wait

@@ -27,7 +27,7 @@ def dies_first(folder: str) -> int:
     return os.getpid()
 
 
-def sleeps(folder: str, seconds: float = 60.0) -> None:
+def sleeps(folder: str, seconds: float = 3600.0) -> None:
     """Leaves the number of its process, and sleeps."""
     (Path(folder) / "pid").write_text(str(os.getpid()))
     time.sleep(seconds)

@@ -314,10 +314,10 @@ def test_a_failure_keeps_what_was_there(section: Path, out: Path, monkeypatch: p
 
 
 def test_ctrl_c(section: Path, out: Path) -> None:
-    line = [sys.executable, "-m", "workflow.cli", "mesh", str(section), "--out", str(out), "--free", "--size", "0.15"]
+    line = [sys.executable, "-m", "workflow.cli", "mesh", str(section), "--out", str(out), "--free", "--size", "0.05"]
     process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stdout is not None
-    process.stdout.readline()  # what it says before it meshes for seconds
+    process.stdout.readline()  # what it says before it meshes for a minute
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)
     _, messages = process.communicate(timeout=60)

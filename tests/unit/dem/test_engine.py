@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -323,12 +324,18 @@ def test_interrupted_run_leaves_a_whole_model() -> None:
     """Ctrl-C while the kernel runs: the model stands where the kernel stopped, and goes on from there."""
     model, whole = shaking(), shaking()
     engine = Engine(dt=2e-4, balance=1.0)
-    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
-    timer.start()
+
+    def press() -> None:
+        while not model.steps:
+            time.sleep(0.01)
+        signal.raise_signal(signal.SIGINT)
+
+    pressing = threading.Thread(target=press, daemon=True)
+    pressing.start()
     with pytest.raises(KeyboardInterrupt):
-        engine.run(model, steps=10_000_000)
-    timer.join()
-    assert 0 < model.steps < 10_000_000
+        engine.run(model, steps=10**9)
+    pressing.join()
+    assert 0 < model.steps < 10**9
     assert model.time == pytest.approx(model.steps * 2e-4)
     engine.run(whole, steps=model.steps)
     for name in ("x", "vz_half", "pore_length", "shear"):

@@ -1,8 +1,7 @@
 """The shortest change that meets equations, of which some may depend on others."""
 
-import time
-
 import numpy as np
+import pytest
 from scipy import sparse
 
 from fem.limit.bounds import body_of, first_mesh
@@ -42,16 +41,15 @@ def test_residuals_that_no_change_can_meet_and_no_numbers_end_it():
     assert not smallest_correction(matrix, np.array([np.nan, 0.0])).any()
 
 
-def test_equations_of_thin_layers_are_met_as_quickly_as_any():
-    """The order in which SuperLU took unknowns made 30 s of processor time of 40,000 equations; now it is below 1 s."""
+def test_equations_of_thin_layers_are_met_by_sparse_factors_alone(monkeypatch):
+    """SuperLU took 30 s of processor time to order 40,000 equations, Clarabel takes twice as long as CHOLMOD's 1 s."""
+    monkeypatch.setattr("fem.solvers.least_norm._shortest", lambda *_: pytest.fail("by Clarabel"))
     section = thin_layers(21)
     mesh = first_mesh(section, 40_000)
     body = body_of(section, mesh, FemSettings())
     problem = limit_problem(mesh, body, units_of(mesh, body))
     matrix, dead, _ = independent_equations(*equations(problem))
     assert matrix.shape[0] > 30_000
-    started = time.process_time()
     values = smallest_correction(matrix, 1e-9 * dead)
-    assert time.process_time() - started < 8.0
     left = 1e-9 * dead - matrix @ values
     assert np.abs(left).max() < 1e-13 * np.abs(dead).max()

@@ -23,7 +23,7 @@ from pathlib import Path
 from workflow.run.lock import locked
 with locked(Path(sys.argv[1])):
     print("held", flush=True)
-    time.sleep(60)
+    time.sleep(3600)
 """
 
 
@@ -36,7 +36,7 @@ def test_two_runs_do_not_share_a_folder_and_a_dead_one_holds_nothing(toys: Toys,
             toys.go(tmp_path)
         assert not (tmp_path / "mesh.txt").exists()
         holder.send_signal(signal.SIGKILL)
-        holder.wait(timeout=60)
+        holder.wait()
         assert toys.go(tmp_path).ran == ALL_OF_THEM
     finally:
         holder.kill()
@@ -45,14 +45,14 @@ def test_two_runs_do_not_share_a_folder_and_a_dead_one_holds_nothing(toys: Toys,
 
 def test_children_do_not_keep_the_lock(tmp_path: Path) -> None:
     """The workers of a run that was killed live on for a while."""
-    fork = HOLDER.replace('print("held"', 'import os\n    if os.fork() == 0: time.sleep(60)\n    print("held"')
+    fork = HOLDER.replace('print("held"', 'import os\n    if os.fork() == 0: time.sleep(3600)\n    print("held"')
     holder = subprocess.Popen([sys.executable, "-c", fork, str(tmp_path)], stdout=subprocess.PIPE, text=True, cwd=TOP,
                               start_new_session=True)  # fmt: skip
     try:
         assert holder.stdout is not None
         holder.stdout.readline()
         os.kill(holder.pid, signal.SIGKILL)
-        holder.wait(timeout=60)
+        holder.wait()
         with locked(tmp_path):
             pass
     finally:
