@@ -108,12 +108,12 @@ class DemSettings(Model):
         default=4e-4,
         gt=0.0,
         le=1e-2,
-        description="the discs stand if the mean unbalanced force over the mean contact force is at most this value",
+        description="largest mean unbalanced force, over the mean contact force, of discs that stand",
     )
     kinetic: float = Field(
         default=1e-5,
         gt=0.0,
-        description="the discs stand if the kinetic energy over the stored energy is at most this value",
+        description="largest kinetic energy, over the stored energy, of discs that stand",
     )
     growth: float | None = Field(
         default=None,
@@ -299,9 +299,9 @@ class SlideSettings(Model):
         default=0.01,
         gt=0.0,
         description=(
-            "the surface is at rest if it moves by less than this length (m) in 5 s. The surface of discs "
-            "may oscillate by three times this length. The surface of material points is at rest if it "
-            "moves by less than this length, or 0.2 % of the slide, in two intervals of 5 s in a row"
+            "length (m) by which a surface at rest moves in 5 s at most. The surface of discs may "
+            "oscillate by three times this length. The surface of material points moves by less than this "
+            "length, or 0.2 % of the slide, in two intervals of 5 s in a row"
         ),
     )
     duration: float = Field(default=60.0, gt=0.0, description="largest simulated duration of a slide (s)")

@@ -194,8 +194,8 @@ class BoundsSettings(Model):
     run: StrictBool | Literal["auto"] = Field(
         default="auto",
         description=(
-            "whether `noshiro run`, and `noshiro fem` with factors of safety, compute strict bounds: true "
-            'or false; "auto" is true'
+            "true if `noshiro run`, and `noshiro fem` with factors of safety, compute strict bounds, "
+            'false if not; "auto" is true'
         ),
     )
     gap: float = Field(

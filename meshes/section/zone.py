@@ -100,7 +100,7 @@ class Zone(Stratum):
         default=None,
         description="name of the stratum or zone whose soil the zone has; it replaces keys of the soil in the zone",
     )
-    bottom: None = Field(default=None, description="not allowed, since a zone has points")
+    bottom: None = Field(default=None, description="none, since a zone has points")
 
     @model_serializer(mode="wrap")
     def _as_written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:

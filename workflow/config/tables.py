@@ -85,7 +85,7 @@ class FaceSettings(Model):
     run: StrictBool | Literal["auto"] = Field(
         default="auto",
         description=(
-            'whether `noshiro run` computes the faces of structures: true or false; "auto" is true for up '
+            'true if `noshiro run` computes the faces of structures, false if not; "auto" is true for up '
             "to two structures"
         ),
     )

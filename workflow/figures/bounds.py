@@ -49,7 +49,7 @@ def conditions(config: Config, bounds: KhBounds, bound: Mechanism | StressField)
     """Return the conditions of a bound, for the foot of its picture."""
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
     direction = next(side.direction for side in bounds.directions if bound in (side.mechanism, side.stress))
-    return f"sides {config.fem.sides}, ψ = φ, seismic force {FORCE[direction]}{kv}"
+    return f"{config.fem.sides} sides, ψ = φ, seismic force {FORCE[direction]}{kv}"
 
 
 def yield_use(stress: StressField) -> np.ndarray:

@@ -260,6 +260,14 @@ class Sheet:
             axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4, parse_math=False)
         return axes
 
+    def state_exaggeration(self, view: int) -> None:
+        """Add to the title of a view of curves how many times heights are drawn larger than distances."""
+        axes = self.views[view]
+        (left, right), (low, high), box = axes.get_xlim(), axes.get_ylim(), axes.get_window_extent()
+        times = box.height * (right - left) / (box.width * (high - low))
+        title = f"{axes.get_title(loc='left')}; heights exaggerated {times:.2g} times"
+        axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4, parse_math=False)
+
     def save(self, path: Path | str) -> None:
         """Write the picture as a PNG."""
         save(self.figure, path)

@@ -10,6 +10,7 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 from workflow.estimates.comparison import estimates, is_s13
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import foot
+from workflow.figures.symbols import in_mathtext
 from workflow.results.cases import CaseAnswer, alike
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
@@ -51,7 +52,7 @@ def displacements(results: Results, name: str) -> bool:
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
-    axes.set_yticks([-number for number in range(len(rows))], [row.words for row in rows], fontsize=6.5)
+    axes.set_yticks([-number for number in range(len(rows))], [in_mathtext(row.words) for row in rows], fontsize=6.5)
     observed = results.config.report.observed
     most = max(
         [SMALLEST, *(row.value or 0.0 for row in known), *(observation.displacement for observation in observed)]

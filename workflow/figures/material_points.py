@@ -37,6 +37,7 @@ def profiles(config: Config, answer: PointSlidesAnswer, out: Path) -> None:
         axes.plot(*before.T, color=INK, linewidth=0.9, linestyle=(0, (4, 2)))
         axes.set_xlim(before[0, 0], before[-1, 0])
         axes.set_ylim(heights.min() - margin, heights.max() + margin)  # alike in all cases
+        sheet.state_exaggeration(view)
     handles = [
         Line2D([], [], color=INK, linewidth=0.9, linestyle=(0, (4, 2)), label="surface before"),
         Line2D([], [], color=CONTINUUM, linewidth=1.3, label="surface after"),

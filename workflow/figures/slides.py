@@ -257,6 +257,7 @@ def profiles(config: Config, cases: Mapping[int, Profile], seeds: int, out: Path
         axes.plot(*after.T, color=colour, linewidth=1.2)
         axes.plot(*before.T, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
         axes.set_xlim(profile.x[0], profile.x[-1])
+        sheet.state_exaggeration(view)
     handles = [
         Line2D([], [], color=INK, linewidth=0.8, linestyle=(0, (4, 2)), label="before"),
         Line2D([], [], color=CONTINUUM, linewidth=1.2, label="after, median"),
