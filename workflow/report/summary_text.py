@@ -136,14 +136,14 @@ def _slides(results: Results) -> Iterator[str]:
     if not cases:
         return
     springs = springs_of(results)
-    yield f"Slides of {springs.get(first, first)}:"
+    yield f"The following slides are those of {springs.get(first, first)}."
     yield from _prediction(results)
     yield from _by_end(cases)
     yield _interval(results)
     yield from model_error(results)
     for other, compared in (results.cases.sets if results.cases is not None else {}).items():
         if other != first and compared:
-            yield f"For comparison, {springs.get(other, other)}:"
+            yield f"For comparison, the following slides are those of {springs.get(other, other)}."
             yield from _by_end(compared)
 
 
