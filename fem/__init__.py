@@ -1,6 +1,6 @@
 """Analyses the ground as a continuum: at which seismic coefficient the section fails, and where.
 
-This package exports the names that a script needs. It imports dolfinx only when the finite elements are used.
+This package exports the names that a script needs, and imports dolfinx only when the finite elements are used.
 """
 
 from typing import TYPE_CHECKING

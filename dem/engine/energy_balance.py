@@ -18,8 +18,8 @@ class EnergyBalance:
     elements, pores, rolling_springs : float
         Energy stored in springs: contact springs, pore springs, springs of rolling resistance.
     bonds : float
-        Energy of contacts between discs of cohesive soil, which attract each other. It is minus the work that would
-        separate all of these contacts.
+        Energy of contacts between discs of cohesive soil, which attract each other: minus the work that would separate
+        all of these contacts.
     dashpots, sliding, cracks, rolling : float
         Energy dissipated by dashpots, by sliding, by cracks and by rolling resistance.
     pore_water, liquefied_bonds : float

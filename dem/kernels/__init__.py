@@ -1,2 +1,2 @@
-"""Computes one step of the discs on flat arrays: contacts, motion and energies (kernels). It imports only
-NumPy and Numba."""
+"""Computes one step of the discs on flat arrays: contacts, motion and energies (kernels), and imports only NumPy and
+Numba."""

@@ -54,8 +54,8 @@ class Motion(NamedTuple):
         Unit vector from i to j.
     lever : float
         Lever of the tangential force over the radius, the same for both discs. The levers are the distance times
-        r_i/(r_i + r_j). Their sum is the distance, so that angular momentum is conserved and a pair that rotates as one
-        body does not slip.
+        r_i/(r_i + r_j). The sum of both levers is the distance, so that angular momentum is conserved and a pair that
+        rotates as one body does not slip.
     vn, vt : float
         Speeds of separation and of slip at the end of the step (m/s).
     slip, stretch : float
@@ -333,7 +333,7 @@ def at_line(
 
 @device_function(nogil=True)
 def line_lane(e: int, layout: Layout) -> tuple[np.uint64, np.uint64]:
-    """Return the places of the contact e with a rigid line in `links` and in `rolling`. They lie after the chunks and
-    the empty chunk."""
+    """Return the places of the contact e with a rigid line in `links` and in `rolling`, after the chunks and the empty
+    chunk."""
     place = np.uint64(layout.chunk_start[-1] + 1) + np.uint64(e // field.LANES)
     return place * field.LINK + np.uint64(e % field.LANES), place * field.ROLL_LINK + np.uint64(e % field.LANES)

@@ -1,8 +1,8 @@
 """Computes the forces of liquefied ground, whose pore pressure carries its weight and whose bonds provide its residual
 strength (kernel).
 
-Two laws act between every two discs that are nearer than the reach H if one of them has liquefied. They are independent
-of contacts.
+Two laws act between every two discs that are nearer than the reach H if one of them has liquefied. These laws are
+independent of contacts.
 
 1. Pore pressure by volume. A disc represents an area V with its voids. The density of these areas is rho_i = sum_j V_j
 W(r_ij), the disc itself included, with the kernel C2 of Wendland (1995) as W. The pore pressure in excess of the

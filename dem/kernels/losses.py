@@ -1,5 +1,5 @@
-"""Computes the energy losses of a contact since the last step, for the energy balance (kernel). They do not affect the
-motion.
+"""Computes the energy losses of a contact since the last step, for the energy balance (kernel). Losses do not affect
+the motion.
 
 So the compiler may reorder and fuse these sums and products. Losses are doubled here, and halved after they are summed.
 """

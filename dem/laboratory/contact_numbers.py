@@ -1,7 +1,7 @@
 """Defines the dimensionless numbers of contacts that govern a patch of soil discs.
 
-Patches with equal numbers differ only by their scale. Their strength is proportional to the pressure and their modulus
-to kn; size and weight of the discs have no influence. `strength_map` describes the numbers.
+Patches with equal numbers differ only by their scale. The strength of a patch is proportional to the pressure and the
+modulus to kn; size and weight of the discs have no influence. `strength_map` describes the numbers.
 """
 
 from typing import NamedTuple

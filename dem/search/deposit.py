@@ -1,5 +1,5 @@
-"""Prepares soil discs at rest. They are filled in a little too high, settled, cut to the surface of the section, and
-settled again.
+"""Prepares soil discs at rest. The discs are filled in a little too high, settled, cut to the surface of the section,
+and settled again.
 
 Random packings settle by some per cent of their height. So the box is filled above the surface of the section; after
 settling, discs above the surface are removed, and every other disc is assigned to the stratum in which it lies. After
@@ -125,8 +125,8 @@ def deposit(
 
 
 def densified_by_shaking(settled: DiscModel, ground: Ground) -> DiscModel:
-    """Return discs at rest after cycles of Kh in both directions. They are unchanged if they keep moving under every Kh
-    of `SHAKES`."""
+    """Return discs at rest after cycles of Kh in both directions. The discs are unchanged if they keep moving under
+    every Kh of `SHAKES`."""
     cycle = PERIODS * period(settled, ground)
     time = np.linspace(0.0, cycle, 41)
     for kh in SHAKES:
@@ -230,8 +230,8 @@ def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) ->
 
 
 def _fixed_in_box(packing: Packing, base: np.ndarray, left: float, right: float) -> Packing:
-    """Return the packing with all discs fixed whose centres are beyond the base or the sides. They form a rough box,
-    like the fixed nodes of the continuum.
+    """Return the packing with all discs fixed whose centres are beyond the base or the sides. These fixed discs form a
+    rough box, like the fixed nodes of the continuum.
     """
     beyond = (packing.x < left) | (packing.x > right) | (packing.z < np.interp(packing.x, *base.T))
     return replace(packing, layer=np.where(beyond, -1, packing.layer).astype(packing.layer.dtype))

@@ -100,7 +100,8 @@ def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.nda
     """Return the undrained strength s_u (n,) of all discs of clay in Pa, and 0 for other discs. Parameters are those of
     `replace_contacts_of_clay`.
 
-    Ground that is too strong to fail, such as rock, gets ``ENOUGH`` times the largest total overburden.
+    Ground that is too strong to fail, such as rock, gets a multiple (``ENOUGH``) of the largest total overburden as
+    strength.
     """
     layers = model.springs.layers
     strength = np.append([layer.undrained_strength for layer in layers], 0.0)[model.layer]

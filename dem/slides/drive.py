@@ -35,8 +35,8 @@ class Shaking:
     time : (n,)
         Times (s), rising.
     acceleration : (n,)
-        Acceleration of the discs relative to the base (m/s2), linear in between. It is positive downslope, when the
-        base accelerates upslope.
+        Acceleration of the discs relative to the base (m/s2), linear in between. The acceleration is positive
+        downslope, when the base accelerates upslope.
     onsets : dict
         Onset of liquefaction by stratum (s after the beginning of the record).
     of_the_base : bool

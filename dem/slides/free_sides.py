@@ -3,8 +3,8 @@ them.
 
 Walls that do not move would hold a slope that continues beyond the section: discs on S-13 moved by 1 m in the uphill
 half of the section and not at all at its downhill end. So the wall discs above the lowest stratum that liquefies at a
-side move horizontally, in strips two diameters high. Their velocity is the mean velocity v of the discs near the side,
-increased where the ground pushes against the wall with a larger force N than the force at rest N_0:
+side move horizontally, in strips two diameters high. The velocity of a strip is the mean velocity v of the discs near
+the side, increased where the ground pushes against the wall with a larger force N than the force at rest N_0:
 
     v_wall = v + RELIEF (D / EVERY) (N - N_0) / (M h),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν),
 

@@ -166,7 +166,7 @@ class Slider:
         return model
 
     def _cut(self, model: DiscModel, strata: list[int]) -> None:
-        """Cut the pore springs of strata that liquefy, once for each stratum. Those of the strata that liquefy first
+        """Cut the pore springs of strata that liquefy, once for each stratum. In strata that liquefy first the springs
         are cut at the beginning.
         """
         new = [k for k in strata if k not in self.cut]

@@ -142,7 +142,7 @@ class CholmodMatrix:
 
     @staticmethod
     def suits(rows: np.ndarray) -> bool:
-        """Return whether CHOLMOD is installed and can be used here. It cannot be used if a cell contains the same
+        """Return whether CHOLMOD is installed and can be used here. CHOLMOD cannot be used if a cell contains the same
         component twice, as a cell as wide as the period of the section does.
         """
         return not (np.diff(np.sort(rows, axis=1), axis=1) == 0).any() and cholmod.available()

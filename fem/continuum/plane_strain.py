@@ -46,7 +46,7 @@ class PartialProblem:
     table : ndarray
         Constants of the soils, as ``mohr_coulomb.table`` returns them.
     least : ndarray (points, 4, 4)
-        Smallest stiffness (Pa). It is added to the tangent so that the matrix is regular.
+        Smallest stiffness (Pa), which is added to the tangent so that the matrix is regular.
     """
 
     components: np.ndarray

@@ -1,1 +1,1 @@
-"""Contains the kernels of the finite elements, which work on flat arrays. They import only NumPy and Numba."""
+"""Contains the kernels of the finite elements, which work on flat arrays and import only NumPy and Numba."""

@@ -151,12 +151,12 @@ def _write_tangent(
 ) -> None:
     """Write the consistent tangent d stress / d strain = e D + p q + (G' - e G) r r, (4, 4) in the axes x, y, z.
 
-    e is 1 in the volume and on planes and 0 on lines and at points; p q is the region's own term; r is the
-    stress of a unit shear between the in-plane principal axes. Its stiffness is G' = G (sa - sb)/(xa - xb),
-    since the axes turn with the trial stress (de Souza Neto, Peric & Owen 2008, Computational Methods for
-    Plasticity, app. A). `ratio` is that quotient, or negative where the trial values coincide: there p q is
-    alike in both axes and the last term vanishes, the law being isotropic. `cos` and `sin` are those of twice
-    the angle from x to the in-plane major axis.
+    e is 1 in the volume and on planes and 0 on lines and at points; p q is the region's own term; r is the stress of a
+    unit shear between the in-plane principal axes. The stiffness of this shear is G' = G (sa - sb)/(xa - xb), since the
+    axes turn with the trial stress (de Souza Neto, Peric & Owen 2008, Computational Methods for Plasticity, app. A).
+    `ratio` is that quotient, or negative where the trial values coincide: there p q is alike in both axes and the last
+    term vanishes, the law being isotropic. `cos` and `sin` are those of twice the angle from x to the in-plane major
+    axis.
     """
     lame, shear = table[m, LAME], table[m, SHEAR]
     e = 1.0 if region in (ELASTIC, SHEAR_PLANE, TENSION_PLANE) else 0.0

@@ -3,9 +3,9 @@ of the solver.
 
 A stress field is statically admissible, and its multiplier a lower bound, if it is in equilibrium, its tractions are
 continuous and equal to the prescribed ones, and no point is beyond the yield surface. Velocities are kinematically
-admissible if they are continuous, zero where the boundary is held, and obey the associated flow rule. Their upper bound
-is the dissipation less the work of the dead load, over the work of the live load. All numbers are dimensionless, over
-the units of the problem.
+admissible if they are continuous, zero where the boundary is held, and obey the associated flow rule. The upper bound
+from such velocities is the dissipation less the work of the dead load, over the work of the live load. All numbers are
+dimensionless, over the units of the problem.
 """
 
 from dataclasses import dataclass

@@ -41,10 +41,10 @@ class LowerBound:
     stress : ndarray (m, 3 corners, [xx, yy, xy])
         The stress at the corners of every cell.
     yield_work : ndarray (m, 3)
-        Work of the stress at every corner on the dual strain rates, the multipliers of the equilibrium equations. It is
-        large where the yield surface limits the load multiplier. If one corner of a cell can have no stress, the work
-        of the cell is assigned to this corner. Where no stress balances the dead load, it is the magnitude of the
-        strain rates at which the dead load fails.
+        Work of the stress at every corner on the dual strain rates, the multipliers of the equilibrium equations. This
+        work is large where the yield surface limits the load multiplier. If one corner of a cell can have no stress,
+        the work of the cell is assigned to this corner. Where no stress balances the dead load, ``yield_work`` is the
+        magnitude of the strain rates at which the dead load fails.
     shortfall : ndarray (m, 3)
         Required less actual distance of the stress at every corner to the yield surface.
     solution : cone_program.Solution
@@ -292,8 +292,8 @@ def _normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) -> np.n
 
 
 def _tractions(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray, normal: np.ndarray) -> sparse.csr_matrix:
-    """Return the matrix from the stresses of cells to the tractions on edges. Its rows are ordered edge by edge: both
-    ends, x and y."""
+    """Return the matrix from the stresses of cells to the tractions on edges. The rows of the matrix are ordered edge
+    by edge: both ends, x and y."""
     corner = np.argmax(problem.mesh.cells[cells][:, None, :] == ends[:, :, None], axis=2)
     first = 9 * cells[:, None] + 3 * corner
     rows = 4 * np.arange(len(cells))[:, None] + [0, 2]

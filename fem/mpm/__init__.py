@@ -1,5 +1,5 @@
-"""Provides the material point method, which computes the continuum in large displacement. Its slides are compared with
-those of the discs.
+"""Provides the material point method, which computes the continuum in large displacement. The slides by this method are
+compared with those of the discs.
 
 `ground_of` makes material points of a section, `MaterialPointEngine` moves them on a background grid, and `PointSlider`
 takes them through shaking and liquefaction until the surface is at rest. For problems without a section, such as the

@@ -283,7 +283,8 @@ class _Search:
             return None
 
     def on_meshes(self, what: str = "") -> AdaptiveSearch:
-        """Return a search on adapted meshes. Its messages begin with ``what``, the name of the searched quantity."""
+        """Return a search on adapted meshes. The messages of the search begin with ``what``, the name of the searched
+        quantity."""
 
         def prefixed(words: str) -> None:
             self.tell(f"{what}: {words}" if what else words, None)

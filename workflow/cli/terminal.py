@@ -47,7 +47,7 @@ def say(line: str) -> None:
 
 
 def warn(lines: Iterable[str], verbosity: Verbosity) -> list[str]:
-    """Print warnings and return them. They go to standard error if the output contains no sentences."""
+    """Print warnings and return them. Warnings go to standard error if the output contains no sentences."""
     messages = list(lines)
     for line in messages:
         (out if verbosity.in_sentences else err).print(line, soft_wrap=True, markup=False)

@@ -58,8 +58,8 @@ def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> Pea
 
 
 def _spread(magnitude: float, kilometres: float, velocity: float) -> float:
-    """Return the standard deviation of ln A from its parts between earthquakes (τ) and within one earthquake (φ). It is
-    smaller on soft ground, and larger far away."""
+    """Return the standard deviation of ln A from its parts between earthquakes (τ) and within one earthquake (φ). The
+    standard deviation is smaller on soft ground, and larger far away."""
     tau, phi = (float(np.interp(magnitude, (4.5, 5.5), ends)) for ends in (TAU, PHI))
     phi += PHI_FAR * float(np.interp(math.log(max(kilometres, 0.1)), np.log(FAR), (0.0, 1.0)))
     phi -= PHI_SOFT * float(np.interp(math.log(velocity), np.log(SOFT), (1.0, 0.0)))

@@ -244,8 +244,8 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
 
 
 def _tried(answer: CalibrationAnswer, target: float) -> str:
-    """Return the target of the calibration in words. It is a range if the critical Kh of the continuum is a range and
-    the critical Kh of the discs lies within it.
+    """Return the target of the calibration in words. The target is a range if the critical Kh of the continuum is a
+    range and the critical Kh of the discs lies within it.
     """
     low, high = answer.continuum_kc or (target, target)
     return f"a target of {between([low, high] if low < target < high else [target])}"

@@ -220,9 +220,9 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> str:
-    """Return the interval of a factor of safety. It is given by strict bounds of the same conditions, else by the error
-    of its mesh, else by the distance of the critical Kh of the same mesh from its strict bounds. The interval is empty
-    if none of these is known.
+    """Return the interval of a factor of safety. The interval is given by strict bounds of the same conditions, else by
+    the error of its mesh, else by the distance of the critical Kh of the same mesh from its strict bounds. The interval
+    is empty if none of these is known.
     """
     bounds = results.bounds
     if bounds is not None and bounds.sides == fem.settings.sides and fem.flow == "associated":

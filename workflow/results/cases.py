@@ -134,8 +134,8 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
 
 class Spread(Part):
-    """Holds a number on several random packings: mean, standard deviation and confidence interval. They are None if
-    there are too few packings; the confidence interval needs at least three.
+    """Holds a number on several random packings: mean, standard deviation and confidence interval. These numbers are
+    None if there are too few packings; the confidence interval needs at least three.
     """
 
     mean: float | None

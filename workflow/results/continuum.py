@@ -86,8 +86,8 @@ class OtherWay(Part):
 
 
 class OwnDilationPart(Part):
-    """Holds an approximate critical Kh of ground that flows with the ψ of the strata. It depends on element and mesh by
-    5 to 15 %."""
+    """Holds an approximate critical Kh of ground that flows with the ψ of the strata. This Kh depends on element and
+    mesh by 5 to 15 %."""
 
     kc: float | None = Field(description="critical Kh on the last of three meshes; null if the iteration has no answer")
     low: float | None = Field(description="smallest critical Kh of the three meshes")
@@ -198,8 +198,8 @@ class FemAnswer(Answer):
 
     @property
     def ended(self) -> str:
-        """Return the verdict in words. It is a plateau only if the path itself reached one: if the limit load is from
-        limit analysis, the path may still rise at its end.
+        """Return the verdict in words. The verdict is a plateau only if the path itself reached one: if the limit load
+        is from limit analysis, the path may still rise at its end.
         """
         known_before = self.verdict == "plateau" and self.kc_lower < YIELDED * self.kc
         return "limit load" if known_before else self.verdict

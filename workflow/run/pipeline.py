@@ -181,7 +181,7 @@ class Run:
             self.record.put(stage.name, replace(entry, pictures=pictures, title=title(self.job.config.section)))
 
     def work_in_other_process(self, decision: Decision) -> None:
-        """Run the work of a stage in another process. Its outcome is recorded as soon as it ends."""
+        """Run the work of a stage in another process. The outcome is recorded as soon as the work ends."""
         started = self._begin(decision)
 
         def end(worked: "Future[None]") -> None:

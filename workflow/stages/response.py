@@ -60,7 +60,8 @@ def answer_of(section: Section, column: ResponseColumn) -> SiteResponseAnswer:
 
 
 def files(job: Job) -> Mapping[str, Path]:
-    """Return the file of the record. Its content, not its path, decides whether the stage is out of date."""
+    """Return the file of the record. The content of this file, not its path, decides whether the stage is out of
+    date."""
     record = job.config.site_response.record
     return {"site_response, record": Path(record)} if record else {}
 

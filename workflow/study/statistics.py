@@ -16,7 +16,7 @@ def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Probability
     """Return a probability curve: the share of true values in ``happens`` (samples, len(over)) at each value of
     ``over``.
 
-    The interval follows E. B. Wilson, Probable inference, J. Am. Stat. Assoc. 22 (1927) 209-212. It holds for
+    The interval follows E. B. Wilson, Probable inference, J. Am. Stat. Assoc. 22 (1927) 209-212. The formula holds for
     independent samples; samples of a Sobol' sequence or a Latin hypercube are more accurate.
     """
     n = len(happens)

@@ -24,8 +24,8 @@ class Task(Generic[Input, Result]):
     Attributes
     ----------
     function : callable
-        Function at the top level of a module that the workers can import. Its annotations name its input and answer,
-        and its answer depends only on its input.
+        Function at the top level of a module that the workers can import. The annotations of the function name its
+        input and answer, and the answer depends only on the input.
     argument : pydantic model
         The input.
     """

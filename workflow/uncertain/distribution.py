@@ -15,7 +15,7 @@ KINDS = ("normal", "lognormal", "uniform", "triangular", "list")
 
 
 class Distribution(Model):
-    """Holds the distribution of one number. Its parameters carry the unit, such as ["35 deg", "2 deg"]."""
+    """Holds the distribution of one number. The parameters carry the unit, such as ["35 deg", "2 deg"]."""
 
     normal: tuple[Number, Number] | None = Field(default=None, description="[mean, standard deviation]")
     lognormal: tuple[Number, Number] | None = Field(
