@@ -42,7 +42,8 @@ FILES = (
 
 # Notices that say what was done, and leave nothing to do.
 DONE = (
-    "thins out to nothing at", "is a wedge thinner than", "discs have its mean throughout", " of [earthquake]: ",
+    "thins out to nothing at", "is a wedge thinner than", "discs have its mean throughout", " follows from "
+    "[earthquake]: ",
     "ground, layers and water continue for",
 )  # fmt: skip
 

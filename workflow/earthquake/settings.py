@@ -127,7 +127,7 @@ class EarthquakeSettings(Model):
         [earthquake]."""
         notices = [self._unlikely_peak(), self._unlike_record(), self.contradiction()]
         if slide is not None and (cycles := self.driving(slide)) is not None:
-            notices.append(f"slide, kh = {cycles.kh:g} of [earthquake]: {cycles.words}")
+            notices.append(f"slide, kh = {cycles.kh:g} follows from [earthquake]: {cycles.words}")
         elif slide is not None and self.is_assumed(slide):
             magnitude = REFERENCE if self.magnitude is None else self.magnitude
             why, remedy = "no shaking is given", "give [earthquake], a record"

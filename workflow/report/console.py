@@ -76,7 +76,7 @@ def fem_sentences(
     without a limit load always has its reason. Strict bounds among the ``results`` are part of the interval.
     """
     error = accuracy(results, answer) if results is not None else of_meshes(answer)
-    interval = f" Range {error.method}: {between([error.low, error.high])}." if error is not None else ""
+    interval = f" The range {error.method} is {between([error.low, error.high])}." if error is not None else ""
     if error is not None and answer.has_kc and answer.kc > CONTRADICTED * error.high:
         above = 100.0 * (answer.kc / error.high - 1.0)
         interval += f" The finite elements lie {above:.1f} % above this interval: use its upper end."
@@ -204,7 +204,7 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
             f"m). In the bounds below, this sand has a cohesion of half the pressure, down to {answer.least_depth:g} m."
         )
     name = proven(answer.strengthened_faces, ends)
-    yield f"{name} with ψ = φ, the upper bound for every ψ ≤ φ: {answer.words}."
+    yield f"{name} with ψ = φ (the upper bound holds for every ψ ≤ φ): {answer.words}."
     if answer.verdict != "bracketed":
         yield answer.reason
     for factor in answer.safety:

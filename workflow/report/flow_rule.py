@@ -98,4 +98,8 @@ def how_to_get_own_dilation(fem: FemAnswer) -> str:
         return ""
     full = fem.kc if fem.associated is None else fem.associated.kc
     low = fem.kc if fem.davis is None else fem.davis.kc
-    return f" About that for {fem.own_angles}: --set fem.own_dilation=true." if low < FAR_APART * full else ""
+    return (
+        f" --set fem.own_dilation=true computes about the critical Kh for {fem.own_angles}."
+        if low < FAR_APART * full
+        else ""
+    )

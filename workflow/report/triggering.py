@@ -11,7 +11,8 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
     motion = answer.motion
     spread = f" ({motion.low_gal:.0f} to {motion.high_gal:.0f}, one standard deviation)" if motion.sigma else ""
     magnitude = f", M {answer.magnitude:g}" if answer.magnitude is not None else ""
-    yield f"{answer.method}, peak acceleration {motion.median_gal:.0f} gal{spread}{magnitude}, {motion.relation}."
+    peak = f"a peak acceleration of {motion.median_gal:.0f} gal{spread}{magnitude}"
+    yield f"The method is {answer.method}, with {peak}, {motion.relation}."
     yield from dict.fromkeys(map(stratum_sentence, answer.strata))  # parts of a soil share their tests
     yield from dict.fromkeys(map(_left_sentence, answer.left))
     for boring in answer.borings:

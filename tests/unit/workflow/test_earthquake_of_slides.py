@@ -51,7 +51,7 @@ def test_kh_and_its_cycles_are_those_of_the_earthquake() -> None:
     assert config.slide.kh_cycles == pytest.approx(13.9, abs=0.06)
     assert config.slide.kh_period == pytest.approx(0.758, abs=6e-3)
     [loaded] = [text for text in config.notices if text.startswith("slide, kh")]
-    assert "of [earthquake]: 0.65 of the peak of 0.25 g" in loaded
+    assert "follows from [earthquake]: 0.65 of the peak of 0.25 g" in loaded
     assert "in both directions in 13.9 cycles of M 7.4" in loaded
     again = analysed(tomllib.loads(config.to_toml()))
     assert (again.slide, again.notices) == (config.slide, config.notices)
