@@ -1,17 +1,18 @@
 """Moves the free-field sides of a slide of discs. The ground continues beyond them, and the pressure at rest acts on
 them.
 
-Walls that do not move would hold a slope that continues beyond the section: discs on S-13 moved by 1 m in the uphill
-half of the section and not at all at its downhill end. So the wall discs above the lowest stratum that liquefies at a
-side move horizontally, in strips two diameters high. The velocity of a strip is the mean velocity v of the discs near
-the side, increased where the ground pushes against the wall with a larger force N than the force at rest N_0:
+Walls that do not move would hold a slope that continues beyond the section. So the wall discs above the lowest stratum
+that liquefies at a side move horizontally, in strips two diameters high. Each strip is a plate between the ground in
+the section, which pushes with a force N, and the ground beyond, which pushes with its force at rest N_0 and takes waves
+away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877). In each time `EVERY` its velocity v increases by
 
-    v_wall = v + RELIEF (D / EVERY) (N - N_0) / (M h),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν),
+    Δv = `RELIEF` ((N - N_0) / (ρ V_p h) - v),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν).
 
-Here h is the height of a strip, D the mean diameter, M = ρ V_p² the P-wave modulus. As a stratum liquefies, its K_0
-becomes 1. If the nearest discs alone were compressed, the excess of force would fall by its share RELIEF in a time
-EVERY; in continuous ground it falls more slowly. Walls move by `ROOM` diameters at most, since the floor ends there.
-Positive is outwards.
+Here h is the height of a strip and V_p the velocity of P-waves. As a stratum liquefies, its K_0 becomes 1, and the
+ground settles by the water that drains. The stress σ'_v is that of the section at the side, times the ratio of the
+weight of all discs to that of the section. So both sides of level ground carry the same force. The discs nearest to
+each side are heavier or lighter by a few per cent; under such a difference liquefied ground would drift without end.
+Walls move by `ROOM` diameters at most, since the floor ends there. Positive is outwards.
 """
 
 from collections.abc import Sequence
@@ -24,11 +25,12 @@ from dem.engine.forces import contact_forces
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
-from meshes.section.section import Stratum
+from meshes.section.section import Section, Stratum
 
 EVERY = 0.04  # s between two updates of the velocities of the walls
-RELIEF = 0.25
-STRIP, NEAR, CLOSE, ROOM = 2.0, 6.0, 2.0, 2.5  # mean diameters
+RELIEF = 0.5
+STRIP, ROOM = 2.0, 2.5  # mean diameters
+POINTS = 20  # of a strip, over which stresses are averaged
 SETTLING = 4.0  # s in which the sides are released before a slide
 DAMPED = 0.9  # of the velocities, left after each time EVERY of that
 
@@ -41,21 +43,20 @@ class _Strip:
     ----------
     side, outwards : str, int
         "left" and -1, or "right" and 1.
-    wall, near : (k,), (m,) int
-        Numbers of the discs of the wall, and of the discs of the ground whose velocity the wall has.
+    wall : (k,) int
+        Numbers of the discs of the wall.
     at_rest, liquefied : float
-        Force at rest, and increase of it once all strata that liquefy have (N per metre out of plane).
-    stiffness : float
-        P-wave modulus times height (N per metre out of plane).
+        Force at rest, and force after all strata that liquefy have liquefied (N per metre out of plane).
+    impedance : float
+        ρ V_p times height (N s/m per metre out of plane).
     """
 
     side: str
     outwards: int
     wall: np.ndarray
-    near: np.ndarray
     at_rest: float
     liquefied: float
-    stiffness: float
+    impedance: float
 
 
 class FreeSides:
@@ -69,15 +70,19 @@ class FreeSides:
         Place of the discs in a section.
     strata
         Numbers of the strata that liquefy; a side at which none of them lies remains a wall that does not move.
+    drained
+        Volumetric strain of these strata by drainage.
     """
 
-    def __init__(self, start: DiscModel, ground: Ground, strata: Sequence[int]) -> None:
+    def __init__(self, start: DiscModel, ground: Ground, strata: Sequence[int], drained: float = 0.0) -> None:
+        self.drained = drained
         self.ground, self.places = ground, start.x.copy()
         self.diameter = 2.0 * ground.radius
         self.strips: list[_Strip] = []
         section = ground.section
         if section is None or start.period is not None or ground.tilt != 0.0:
             return
+        self.heavier = _heavier(start, ground, section)
         for side, outwards, levels in (
             ("left", -1, section.layering.left[0]),
             ("right", 1, section.layering.right[-1]),
@@ -95,24 +100,40 @@ class FreeSides:
         assert section is not None
         x, z = self.ground.to_section(start.x, start.z)
         beyond = outwards * (x - section.extent[1 if outwards > 0 else 0])
-        foot, pressure = min(levels[k + 1] for k in wet), effective_overburden(start)
+        foot = min(levels[k + 1] for k in wet)
         count = max(1, round((levels[0] - foot) / (STRIP * diameter)))
         height, strips = (levels[0] - foot) / count, []
         for number in range(count):
             low = foot + number * height
             high = low + height if number < count - 1 else np.inf
-            here = (z >= low) & (z < high)
-            wall = np.flatnonzero(start.fixed & here & (beyond > 0.0))
-            near = np.flatnonzero(~start.fixed & here & (beyond > -NEAR * diameter))
-            adjacent = np.flatnonzero(~start.fixed & here & (beyond > -CLOSE * diameter))
-            if len(wall) and len(adjacent):
-                soils = [section.strata[k] for k in start.layer[adjacent]]
-                share = sum(max(0.0, min(levels[k], low + height) - max(levels[k + 1], low)) for k in wet) / height
-                force = float(pressure[adjacent].mean()) * height
-                at_rest = force * float(np.mean([s.poissons_ratio / (1.0 - s.poissons_ratio) for s in soils]))
-                stiffness = height * float(np.mean([_p_wave_modulus(soil) for soil in soils]))
-                strips.append(_Strip(side, outwards, wall, near, at_rest, share * (force - at_rest), stiffness))
+            wall = np.flatnonzero(start.fixed & (z >= low) & (z < high) & (beyond > 0.0))
+            if len(wall):
+                middles = low + height * (np.arange(POINTS) + 0.5) / POINTS
+                soils = np.clip(np.searchsorted(-levels, -middles) - 1, 0, len(section.strata) - 1)
+                impedance = float(np.mean([_p_wave_impedance(section.strata[k]) for k in soils]))
+                at_rest, after = height * self._pressures(outwards, levels, wet, middles, soils).mean(axis=1)
+                strips.append(_Strip(side, outwards, wall, float(at_rest), float(after), height * impedance))
         return strips
+
+    def _pressures(
+        self, outwards: int, levels: np.ndarray, wet: Sequence[int], z: np.ndarray, soils: np.ndarray
+    ) -> np.ndarray:
+        """Return the pressure at rest at a side, and the pressure after its strata ``wet`` have liquefied and settled
+        (2, n), in Pa.
+
+        outwards, levels: as in `_strips`; z (n,): elevations (m); soils (n,): strata at these elevations.
+        """
+        section = self.ground.section
+        assert section is not None
+        at_side = np.full(len(z), section.extent[1 if outwards > 0 else 0])
+        ratio = np.array([soil.poissons_ratio / (1.0 - soil.poissons_ratio) for soil in section.strata])[soils]
+        at_rest = ratio * _vertical_stress(section, at_side, z, soils)
+        ratio[np.isin(soils, wet)] = 1.0
+        # what lies at z after settlement was higher by the settlement of all that has liquefied below it
+        thick = sum(np.clip(z - levels[k + 1], 0.0, levels[k] - levels[k + 1]) for k in wet)
+        return self.heavier * np.array(
+            [at_rest, ratio * _vertical_stress(section, at_side, z + self.drained * thick, soils)]
+        )
 
     def release(self, model: DiscModel) -> DiscModel:
         """Return the discs at rest after the walls are released, so that they carry the pressure at rest. Discs of a
@@ -143,9 +164,10 @@ class FreeSides:
         force_x -= np.bincount(model.pair_i, forces.fx, n)
         vx = model.vx.copy()
         for strip in self.strips:
-            excess = strip.outwards * float(force_x[strip.wall].sum()) - strip.at_rest - share * strip.liquefied
-            speed = strip.outwards * float(model.vx[strip.near].mean())
-            speed += RELIEF * self.diameter / EVERY * excess / strip.stiffness
+            wanted = strip.at_rest + share * (strip.liquefied - strip.at_rest)
+            excess = strip.outwards * float(force_x[strip.wall].sum()) - wanted
+            speed = strip.outwards * float(model.vx[strip.wall].mean())
+            speed += RELIEF * (excess / strip.impedance - speed)
             moved = self._moved(model, strip)
             if abs(moved) >= ROOM * self.diameter and speed * moved > 0.0:
                 speed = 0.0
@@ -164,7 +186,25 @@ class FreeSides:
         return strip.outwards * float((model.x - self.places)[strip.wall].mean())
 
 
-def _p_wave_modulus(soil: Stratum) -> float:
-    """Return the P-wave modulus (Pa) of a soil."""
+def _vertical_stress(section: Section, x: np.ndarray, z: np.ndarray, strata: np.ndarray) -> np.ndarray:
+    """Return the vertical effective stress (n,) of the section with its surcharges (Pa) at points of the given strata."""
+    left, right = section.extent
+    tiny = 1e-9 * (right - left)
+    points = np.column_stack([np.clip(x, left + tiny, right - tiny), z])
+    load = section.surface_loads.pressure(points[:, 0], points[:, 0])
+    return section.water_pressure.vertical_effective(points, points, strata, load=load)
+
+
+def _heavier(start: DiscModel, ground: Ground, section: Section) -> float:
+    """Return the ratio of the overburden of all discs to that of the section."""
+    free = ~start.fixed
+    x, z = ground.to_section(start.x[free], start.z[free])
+    design = _vertical_stress(section, x, z, start.layer[free])
+    return float(effective_overburden(start)[free].sum() / design.sum())
+
+
+def _p_wave_impedance(soil: Stratum) -> float:
+    """Return ρ V_p (Pa s/m) of a soil, with V_p of its skeleton."""
     nu = soil.poissons_ratio
-    return soil.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    modulus = soil.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    return float(np.sqrt(soil.density_seismic * modulus))

@@ -93,7 +93,10 @@ class Slider:
         shaking: Shaking | None = None,
         free_sides: bool = False,
     ) -> None:
-        self.sides = FreeSides(start, ground, strata if free_sides and start.law == "soil" else [])
+        self.sides = FreeSides(
+            start, ground, strata if free_sides and start.law == "soil" else [],
+            0.0 if case is None else case.volumetric_strain,
+        )  # fmt: skip
         if self.sides.strips:
             start = self.sides.release(start)
         self.ground, self.settings, self.case, self.strata = ground, settings, case, strata
