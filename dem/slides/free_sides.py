@@ -187,7 +187,7 @@ class FreeSides:
 
 
 def _vertical_stress(section: Section, x: np.ndarray, z: np.ndarray, strata: np.ndarray) -> np.ndarray:
-    """Return the vertical effective stress (n,) of the section with its surcharges (Pa) at points of the given strata."""
+    """Return the vertical effective stress (n,) of the section with its surcharges (Pa) at points of some strata."""
     left, right = section.extent
     tiny = 1e-9 * (right - left)
     points = np.column_stack([np.clip(x, left + tiny, right - tiny), z])
