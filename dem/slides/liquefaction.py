@@ -93,10 +93,8 @@ class Slider:
         shaking: Shaking | None = None,
         free_sides: bool = False,
     ) -> None:
-        self.sides = FreeSides(
-            start, ground, strata if free_sides and start.law == "soil" else [],
-            0.0 if case is None else case.volumetric_strain,
-        )  # fmt: skip
+        drained = 0.0 if case is None else case.volumetric_strain
+        self.sides = FreeSides(start, ground, strata if free_sides and start.law == "soil" else [], drained)
         if self.sides.strips:
             start = self.sides.release(start)
         self.ground, self.settings, self.case, self.strata = ground, settings, case, strata
@@ -169,9 +167,7 @@ class Slider:
         return model
 
     def _cut(self, model: DiscModel, strata: list[int]) -> None:
-        """Cut the pore springs of strata that liquefy, once for each stratum. In strata that liquefy first the springs
-        are cut at the beginning.
-        """
+        """Cut the pore springs of strata that liquefy, once for each stratum; of the first ones at the beginning."""
         new = [k for k in strata if k not in self.cut]
         if self.case is not None and new:
             model.cut_pore_springs(new)
