@@ -124,6 +124,6 @@ class DiscBoundary:
         """Raise ValueError unless the period fits the contact law and the largest radius (m)."""
         if self.period is not None and (law != "soil" or not self.period[0] >= SHORTEST * largest):
             raise ValueError(
-                f"discs: a period needs law='soil' and a length of at least {SHORTEST:g} of the largest radius, which "
-                f"is {largest:g} m; they are {law!r} and {self.period[0]:g} m"
+                f"discs: periodic sides need law='soil' and a period of at least {SHORTEST:g} times the largest radius "
+                f"of {largest:g} m; the law is {law!r} and the period {self.period[0]:g} m"
             )

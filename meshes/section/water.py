@@ -69,7 +69,9 @@ class Water(Model):
         if self.after_drawdown is not None and self.table is None:
             raise ValueError("after_drawdown without table: expected the water table before the drawdown as well")
         if self.flow and self.table is None:
-            raise ValueError("flow = true without table: expected table, the levels of free water and at the sides")
+            raise ValueError(
+                "flow = true without table: expected table with the levels of free water and of the water at both sides"
+            )
         if self.flow and self.after_drawdown is not None:
             raise ValueError("flow = true and after_drawdown: expected one of them, since seepage is steady")
         if self.cutoffs and not self.flow:

@@ -41,7 +41,7 @@ def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> RigidSlide
     if kc is not above 0.
     """
     if not kc > 0.0:
-        raise ValueError(f"kc = {kc:g}: expected a critical seismic coefficient above 0; such a block does not stop")
+        raise ValueError(f"kc = {kc:g}: expected a critical Kh above 0, since a block without resistance does not stop")
     excess = np.asarray(acceleration, dtype=float) - kc * GRAVITY
     t, v, u = [float(time[0])], [0.0], [0.0]
     for i in range(len(time) - 1):

@@ -276,8 +276,8 @@ def note_sentences(results: Results) -> Iterator[str]:
                     for zone in value.held
                 )
                 yield (
-                    f"{what[0].upper()}{what[1:]} of {of}, by finite elements and bounds: the ground {where} does not "
-                    "fail, because failures there come first."
+                    f"{what[0].upper()}{what[1:]} of {of}, by finite elements and bounds: the ground {where} is "
+                    "taken as too strong to fail, because failures there come first."
                 )
         for what, value in (("critical Kh", face.critical), ("factor of safety", face.safety)):
             if value is not None and not value.reaches_crest:

@@ -136,7 +136,8 @@ def test_every_face_is_a_line_with_all_methods_and_the_bank_is_one_of_its_own() 
     notes = list(note_sentences(answers))
     assert notes[0] == (
         "Critical Kh and factor of safety of embankment at x = 69 m, towards the left, by finite elements and bounds: "
-        "the ground from x = 40 to 66 m down to 0.9 m does not fail, because failures there come first."
+        "the ground from x = 40 to 66 m down to 0.9 m is taken as too strong to fail, because failures there come "
+        "first."
     )
     first = headlines(answers, Texts())[0].conclusion
     assert first.endswith(
