@@ -157,7 +157,7 @@ class MeshSettings(Model):
         if self.method_for(section) == "mapped":
             return section.layering, []
         least = self.least_thickness or THINNEST * self.cell_size(section) / self.refine
-        layers, notices = stepped(section.layering, least, names)
+        layers, notices = stepped(section.layering, least, names, _strengths(section))
         return without_needless(layers, self.cell_size(section) / self.refine), notices
 
     def notices(self, section: Section) -> list[str]:
@@ -179,3 +179,14 @@ class MeshSettings(Model):
                 'too large; method = "free" makes better cells'
             )
         return notices
+
+
+def _strengths(section: Section) -> np.ndarray:
+    """Return the cohesion (Pa) of every stratum and the growth of its strength with effective stress (-), (strata,
+    2)."""
+    return np.array(
+        [
+            (max(s.cohesion, s.cohesion_minimum or 0.0), math.tan(s.friction_angle) + (s.strength_ratio or 0.0))
+            for s in section.strata
+        ]
+    )

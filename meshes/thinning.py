@@ -1,16 +1,19 @@
 """Ends layers that thin out to nothing earlier, in a vertical step, so that no cell has to fill a wedge.
 
 A quadrilateral in the tip of a wedge of a few degrees has an angle of a few degrees, and cells behind it are as thin as
-the wedge. The tip that is cut off gets the soil of the layer below it (or of the layer above if there is none below;
-where the whole section thins out, the section ends there). The area that changes its soil is reported.
+the wedge. The tip that is cut off gets the soil of the layer below it (or of the layer above if there is none below, or
+if both are one thin seam; where the whole section thins out, the section ends there). A layer that is weaker than the
+soil below it keeps its tip, which is made thicker instead: ground slides out along a weak seam that comes out of the
+ground. The area that changes its soil is reported.
 """
 
 import math
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
 
-from meshes.section.cutting import BELOW_WATER, shown_name
+from meshes.section.cutting import BELOW_WATER, shown_name, whole_soil
 from meshes.section.dense_lines import needed_x
 from meshes.section.layering import Layering
 
@@ -30,21 +33,30 @@ NECK, LONGEST_NECK = 0.6, 20.0
 CRUMB, THICKEST_CRUMB, LONGEST_CRUMB = 0.1, 1.5, 12.0
 # Strata are looked at again until this many steps were made.
 MOST_STEPS = 50
+# Effective unit weight (N/m³) for comparing strengths at the depth of a tip.
+UNIT_WEIGHT = 1e4
+# Soil up to so many of the thickness wished for is a seam, which no tip of other soil may sever.
+SEAM = 3.0
+# A layer below a tip that is made thicker keeps at least this share of its area.
+KEPT = 0.5
 # A breakpoint near others is left out where lines bend by no more than this share of a cell; ground and base, by that
 # divided by this.
 BEND, OUTLINE = 1.0 / 20.0, 5.0
 
 
-def stepped(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
+def stepped(
+    layers: Layering, least: float, names: list[str], strengths: np.ndarray | None = None
+) -> tuple[Layering, list[str]]:
     """Cut off the sharp tips of strata where they are ``least`` (m) thick. Return the layers, and a sentence for each
     tip.
 
     Tips are cut nearer to their ends if they contain too much of their stratum, or if the stratum is nowhere as thick
-    as ``least``.
+    as ``least``. ``strengths``: cohesion (Pa) of every stratum, and the growth of its strength with effective stress
+    (-), (strata, 2); without them no tip is made thicker.
     """
     all_notices: list[str] = []
     while len(all_notices) < MOST_STEPS:  # what is cut off one stratum may be a tip of its neighbour
-        layers, notices = _stepped_once(layers, least, names)
+        layers, notices = _stepped_once(layers, least, names, strengths)
         all_notices += notices
         if not notices:
             break
@@ -56,9 +68,12 @@ def _part(names: list[str], k: int) -> str:
     return f"stratum {shown_name(names[k])}{' above water' if names[k] + BELOW_WATER in names else ''}"
 
 
-def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Layering, list[str]]:
+def _stepped_once(
+    layers: Layering, least: float, names: list[str], strengths: np.ndarray | None
+) -> tuple[Layering, list[str]]:
     """End the tips of every stratum in a vertical step once, from the top down. Return the layers and notices."""
     notices: list[str] = []
+    soils = [whole_soil(name) for name in names]
 
     def longest(k: int) -> float:
         same = names[k] + BELOW_WATER in names or names[k].endswith(BELOW_WATER)
@@ -72,15 +87,24 @@ def _stepped_once(layers: Layering, least: float, names: list[str]) -> tuple[Lay
             x_tip, (thick, at, area) = tip[0], cut
             if (near := _near_breakpoint(layers, k, *tip, at, thick)) is not None:
                 at, (thick, area) = near, _step_at(layers, k, *tip, near)
-            layers = _without(_with_breakpoint(layers, at), k, min(at, x_tip), max(at, x_tip))
+            layers = _with_breakpoint(layers, at)
+            joined = _of_seam(layers, k, min(at, x_tip), max(at, x_tip), soils, least)
+            if joined:  # no farther than the part above reaches
+                at = float(layers.x[joined[0]] if tip[1] < 0 else layers.x[joined[-1] + 1])
+                thick, area = _step_at(layers, k, *tip, at)
+            stretch = min(at, x_tip), max(at, x_tip)
             what = "the section" if k is None else _part(names, k)
-            notices.append(
-                f"mesh: {what} thins out to nothing at x = {x_tip:.4g} m; in the mesh it ends in a step of "
-                f"{thick:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²"
-            )
+            tells = f"mesh: {what} thins out to nothing at x = {x_tip:.4g} m; in the mesh it ends"
+            if k is not None and (thicker := _thickened(layers, k, *stretch, thick, soils, strengths)) is not None:
+                more = thicker.areas()[k] - layers.areas()[k]
+                layers = thicker
+                notices.append(f"{tells} there in a step of {thick:.2g} m, with {more:.2g} m² more")
+                continue
+            layers = _without(layers, k, *stretch, joined)
+            notices.append(f"{tells} in a step of {thick:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²")
         for start, end in [] if k is None else _crumbs(layers, k, least):
             area = layers.areas()[k]
-            layers = _without(layers, k, start, end)
+            layers = _without(layers, k, start, end, _of_seam(layers, k, start, end, soils, least))
             notices.append(
                 f"mesh: {_part(names, k)} is a wedge thinner than {THICKEST_CRUMB * least:.2g} m from "
                 f"x = {start:.4g} to {end:.4g} m; the mesh is without its {area - layers.areas()[k]:.2g} m²"
@@ -239,11 +263,69 @@ def _with_breakpoint(layers: Layering, at: float) -> Layering:
     )
 
 
-def _without(layers: Layering, k: int | None, start: float, end: float) -> Layering:
-    """Return the layers in which stratum k, or all strata if k is None, are left out between two breakpoints (m)."""
+def _thickened(
+    layers: Layering, k: int, start: float, end: float, thick: float, soils: list[str], strengths: np.ndarray | None
+) -> Layering | None:
+    """Return the layers in which stratum k is at least ``thick`` between two breakpoints (m), at the cost of the layers
+    below; None if no other and stronger soil lies below it there, or if too little of a layer would be left."""
+    inside = _within(layers, start, end)
+    present = layers.present()[inside, k + 1 :].any(axis=0)
+    if strengths is None or not present.any():
+        return None
+    below = k + 1 + int(np.argmax(present))
+    ends = np.concatenate([layers.left[inside], layers.right[inside]])
+    stress = UNIT_WEIGHT * (float((ends[:, 0] - ends[:, k]).mean()) + thick)
+    weaker = strengths[k] @ (1.0, stress) < strengths[below] @ (1.0, stress)
+    if not weaker or soils[k] in (soils[below], _soil_above(layers, k, inside, soils)):
+        return None
     left, right = layers.left.copy(), layers.right.copy()
+    left_over = np.minimum(ends[:, k + 1], ends[:, k] - thick) - ends[:, below + 1]
+    for side in (left, right):
+        bottom = np.maximum(np.minimum(side[inside, k + 1], side[inside, k] - thick), side[inside, -1])
+        bottom = np.where(side[inside, k + 1] - bottom <= layers.tolerance, side[inside, k + 1], bottom)
+        if left_over.max() < thick:  # no film of it stays
+            bottom = np.minimum(bottom, side[inside, below + 1])
+        side[inside, k + 1 :] = np.minimum(side[inside, k + 1 :], bottom[:, None])
+    thicker = replace(layers, left=left, right=right)
+    same = np.array(soils)[:, None] == np.array(soils)
+    few = same @ thicker.areas() < KEPT * (same @ layers.areas())
+    return None if few.any() or (thicker.areas() <= 0.0).any() else thicker
+
+
+def _within(layers: Layering, start: float, end: float) -> np.ndarray:
+    """Return the numbers of the intervals between two breakpoints (m)."""
     middles = 0.5 * (layers.x[1:] + layers.x[:-1])
-    for i in np.flatnonzero((middles > start) & (middles < end)):
+    return np.flatnonzero((middles > start) & (middles < end))
+
+
+def _soil_above(layers: Layering, k: int, inside: np.ndarray, soils: list[str]) -> str:
+    """Return the soil of the layer just above stratum k in intervals; empty if there is none."""
+    above = np.flatnonzero(layers.present()[inside, :k].any(axis=0))
+    return soils[above[-1]] if len(above) else ""
+
+
+def _of_seam(layers: Layering, k: int | None, start: float, end: float, soils: list[str], least: float) -> list[int]:
+    """Return the intervals between two breakpoints (m) in which stratum k and the layer just above it are parts of one
+    thin seam, which the soil of the layer below would sever."""
+    if k is None:
+        return []
+    same = np.array(soils) == soils[k]
+    seams = []
+    for i in _within(layers, start, end):
+        thick = [float(-np.diff(side[i])[same].sum()) for side in (layers.left, layers.right)]
+        if max(thick) <= SEAM * least and _soil_above(layers, k, np.array([i]), soils) == soils[k]:
+            seams.append(int(i))
+    return seams
+
+
+def _without(layers: Layering, k: int | None, start: float, end: float, upward: Collection[int] = ()) -> Layering:
+    """Return the layers in which stratum k, or all strata if k is None, are left out between two breakpoints (m).
+
+    Its ground is that of the layer below, or of the layer above if there is none below, and in the intervals
+    ``upward``.
+    """
+    left, right = layers.left.copy(), layers.right.copy()
+    for i in _within(layers, start, end):
         ends = left[i], right[i]
         if k is None:
             for side in ends:
@@ -252,7 +334,7 @@ def _without(layers: Layering, k: int | None, start: float, end: float) -> Layer
         present = np.flatnonzero(np.maximum(-np.diff(left[i]), -np.diff(right[i])) > 0.0)
         below, above = present[present > k], present[present < k]
         for side in ends:
-            if len(below):  # interfaces between are those of strata that are absent
+            if len(below) and i not in upward:  # interfaces between are those of strata that are absent
                 side[k + 1 : below[0] + 1] = side[k]
             elif len(above):
                 side[above[-1] + 1 : k + 1] = side[k + 1]

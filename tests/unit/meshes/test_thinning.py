@@ -51,6 +51,48 @@ def test_a_lens_loses_both_tips() -> None:
     np.testing.assert_allclose(layers.areas(), [400.0, 60.0 - 2 * 0.5 * 4 * 0.6, 1540.0 + 2 * 0.5 * 4 * 0.6])
 
 
+@pytest.mark.parametrize(("seam", "kept"), [((0.0, 0.2), True), ((90e3, 0.2), False)])
+def test_a_weak_seam_that_comes_out_of_the_ground_keeps_its_tip(seam: tuple[float, float], kept: bool) -> None:
+    """The rock below got the soil of the tip, and a wedge on the seam had to shear through it."""
+    section = ground({"elevation": 0}, {"depth": [[0, 10], [60, 0]]}, {"depth": [[0, 10.5], [60, 0.5], [63, 0]]}, None)
+    strengths = np.array([(500e3, 0.6), seam, (50e3, 0.6)])
+    layers, notices = stepped(section.layering, 0.5, [stratum.name for stratum in section.strata], strengths)
+    change = layers.areas() - section.layering.areas()
+    assert change.sum() == pytest.approx(0.0, abs=1e-9)
+    assert change[0] == pytest.approx(-0.5 * 3.0 * 0.5)  # the wedge of the uppermost layer, which the seam gets
+    tip = 0.5 * 3.0 * 0.5  # of the seam
+    assert change[1] == pytest.approx(-change[0] + (tip if kept else -tip), abs=1e-6)
+    assert ("it ends there in a step of 0.5 m, with 0.75 m² more" in notices[-1]) == kept
+
+
+def test_the_part_above_water_takes_the_tip_of_the_same_seam_below_water() -> None:
+    """Water leaves a seam by its bottom at x = 60 m: the rock below got the soil of its wet tip."""
+    section = ground(
+        {"elevation": 0}, {"depth": 10}, {"depth": [[0, 10], [60, 10.5], [100, 10.5]]}, {"depth": 10.5}, None
+    )
+    layers, notices = stepped(section.layering, 0.2, ["fill", "seam", "seam, below water", "rock"], None)
+    np.testing.assert_allclose(layers.areas()[[0, 3]], section.layering.areas()[[0, 3]])
+    assert len(notices) == 2
+
+
+def test_a_seam_that_water_crosses_and_that_comes_out_of_the_ground_twice_is_whole() -> None:
+    """A wedge on the seam had to shear through mudstone: Kh upslope 0.209, with a strict upper bound of 0.122."""
+    soil = {"youngs_modulus": "50 MPa", "poissons_ratio": 0.3, "density": "20 kN/m^3", "density_saturated": "21 kN/m^3"}
+    soils = {"sandstone": ("12 kPa", "32 deg"), "seam": ("0 kPa", "14 deg"), "mudstone": ("50 kPa", "30 deg")}
+    strata = [{"name": name, "cohesion": c, "friction_angle": phi, **soil} for name, (c, phi) in soils.items()]
+    strata[0]["bottom"], strata[1]["bottom"] = ({"elevation": [[0, z], [90, z - 8.0]]} for z in (10.0, 9.7))
+    data: dict[str, Any] = {"name": "seam", "base": {"elevation": -4}, "strata": strata}
+    data["surface"] = [[0, 18], [25, 18], [60, 4], [90, 4]]
+    data["water"] = {"table": [[0, 12], [30, 10], [60, 4], [90, 4]]}
+    section = Section.parse(data)
+    layers = MeshSettings(method="free").meshed_layers(section)[0]
+    names = [stratum.name for stratum in section.strata]
+    x = np.concatenate([np.linspace(0.5, 57.8, 100), np.linspace(64.2, 89.5, 100)])
+    lines = layers.interfaces(x)
+    thick = sum(lines[:, k] - lines[:, k + 1] for k, name in enumerate(names) if name.startswith("seam"))
+    assert thick.min() > 0.25
+
+
 def test_the_layer_above_takes_the_tip_of_the_lowest() -> None:
     layers, _ = cut(ground({"elevation": [[0, 0], [100, 10]]}, {"elevation": 10}, None), 1.0)
     np.testing.assert_allclose(layers.areas(), [1000.0 + 5.0, 500.0 - 5.0])
