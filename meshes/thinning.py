@@ -38,7 +38,7 @@ UNIT_WEIGHT = 1e4
 # Soil up to so many of the thickness wished for is a seam, which no tip of other soil may sever.
 SEAM = 3.0
 # A layer below a tip that is made thicker keeps at least this share of its area.
-KEPT = 0.5
+LEFT_SHARE = 0.5
 # A breakpoint near others is left out where lines bend by no more than this share of a cell; ground and base, by that
 # divided by this.
 BEND, OUTLINE = 1.0 / 20.0, 5.0
@@ -288,7 +288,7 @@ def _thickened(
         side[inside, k + 1 :] = np.minimum(side[inside, k + 1 :], bottom[:, None])
     thicker = replace(layers, left=left, right=right)
     same = np.array(soils)[:, None] == np.array(soils)
-    few = same @ thicker.areas() < KEPT * (same @ layers.areas())
+    few = same @ thicker.areas() < LEFT_SHARE * (same @ layers.areas())
     return None if few.any() or (thicker.areas() <= 0.0).any() else thicker
 
 

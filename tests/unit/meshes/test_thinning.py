@@ -51,8 +51,8 @@ def test_a_lens_loses_both_tips() -> None:
     np.testing.assert_allclose(layers.areas(), [400.0, 60.0 - 2 * 0.5 * 4 * 0.6, 1540.0 + 2 * 0.5 * 4 * 0.6])
 
 
-@pytest.mark.parametrize(("seam", "kept"), [((0.0, 0.2), True), ((90e3, 0.2), False)])
-def test_a_weak_seam_that_comes_out_of_the_ground_keeps_its_tip(seam: tuple[float, float], kept: bool) -> None:
+@pytest.mark.parametrize(("seam", "thickened"), [((0.0, 0.2), True), ((90e3, 0.2), False)])
+def test_a_weak_seam_that_comes_out_of_the_ground_keeps_its_tip(seam: tuple[float, float], thickened: bool) -> None:
     """The rock below got the soil of the tip, and a wedge on the seam had to shear through it."""
     section = ground({"elevation": 0}, {"depth": [[0, 10], [60, 0]]}, {"depth": [[0, 10.5], [60, 0.5], [63, 0]]}, None)
     strengths = np.array([(500e3, 0.6), seam, (50e3, 0.6)])
@@ -61,8 +61,8 @@ def test_a_weak_seam_that_comes_out_of_the_ground_keeps_its_tip(seam: tuple[floa
     assert change.sum() == pytest.approx(0.0, abs=1e-9)
     assert change[0] == pytest.approx(-0.5 * 3.0 * 0.5)  # the wedge of the uppermost layer, which the seam gets
     tip = 0.5 * 3.0 * 0.5  # of the seam
-    assert change[1] == pytest.approx(-change[0] + (tip if kept else -tip), abs=1e-6)
-    assert ("it ends there in a step of 0.5 m, with 0.75 m² more" in notices[-1]) == kept
+    assert change[1] == pytest.approx(-change[0] + (tip if thickened else -tip), abs=1e-6)
+    assert ("it ends there in a step of 0.5 m, with 0.75 m² more" in notices[-1]) == thickened
 
 
 def test_the_part_above_water_takes_the_tip_of_the_same_seam_below_water() -> None:
