@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal, get_args, get_origin
+from types import NoneType, UnionType
+from typing import Any, Literal, Union, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt, MinLen
-from pydantic import BaseModel
+from pydantic import BaseModel, BeforeValidator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
@@ -92,7 +93,9 @@ def _default(field: FieldInfo) -> str:
     if value is None or value is PydanticUndefined or value in ("", (), {}):
         return "none"
     if isinstance(value, BaseModel) or (isinstance(value, tuple) and isinstance(value[0], BaseModel)):
-        return "as below" if isinstance(value, BaseModel) else plain(value)
+        return "as below" if isinstance(value, BaseModel) else "as described"
+    if isinstance(value, bool):
+        return str(value).lower()
     return f'"{value}"' if type(value) is str else plain(value)
 
 
@@ -115,7 +118,21 @@ def _allowed(field: FieldInfo) -> str:
     ]
     phrases += [f"at least {piece.min_length}" for piece in pieces if isinstance(piece, MinLen)]
     whole = "a whole number" if int in pieces else "a number" if float in pieces else "text" if str in pieces else ""
-    return " ".join([whole, *dict.fromkeys(phrases)]).strip()
+    one = " ".join([whole, *dict.fromkeys(phrases)]).strip()
+    read_otherwise = any(isinstance(piece, BeforeValidator) for piece in pieces)  # such as one pressure for both ends
+    return one if read_otherwise or not whole.endswith("number") else _listed(field.annotation, one)
+
+
+def _listed(annotation: Any, one: str) -> str:
+    """The allowed values of a key that may be a list, from those of one entry."""
+    choices = get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)
+    lists = [choice for choice in choices if get_origin(choice) is tuple]
+    if not lists:
+        return one
+    if get_origin(get_args(lists[0])[0]) is tuple:
+        return "a list of points [x, elevation]"
+    single = [choice for choice in choices if choice is not NoneType and choice not in lists]
+    return f"{one}, or a list" if single else f"a list, each entry {one}"
 
 
 def markdown() -> str:
@@ -123,7 +140,7 @@ def markdown() -> str:
     lines = [
         "# Every key of a section file",
         "",
-        "Generated from the models that read the file: this is what is checked.",
+        "This page is generated from the models that read and check a section file.",
     ]
     table = None
     for key in keys():
