@@ -6,7 +6,7 @@ from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt, MinLen
-from pydantic import BaseModel, BeforeValidator
+from pydantic import BaseModel, PlainValidator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
@@ -119,18 +119,20 @@ def _allowed(field: FieldInfo) -> str:
     phrases += [f"at least {piece.min_length}" for piece in pieces if isinstance(piece, MinLen)]
     whole = "a whole number" if int in pieces else "a number" if float in pieces else "text" if str in pieces else ""
     one = " ".join([whole, *dict.fromkeys(phrases)]).strip()
-    read_otherwise = any(isinstance(piece, BeforeValidator) for piece in pieces)  # such as one pressure for both ends
-    return one if read_otherwise or not whole.endswith("number") else _listed(field.annotation, one)
+    return _listed(field, one) if whole.endswith("number") else one
 
 
-def _listed(annotation: Any, one: str) -> str:
+def _listed(field: FieldInfo, one: str) -> str:
     """The allowed values of a key that may be a list, from those of one entry."""
+    annotation = field.annotation
     choices = get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)
     lists = [choice for choice in choices if get_origin(choice) is tuple]
     if not lists:
         return one
     if get_origin(get_args(lists[0])[0]) is tuple:
         return "a list of points [x, elevation]"
+    if any(isinstance(piece, PlainValidator) for piece in field.metadata):
+        return "one value, or a list"
     single = [choice for choice in choices if choice is not NoneType and choice not in lists]
     return f"{one}, or a list" if single else f"a list, each entry {one}"
 
