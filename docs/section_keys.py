@@ -118,23 +118,23 @@ def _allowed(field: FieldInfo) -> str:
     ]
     phrases += [f"at least {piece.min_length}" for piece in pieces if isinstance(piece, MinLen)]
     whole = "a whole number" if int in pieces else "a number" if float in pieces else "text" if str in pieces else ""
-    one = " ".join([whole, *dict.fromkeys(phrases)]).strip()
-    return _listed(field, one) if whole.endswith("number") else one
+    entry = " ".join([whole, *dict.fromkeys(phrases)]).strip()
+    return _listed(field, entry) if whole.endswith("number") else entry
 
 
-def _listed(field: FieldInfo, one: str) -> str:
+def _listed(field: FieldInfo, entry: str) -> str:
     """The allowed values of a key that may be a list, from those of one entry."""
     annotation = field.annotation
     choices = get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)
     lists = [choice for choice in choices if get_origin(choice) is tuple]
     if not lists:
-        return one
+        return entry
     if get_origin(get_args(lists[0])[0]) is tuple:
         return "a list of points [x, elevation]"
     if any(isinstance(piece, PlainValidator) for piece in field.metadata):
         return "one value, or a list"
     single = [choice for choice in choices if choice is not NoneType and choice not in lists]
-    return f"{one}, or a list" if single else f"a list, each entry {one}"
+    return f"{entry}, or a list" if single else f"a list, each entry {entry}"
 
 
 def markdown() -> str:
