@@ -48,7 +48,12 @@ def expected(zeta: float, pulls: bool) -> tuple[float, float, float]:
 
 @pytest.mark.parametrize(
     ("zeta", "pulls", "printed"),
-    [(0.1, True, 0.72925), (0.3, True, 0.37233), (0.1, False, 0.74408), (0.3, False, 0.45098)],
+    [
+        pytest.param(0.1, True, 0.72925, marks=pytest.mark.slow),
+        (0.3, True, 0.37233),
+        pytest.param(0.1, False, 0.74408, marks=pytest.mark.slow),
+        (0.3, False, 0.45098),
+    ],
 )
 def test_head_on(zeta: float, pulls: bool, printed: float) -> None:
     restitution, duration, peak = expected(zeta, pulls)

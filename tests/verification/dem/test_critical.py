@@ -1,6 +1,7 @@
 """Verdicts and critical Kh of discs, against a block that slides at Kh = mu and other known answers."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -107,18 +108,24 @@ def test_period_of_a_uniform_ground() -> None:
     assert period(model, ground) == pytest.approx(4.0 * height / speed, rel=1e-6)
 
 
+class OnBlocks(Calibrator):
+    """Calibrates sliding blocks, which fail at Kh = mu."""
+
+    @classmethod
+    def of_friction(cls, **changes: Any) -> "OnBlocks":
+        soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
+        ground, model = blocks([soil])
+        return cls(ground, [soil], model, SETTINGS.model_copy(update={"parameter": "friction"}), **changes)
+
+    def settled_with(self, parameter: str, factor: float) -> DiscModel:
+        return self.settled if factor == 1.0 else blocks(changed(self.layers, parameter, factor))[1]
+
+
 def test_calibration_finds_the_friction_that_the_block_needs() -> None:
-    """Sliding blocks fail at Kh = mu: a target of half of it wants a factor of one half on friction."""
-    soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
-    ground, model = blocks([soil])
-
-    class OnBlocks(Calibrator):
-        def settled_with(self, parameter: str, factor: float) -> DiscModel:
-            return model if factor == 1.0 else blocks(changed(self.layers, parameter, factor))[1]
-
+    """A target of 0.4 of the critical Kh wants a factor of 0.4 on friction."""
     heard: list[tuple[str, float]] = []
-    settings = SETTINGS.model_copy(update={"parameter": "friction"})
-    calibrator = OnBlocks(ground, [soil], model, settings, on_search=lambda p, f, _: heard.append((p, f)))
+    calibrator = OnBlocks.of_friction(on_search=lambda p, f, _: heard.append((p, f)))
+    ground, soil, model, settings = calibrator.ground, calibrator.layers[0], calibrator.settled, calibrator.settings
     calibration = calibrate(calibrator, 0.4 * MU, "friction", [("", 1.0, calibrator.search("", 1.0))])
     assert calibration.verdict == "calibrated"
     assert calibration.value == pytest.approx(0.4, abs=0.03)
@@ -128,6 +135,16 @@ def test_calibration_finds_the_friction_that_the_block_needs() -> None:
     again = OnBlocks(ground, [soil], model, settings, known=calibrator.searches)
     assert calibrate(again, 0.4 * MU, "friction", [("", 1.0, again.search("", 1.0))]).value == calibration.value
 
+    far = OnBlocks(ground, [soil], model, settings.model_copy(update={"range": (0.5, 2.0)}))
+    lost = calibrate(far, 0.1 * MU, "friction", [("", 1.0, far.search("", 1.0))])
+    assert lost.verdict == "out of reach"
+    assert lost.value == 0.5
+    assert "the discs fail at Kh = 0.1" in lost.reason
+
+
+@pytest.mark.slow
+def test_the_critical_kh_of_blocks_depends_on_friction_alone() -> None:
+    calibrator = OnBlocks.of_friction()
     table = sensitivities(calibrator)
     moved = {p: s.kc for p, f, s in table if f == 2.0}
     assert moved["friction"] == pytest.approx(2.0 * MU, abs=0.005)
@@ -139,12 +156,6 @@ def test_calibration_finds_the_friction_that_the_block_needs() -> None:
     assert len(calibrator.searches) == known  # halved, friction reaches it: no need to try the ends of the range
     assert choose(calibrator, table, 0.3 * MU) == "friction"
     assert {("friction", 0.1), ("stiffness", 0.1)} <= set(calibrator.searches)
-
-    far = OnBlocks(ground, [soil], model, settings.model_copy(update={"range": (0.5, 2.0)}))
-    lost = calibrate(far, 0.1 * MU, "friction", [("", 1.0, far.search("", 1.0))])
-    assert lost.verdict == "out of reach"
-    assert lost.value == 0.5
-    assert "the discs fail at Kh = 0.1" in lost.reason
 
 
 def test_springs_that_do_not_carry_the_ground_are_no_fault() -> None:

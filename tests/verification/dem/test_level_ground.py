@@ -10,7 +10,7 @@ from workflow.config import Config
 WIDTH, LOOSE = 80.0, 10.0  # m
 
 
-@pytest.mark.parametrize("strain", [0.0, 0.035])
+@pytest.mark.parametrize("strain", [pytest.param(0.0, marks=pytest.mark.slow), 0.035])
 def test_level_ground_sinks_by_the_volume_that_drains(strain: float) -> None:
     """The crust settles by the volumetric strain times the thickness of the layer, to 1 % of that thickness, and does
     not drift."""

@@ -84,6 +84,7 @@ def test_a_layer_on_firm_ground_holds_the_residual_strength_asked_for(on_firm_gr
     assert fixed_by(*on_firm_ground) == pytest.approx(STRENGTH, rel=0.15)
 
 
+@pytest.mark.slow
 def test_a_layer_on_the_base_holds_the_residual_strength_asked_for() -> None:
     """0.99 to 1.06 of it in four packings, and 1.12 to 1.22 where bonds to the base were not adjusted."""
     config = endless_on(0.0)

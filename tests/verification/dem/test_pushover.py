@@ -45,7 +45,7 @@ def sliding_block() -> tuple[Search, DiscModel]:
     return pushover_critical_kh(model, ground, SETTINGS, continuum)
 
 
-@pytest.mark.parametrize(("mu", "tilt_deg"), [(MU, 5.0), (0.07, 0.0)])
+@pytest.mark.parametrize(("mu", "tilt_deg"), [(MU, 5.0), pytest.param(0.07, 0.0, marks=pytest.mark.slow)])
 def test_a_block_is_pushed_over_where_friction_says(mu: float, tilt_deg: float) -> None:
     """A block on a plane that dips by beta slides at Kh = tan(phi - beta)."""
     tilt = np.radians(tilt_deg)
@@ -147,6 +147,7 @@ def heap() -> tuple[Ground, DiscModel]:
     return ground, settle(ground, [soil], SETTINGS)
 
 
+@pytest.mark.slow
 def test_the_answer_does_not_depend_on_threads_and_the_discs_stay_as_they_were() -> None:
     ground, model = heap()
     before = model.x.copy()

@@ -38,7 +38,7 @@ def shaking(t: np.ndarray) -> np.ndarray:
     return SHAKING * np.minimum(1.0, OMEGA * t / (2.0 * np.pi * RISES)) * np.sin(OMEGA * t)
 
 
-@pytest.mark.parametrize("ratio", [0.5, 1.0])
+@pytest.mark.parametrize("ratio", [0.5, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_resonance_of_a_layer_on_a_half_space(ratio: float) -> None:
     """At the period 4 H / V_s the top accelerates by A / α in the frame that does not move, α = (ρ V_s of the layer) /
     (ρ V_s of the half-space): waves leave, where on a rigid base they would build up without end."""

@@ -89,7 +89,10 @@ def test_fifteen_layers_of_soft_clay_under_a_deep_sea() -> None:
     )
 
 
-@pytest.mark.parametrize(("cohesion", "phi", "level"), [(20.0, 0.0, 9.0), (5.0, 20.0, 40.0), (5.0, 20.0, None)])
+@pytest.mark.parametrize(
+    ("cohesion", "phi", "level"),
+    [pytest.param(20.0, 0.0, 9.0, marks=pytest.mark.slow), (5.0, 20.0, 40.0), (5.0, 20.0, None)],
+)
 def test_bounds_of_one_period_bracket_the_endless_slope(cohesion: float, phi: float, level: float | None) -> None:
     """Its lower bound is the closed form to 0.1 %: a stress that is linear with depth is one of its own."""
     ground = endless(level or -20.0, cohesion=f"{cohesion} kPa", friction_angle=f"{phi} deg", density="20 kN/m^3")

@@ -147,7 +147,7 @@ OTHERS = [{"first_step": 0.005}, {"first_step": 0.05}, {"tolerance": 1e-5}, {"to
 
 
 @pytest.mark.parametrize("element", ["bilinear", pytest.param("quadratic", marks=pytest.mark.slow)])
-@pytest.mark.parametrize("flow", [ASSOCIATED, AS_GIVEN])
+@pytest.mark.parametrize("flow", [ASSOCIATED, pytest.param(AS_GIVEN, marks=pytest.mark.slow)])
 def test_neither_the_first_step_nor_the_tolerance_matters(element, flow):
     """Measured, largest over smallest: ψ = φ 0.005 and 0.012 %, ψ = 0 0.007 % (bilinear) and 0.44 % (quadratic)."""
     values = [outcome(element, flow=flow, **settings).kc for settings in [{}, *OTHERS]]

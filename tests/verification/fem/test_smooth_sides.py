@@ -111,6 +111,7 @@ def test_strict_bounds_bracket_the_elements_of_slopes_cut_short(ground: Section)
     assert 0.995 * of_factor.lower < factor < 1.01 * of_factor.upper
 
 
+@pytest.mark.slow
 def test_paths_of_equilibria_come_close_to_the_limit_loads() -> None:
     """Kh and the factor of safety by cones and along a path, with smooth sides that decide. The fill dilates by 20
     instead of 25 degrees on the path, and carries no more than with ψ = φ (Radenkovic 1961)."""
