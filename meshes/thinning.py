@@ -2,9 +2,9 @@
 
 A quadrilateral in the tip of a wedge of a few degrees has an angle of a few degrees, and cells behind it are as thin as
 the wedge. The tip that is cut off gets the soil of the layer below it (or of the layer above if there is none below, or
-if both are one thin seam; where the whole section thins out, the section ends there). A layer that is weaker than the
-soil below it keeps its tip, which is made thicker instead: ground slides out along a weak seam that comes out of the
-ground. The area that changes its soil is reported.
+if both are one thin seam; where the whole section thins out, the section ends there). A thin layer that is
+weaker than the soil below it keeps a tip at the ground, which is made thicker instead: ground slides out along a weak
+seam that comes out of the ground. The area that changes its soil is reported.
 """
 
 import math
@@ -37,6 +37,8 @@ MOST_STEPS = 50
 UNIT_WEIGHT = 1e4
 # Soil up to so many of the thickness wished for is a seam, which no tip of other soil may sever.
 SEAM = 3.0
+# A layer up to so many of the thickness wished for, two cells, is weaker by its tip at the ground.
+THIN = 6.0
 # A layer below a tip that is made thicker keeps at least this share of its area.
 LEFT_SHARE = 0.5
 # A breakpoint near others is left out where lines bend by no more than this share of a cell; ground and base, by that
@@ -95,7 +97,11 @@ def _stepped_once(
             stretch = min(at, x_tip), max(at, x_tip)
             what = "the section" if k is None else _part(names, k)
             tells = f"mesh: {what} thins out to nothing at x = {x_tip:.4g} m; in the mesh it ends"
-            if k is not None and (thicker := _thickened(layers, k, *stretch, thick, soils, strengths)) is not None:
+            if (
+                k is not None
+                and _is_outcrop(layers, k, x_tip, soils, least)
+                and (thicker := _thickened(layers, k, *stretch, thick, soils, strengths)) is not None
+            ):
                 more = thicker.areas()[k] - layers.areas()[k]
                 layers = thicker
                 notices.append(f"{tells} there in a step of {thick:.2g} m, with {more:.2g} m² more")
@@ -261,6 +267,15 @@ def _with_breakpoint(layers: Layering, at: float) -> Layering:
         left=np.insert(layers.left, i + 1, middle, axis=0),
         right=np.insert(layers.right, i, middle, axis=0),
     )
+
+
+def _is_outcrop(layers: Layering, k: int, tip: float, soils: list[str], least: float) -> bool:
+    """Return whether a tip (m) of stratum k is at the ground, and its soil is nowhere thick."""
+    same = np.array(soils) == soils[k]
+    thick = max(float((-np.diff(side, axis=1))[:, same].sum(axis=1).max()) for side in (layers.left, layers.right))
+    at = int(np.argmin(np.abs(layers.x - tip)))
+    ends = [side[i, 0] - side[i, k] for side, i in ((layers.right, at - 1), (layers.left, at)) if 0 <= i < len(side)]
+    return thick <= THIN * least and min(ends) <= layers.tolerance
 
 
 def _thickened(
