@@ -61,7 +61,7 @@ def said(folder: Path, capsys: pytest.CaptureFixture[str]) -> Ask:
 def test_from_the_file_to_what_liquefies(said: Ask) -> None:
     message = said("check", "levee.toml")
     assert "The section is sound" in message
-    assert 'strata 4 "Soft clay": its cohesion varies' in message  # its number in the file, which water cuts
+    assert 'strata 4 "Soft clay": the cohesion varies' in message  # its number in the file, which water cuts
     assert '"Levee fill, below water"' not in message
     message = said("liquefaction", "levee.toml")
     assert '"Loose sand" below water liquefies: F_L is below 1 in 100 % of it' in message

@@ -91,7 +91,7 @@ def test_notices_name_strata_as_the_file_does() -> None:
     })  # fmt: skip
     assert len(config.section.strata) == 4
     text = " ".join(config.notices)
-    assert 'strata 2 "clay" below water: its cohesion varies' in text
+    assert 'strata 2 "clay" below water: the cohesion varies' in text
     assert 'stratum "sand" below water thins out' in text
     assert ", below water" not in text
     assert "strata 3" not in text

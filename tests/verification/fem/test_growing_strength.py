@@ -156,7 +156,7 @@ def test_discs_have_the_cohesion_of_the_middle() -> None:
     section = Section.parse(cut())
     assert section.cohesion_field.means()[0].cohesion == pytest.approx(38e3)
     assert soil_layers(section)[0].stratum.cohesion == pytest.approx(38e3)
-    assert any("its cohesion varies" in text for text in section.notices)
+    assert any("the cohesion varies" in text for text in section.notices)
 
 
 @pytest.mark.parametrize(
