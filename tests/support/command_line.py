@@ -5,8 +5,10 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
+from pyvista import Plotter
 
 from meshes.executor import SERIAL
 from tests.support import TOP
@@ -18,8 +20,8 @@ def run(*arguments: object, side_by_side: bool = False, painted: bool = False) -
 
     Unless its tasks are to be done ``side_by_side`` this process does them all, which finds the same: each other one
     takes seconds to import what it draws and computes with. Where a test looks at its pictures they are ``painted``;
-    else each is made up to its last step, and a line of white is saved, which takes half a second less of drawing and
-    of compressing for the report.
+    else each is made up to its last steps, the views of VTK are white, and a line of white is saved, which takes half
+    of the time of drawing, and of compressing for the report.
     """
     with pytest.MonkeyPatch.context() as patch:
         if not side_by_side:
@@ -36,11 +38,18 @@ def run(*arguments: object, side_by_side: bool = False, painted: bool = False) -
 def unpainted(patch: pytest.MonkeyPatch) -> None:
     """Lets pictures be white lines for as long as a patch holds."""
     patch.setattr("matplotlib.figure.Figure.savefig", _white)
+    patch.setattr("pyvista.Plotter.screenshot", _blank)
 
 
 def _white(_: object, path: Path | str, **__: object) -> None:
     """A picture as wide as any, without anything in it."""
     Image.new("RGB", (1600, 1), "white").save(path, format="PNG")
+
+
+def _blank(plotter: Plotter, **_: object) -> np.ndarray:
+    """A white view."""
+    width, height = plotter.window_size
+    return np.full((height, width, 3), 255, np.uint8)
 
 
 def line(*arguments: object) -> list[str]:

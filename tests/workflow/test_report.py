@@ -22,7 +22,7 @@ COARSE = {"fem.element": "bilinear", "fem.tolerance": 1e-4, "fem.accuracy": 0.0,
 FEW_DISCS = {
     "mesh.size": 3, "dem.elements": 50, "dem.parameter": "none", "dem.kh": [], "dem.resolution": 0.1,
     "dem.unbalanced": 1e-2, "dem.element_tests": False, "slide.kh": 0.1, "slide.duration": 2.0,
-    "slide.seeds": [], "slide.frames": 5, "bounds.max_cells": 300, "fem.direction": "downhill",
+    "slide.seeds": [], "slide.frames": 5, "bounds.max_cells": 200, "bounds.gap": 0.3, "fem.direction": "downhill",
 }  # fmt: skip
 FEW_CELLS = {"mesh.columns": 12, "mesh.rows": 9, "fem.direction": "downhill", "fem.rigid_box": False}
 CONTINUUM = ("--only", "mesh", "--only", "fem", "--only", "report")
@@ -75,7 +75,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     }
     for name, arguments in requested.items():
         wanted = (*arguments, *options(COARSE), "--out", folder / name, "-q")
-        assert run("run", *wanted, painted=name in ("s13", "river_bank")) == RUNS[name][0], name
+        assert run("run", *wanted) == RUNS[name][0], name
     return {name: folder / name for name in requested}
 
 
@@ -106,7 +106,6 @@ def test_what_is_read_is_what_was_found(name: str, runs: dict[str, Path], tab: P
     for event in ("Log.entryAdded", "Runtime.consoleAPICalled", "Runtime.exceptionThrown"):
         assert tab.named(event) == []
     assert min(tab.value("[...document.images].map(image => image.naturalWidth)"), default=1) > 0
-    assert (runs[name] / "report.html").stat().st_size < 3_000_000
 
 
 def test_the_check_of_sentences_sees_what_is_wrong(runs: dict[str, Path]) -> None:
