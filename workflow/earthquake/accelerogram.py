@@ -117,7 +117,7 @@ def _chosen(components: list[RecordedSeries], wanted: str) -> RecordedSeries:
         parts = {_plain(component.component), *map(_plain, component.component.split(":")), str(number)}
         if key in parts or (key.isalpha() and _plain(component.component).startswith(key)):
             return component
-    raise ValueError(f'component = "{wanted}": holds {_names(components)}')
+    raise ValueError(f'component = "{wanted}": the file holds the components {_names(components)}')
 
 
 def _names(components: list[RecordedSeries]) -> str:

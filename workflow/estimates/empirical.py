@@ -65,9 +65,12 @@ BLOCK = "a rigid mass on a slip surface of constant strength; no liquefaction"
 YOUD_TITLE, ZHANG_TITLE = "Youd, Hansen & Bartlett (2002)", "Zhang, Robertson & Brachman (2004)"
 YOUD_RANGE = (
     "M 6-8, slopes of 0.1-6 % or free faces of W = 1-20 %, 1-15 m with (N1)60 below 15, fines up to 50 %, "
-    "D50 0.1-1 mm; within a factor of 2"
+    "D50 0.1-1 mm; accurate within a factor of 2"
 )
-ZHANG_RANGE = "gently sloping ground of 0.2-3.5 %, or L/H = 4-40 from a free face; strains down to 23 m; factor of 2"
+ZHANG_RANGE = (
+    "gently sloping ground of 0.2-3.5 %, or places at a distance L of 4-40 times the height H of a free face; strains "
+    "down to 23 m of depth count; accurate within a factor of 2"
+)
 
 
 def empirical(section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray) -> Iterator[Estimate]:

@@ -63,7 +63,7 @@ def _seen(variant: Variant, kc: float | None) -> str:
     comparison = f" instead of {coefficient(without)}" if variant.kc_without is not None else ""
     by = 100.0 * (variant.kc / without - 1.0)
     much = f"{by:+.1f} %" if abs(by) >= 0.05 else "no change"
-    return f"In this run, with {variant.change}: critical Kh = {coefficient(variant.kc)}{comparison} ({much})."
+    return f"In this run, with {variant.change}, the critical Kh is {coefficient(variant.kc)}{comparison} ({much})."
 
 
 def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str]]:

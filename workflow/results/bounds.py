@@ -89,7 +89,7 @@ class DirectionPart(Part):
     @property
     def way_out(self) -> str:
         """Return a clause on the sides at which the ground slides out; empty if there are none."""
-        return f", where the ground slides out at the {' and the '.join(self.leaves)} side" if self.leaves else ""
+        return f"; the ground slides out at the {' and the '.join(self.leaves)} side" if self.leaves else ""
 
 
 class BracketPart(Part):

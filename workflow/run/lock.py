@@ -44,7 +44,7 @@ def _take(descriptor: int, folder: Path) -> None:
             return  # a file system without locks: rather no lock than no run
         holder = _holder(descriptor)
         raise InputError(
-            str(folder), [f"is in use by another run{holder}; wait for it, or take another --out"]
+            str(folder), [f"the folder is in use by another run{holder}; wait for it, or take another --out"]
         ) from None
     me = {"pid": os.getpid(), "host": socket.gethostname(), "since": datetime.now().isoformat(" ", "seconds")}
     try:

@@ -126,7 +126,7 @@ def test_variants_stand_beside_what_they_show(s13: Config) -> None:
     change = "sides fixed instead of free-field"
     variant = Variant(name="sides", change=change, kc=0.3, kc_upper=0.31, verdict="plateau", reason="", seconds=1.0)
     messages = dict(sources_of_uncertainty(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(variant,)))))
-    assert "sides fixed instead of free-field: critical Kh = 0.300 (+25.0 %)" in messages["Side condition"]
+    assert "sides fixed instead of free-field, the critical Kh is 0.300 (+25.0 %)" in messages["Side condition"]
     none = Variant(name="sides", change=change, kc=None, kc_upper=None, verdict="undecided", reason="slow", seconds=1.0)
     silent = dict(sources_of_uncertainty(results(s13, fem=fem(s13), variants=VariantsAnswer(variants=(none,)))))
     assert "undecided, slow" in silent["Side condition"]

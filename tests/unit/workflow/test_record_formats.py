@@ -186,7 +186,7 @@ def test_one_of_several_components_is_asked_for() -> None:
     for number, name in enumerate(three, start=1):
         for way in (name, name.lower(), str(number)):
             np.testing.assert_allclose(read_text(text, component=way).acceleration, three[name], atol=1e-6)
-    assert 'component = "Z": holds "NS", "EW", "UD"' in refused(text, component="Z")
+    assert 'component = "Z": the file holds the components "NS", "EW", "UD"' in refused(text, component="Z")
     timed = "\n".join(
         f"{0.01 * k:.2f};{a:.6f};{b:.6f}" for k, (a, b) in enumerate(zip(three["NS"], three["EW"], strict=True))
     )
