@@ -5,10 +5,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from workflow.criteria.settings import judge, together
+from workflow.estimates.crest_settlement import freeboard
 from workflow.estimates.structures import structures_of
-from workflow.report.crests import crest_parts
+from workflow.report.crests import crest_parts, water_at_crest
 from workflow.report.numbers import listed
-from workflow.report.structures import face_rows
+from workflow.report.structures import FaceRow, face_rows
 from workflow.report.summary_text import at_rest
 from workflow.results.answer import Line
 from workflow.results.results import Results
@@ -19,6 +20,7 @@ Interval = tuple[str, float | None, float | None, str]  # of what, ends of the i
 AT_LEAST: tuple[Criterion, ...] = ("factor of safety", "critical Kh", "freeboard")
 OF_FACES: tuple[Criterion, ...] = ("factor of safety", "critical Kh")  # of structures, where there are any
 OPEN = float("inf")  # the upper end of what still grows
+BLOCK = "rigid block with its strength"
 TINY = 1e-3  # m: slides of less have no spread
 
 
@@ -42,7 +44,7 @@ def verdicts(results: Results) -> list[VerdictPart]:
 def _judged(
     criterion: Criterion, limit: float, source: str, ranges: Iterator[Interval], kh: float | None = None
 ) -> Iterator[VerdictPart]:
-    answers = list(ranges) or [("the section", None, None, "there is no answer")]
+    answers = list(ranges) or [("the section", None, None, "it was not computed")]
     for of, low, high, reason in answers:
         verdict = judge(low, high, limit, criterion in AT_LEAST)
         if verdict == "not decided" and not reason:
@@ -116,7 +118,7 @@ def _by_slices(of: str, circles: Sequence[CirclePart]) -> Iterator[Interval]:
 def _displacements(results: Results) -> Iterator[Interval]:
     config = results.config
     for row in face_rows(config, results.slices):
-        of = f"{row.name}, rigid block with its strength"
+        of = f"{row.name}, {BLOCK}"
         if row.block is not None:
             yield of, row.block.low, row.block.high, ""
         elif row.kc is not None:  # at most 0
@@ -163,7 +165,10 @@ def _settlements(results: Results) -> Iterator[Interval]:
     for part in crest_parts(results.config, results.cases, results.mpm):
         high = part.settlement_high_m if part.at_rest else OPEN
         yield f"{part.structure}, {part.by}", part.settlement_low_m, high, _why(part.at_rest)
+    for row in _blocks(results):
+        yield f"{row.name}, {BLOCK}", 0.0, row.block.high if row.block else None, ""
     yield from _not_computed(results)
+    yield from _without_crest(results)
 
 
 def _freeboards(results: Results) -> Iterator[Interval]:
@@ -173,7 +178,31 @@ def _freeboards(results: Results) -> Iterator[Interval]:
             yield of, None, None, "the water has no elevation"
         else:
             yield of, part.freeboard_low_m if part.at_rest else -OPEN, part.freeboard_high_m, _why(part.at_rest)
+    crests = {structure.name: structure.crest for structure in structures_of(results.config.section)}
+    for row in _blocks(results):
+        crest = crests[row.face.structure]
+        water = water_at_crest(results.config, crest)
+        if water is None or row.block is None:
+            yield f"{row.name}, {BLOCK}", None, None, "the water has no elevation"
+        else:
+            least, most = (freeboard(crest.elevation, fall, water) for fall in (row.block.high, 0.0))
+            yield f"{row.name}, {BLOCK}", least, most, ""
     yield from _not_computed(results)
+    yield from _without_crest(results)
+
+
+def _blocks(results: Results) -> list[FaceRow]:
+    """Return the faces whose crest settles by no more than a rigid block slides: those of sections in which nothing
+    liquefies, so that no other slide is computed."""
+    if any(stratum.liquefies_in for stratum in results.config.section.strata):
+        return []
+    return [row for row in face_rows(results.config, results.slices) if row.block is not None]
+
+
+def _without_crest(results: Results) -> Iterator[Interval]:
+    """Yield the reason why no crest settles, in a section without structures."""
+    if not structures_of(results.config.section):
+        yield "the section", None, None, "there is no crest; expected [[structures]] with its feet"
 
 
 def _why(at_rest: bool) -> str:

@@ -164,6 +164,33 @@ def test_a_face_that_slides_without_shaking_keeps_no_displacement() -> None:
     assert (part.verdict, part.reason) == ("not decided", "it slides without any shaking")
 
 
+def test_a_crest_in_ground_that_does_not_liquefy_settles_no_more_than_a_block_slides() -> None:
+    """A dike on clay had crest settlement and freeboard "not decided: there is no answer"."""
+    limits = {"crest_settlement": {"limit": "0.3 m"}, "freeboard": {"limit": "0.5 m", "water": 13.0}}
+    data = {"criteria": limits, "earthquake": {"magnitude": 7.0, "peak_acceleration": "0.3 g", "distance": "20 km"}}
+    config = levee(**data, strata=[stratum | {"liquefies_in": []} for stratum in _strata()], triggering={})
+    answers = results(config, slices=by_slices(config))
+    left = face_rows(config, answers.slices)[0]
+    assert left.block is not None
+    assert left.block.high > 0.0
+    judged = verdicts(answers)
+    assert [(part.criterion, part.verdict) for part in judged] == [
+        ("crest settlement", "satisfied"), ("crest settlement", "satisfied"),
+        ("freeboard", "satisfied"), ("freeboard", "satisfied"),
+    ]  # fmt: skip
+    assert (judged[0].low, judged[0].high) == (0.0, pytest.approx(left.block.high))
+    assert (judged[2].low, judged[2].high) == (pytest.approx(2.0 - left.block.high), pytest.approx(2.0))
+    too_wide = levee(**data | {"criteria": {"freeboard": {"limit": "2 m", "water": 13.0}}},
+                     strata=[stratum | {"liquefies_in": []} for stratum in _strata()], triggering={})  # fmt: skip
+    assert verdicts(results(too_wide, slices=by_slices(too_wide)))[0].verdict == "not decided"
+
+
+def _strata() -> list[dict[str, Any]]:
+    data = tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8"))
+    result: list[dict[str, Any]] = data["strata"]
+    return result
+
+
 def test_what_still_moves_or_was_not_computed_is_not_decided() -> None:
     config = levee(criteria={"crest_settlement": {"limit": "0.4 m"}, "freeboard": {"limit": "1 m"}})
     moving = verdicts(results(config, cases=slid(sunk(config, 0.1, settled=False))))
