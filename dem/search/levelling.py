@@ -38,7 +38,8 @@ def levelled(section: Section, packing: Packing, radius: float, spread: float) -
     """Return the packing without the discs whose tops are above the surface, and with its hollows filled.
 
     The free discs of this packing have no stratum yet (number 0): the caller assigns each to the stratum in which it
-    lies. section: the ground; radius: mean of the discs (m); spread: half the width of the radii over the mean.
+    lies. section: the ground; radius: mean of the discs (m); spread: half the width of the
+    range of radii over the mean.
     """
     discs = np.column_stack([packing.x, packing.z, packing.radius])
     fixed, discs = discs[~packing.free], discs[packing.free]

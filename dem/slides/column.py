@@ -45,7 +45,7 @@ class SoilColumn:
     reach
         Length of the rough floor over the width.
     spread
-        Half the width of the radii over their mean.
+        Half the width of the range of radii, over the mean radius.
 
     Attributes
     ----------

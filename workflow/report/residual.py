@@ -45,9 +45,9 @@ def residual_details(steps: TwoSteps) -> Iterator[str]:
     if along is not None and along.residual is not None:
         peak = f" ({along.peak:.2f} with peak strength)" if along.peak is not None else ""
         value = f"{along.residual:.2f} by Spencer's method{peak}"
-        yield f"With residual strength along the slip surface of peak strength it is {value}."
+        yield f"With residual strength along the slip surface of peak strength the factor of safety is {value}."
     if steps.everywhere.factor is not None or steps.everywhere.factor_lower is not None:
-        yield f"With residual strength everywhere it is {factors(steps.everywhere)}."
+        yield f"With residual strength everywhere the factor of safety is {factors(steps.everywhere)}."
     if steps.everywhere.kc is not None:
         yield f"With residual strength the critical Kh is {steps.everywhere.kc:.3f} by finite elements."
     for note in (*steps.notes, *steps.everywhere.notes):
