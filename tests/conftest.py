@@ -1,7 +1,6 @@
-"""What holds for all tests: Ctrl-C is heard, a crash is told, and no property depends on how busy the machine is."""
+"""What holds for all tests: Ctrl-C is heard, and no property depends on how busy the machine is."""
 
 import gc
-import os
 import signal
 
 from hypothesis import settings
@@ -12,8 +11,7 @@ settings.load_profile("any machine")
 
 def pytest_configure() -> None:
     """Hears Ctrl-C again, here and in every program that a test starts: a shell that runs `make test` in the background
-    has told it to ignore that. PETSc leaves signals of a crash to Python, which prints where it happened."""
-    os.environ["PETSC_OPTIONS"] = os.environ.get("PETSC_OPTIONS", "") + " -no_signal_handler"
+    has told it to ignore that."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

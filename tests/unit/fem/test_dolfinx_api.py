@@ -47,3 +47,19 @@ assert "dolfinx" in sys.modules
 assert sys.getdlopenflags() == before
 """
     subprocess.run([sys.executable, "-c", words], check=True)
+
+
+def test_a_broken_pipe_is_an_error_and_ends_no_program():
+    """PETSc aborted the program where a worker process had died, so that its task was not tried again."""
+    words = """
+import os
+import fem.continuum.discretisation
+reading, writing = os.pipe()
+os.close(reading)
+try:
+    os.write(writing, b"to nobody")
+except BrokenPipeError:
+    print("heard")
+"""
+    done = subprocess.run([sys.executable, "-c", words], check=True, capture_output=True, text=True)
+    assert done.stdout == "heard\n"

@@ -1,6 +1,5 @@
 """Tasks in order, in a thread and in processes: results, errors, and what becomes of those that are left."""
 
-import gc
 import operator
 import os
 import signal
@@ -28,12 +27,6 @@ from tests.support import TOP
 from tests.support.executor_tasks import OddError, dies_first, own_number, raises_odd_error, sleeps, squared
 
 ALL = pytest.mark.parametrize("made", [lambda: SERIAL, OneThread, lambda: Processes(2)])
-
-
-@pytest.fixture(scope="module", autouse=True)
-def no_garbage_of_other_tests() -> None:
-    """What other tests left of MPI and VTK is freed in this thread; in one of an executor it may crash."""
-    gc.collect()
 
 
 @pytest.fixture(scope="module")
