@@ -19,12 +19,11 @@ from meshes.section.section import Section, read_toml
 from workflow.config import notice_lines
 from workflow.config.renamed import notices
 from workflow.report import data, tables
-from workflow.run.plan import Action, Choice, Decision, plan
+from workflow.run.plan import Action, Choice, plan
 from workflow.run.progress import Verbosity
 from workflow.run.record import Record
 from workflow.run.spelling import is_legible, legible
 from workflow.run.stage import Job
-from workflow.stages.expected_time import announcement
 
 if TYPE_CHECKING:
     from workflow.report.side_by_side import ComparedRun
@@ -109,7 +108,6 @@ def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:
         (decision.stage.name, VERBS[decision.action], decision.why or "nothing has changed") for decision in decisions
     ]
     show_table(("stage", "would", "because"), rows)
-    _announce(decisions, job)
     return _show_shaking(job)
 
 
@@ -117,12 +115,6 @@ def _show_shaking(job: Job) -> None:
     """Print the corrections of records, the warnings about records and earthquake, and the resulting Kh."""
     for line in notice_lines(job.config.notices_of_slides):
         say(line)
-
-
-def _announce(decisions: Sequence[Decision], job: Job) -> None:
-    """Print the expected duration of a run if it is long."""
-    if words := announcement(decisions, job.config):
-        say(words)
 
 
 def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str] = (), pdf: bool = False) -> None:
@@ -137,8 +129,6 @@ def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[s
     shown = [stage for stage in job.stages if stage.name in choice.chosen]
     what = "noshiro " + shlex.join(sys.argv[1:])
     try:
-        if verbosity.in_sentences:
-            _announce(plan(job, Record(job.store), choice), job)
         with Display(err, shown, verbosity) as display:
             pipeline.execute(replace(job, executor=Processes(job.config.dem.workers)), choice, display, what)
     except InputError as error:
