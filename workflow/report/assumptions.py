@@ -44,8 +44,14 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     )
     yield (
         "Strength",
-        "The strength is Mohr-Coulomb with constant c and φ, which do not fall with strain or with the number of "
-        "cycles. " + FLOWS[flow_of(config.section.strata, config.fem.flow)],
+        "The strength is Mohr-Coulomb with the given c and φ, which do not fall with strain or with the number of "
+        "cycles. "
+        + (
+            "Ratios of strength apply to the vertical effective stress before shaking. "
+            if any(stratum.strength_ratio for stratum in config.section.strata)
+            else ""
+        )
+        + FLOWS[flow_of(config.section.strata, config.fem.flow)],
     )
     yield "Water", _water(config.section)
     if (flow := config.section.water_pressure.flow) is not None:

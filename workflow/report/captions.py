@@ -118,6 +118,13 @@ CAPTIONS = (
     Caption(r"sliding_block", "comparison", "The rigid block under the accelerogram, in both directions.", True),
 )
 
+# Captions of pictures that show discs, if there are any, where there are none.
+WITHOUT_DISCS = {
+    "curves": "Kh over displacement of the continuum. Band: bracket of the critical Kh.",
+    "slip_surfaces": "Slip surface of the continuum.",
+}
+OF_DISCS = r"(dem_|case\d).*"  # pictures that are there if discs are
+
 
 @dataclass(frozen=True)
 class Picture:
@@ -142,12 +149,13 @@ def collect(names: Sequence[str], folder: Path, width: int, texts: Texts | None 
 def _captioned(names: Sequence[str], folder: Path, texts: Texts) -> Iterator[tuple[str, Caption, str]]:
     """Yield every picture in the folder with the first caption whose pattern matches its name."""
     left = sorted((name for name in set(names) if name.endswith(".png") and (folder / name).is_file()), key=_by_number)
+    without = {} if any(re.match(OF_DISCS, Path(name).name) for name in left) else WITHOUT_DISCS
     for caption in CAPTIONS:
         for name in list(left):
             match = re.fullmatch(caption.pattern, Path(name).stem)
             if match is not None:
                 left.remove(name)
-                yield name, caption, texts(caption.words).format(*match.groups())
+                yield name, caption, texts(without.get(caption.pattern, caption.words)).format(*match.groups())
 
 
 def _by_number(name: str) -> list[tuple[int, float, str]]:

@@ -14,6 +14,7 @@ from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
 from workflow.config import Config
 from workflow.figures.displacements import slides
+from workflow.report.captions import collect
 from workflow.report.console import run_lines
 from workflow.report.page import page
 from workflow.report.summary import summary
@@ -53,6 +54,22 @@ def test_a_report_without_answers(answers: dict[str, Any], s13: Config) -> None:
     text = html(results(s13, fem=fem(s13)) if answers else results(s13))
     assert "The slide after liquefaction is not known" in text
     assert_refers_to_what_is_there(text)
+
+
+def test_a_report_without_discs_does_not_describe_them(s13: Config, tmp_path: Path) -> None:
+    """A dike in which nothing liquefies was told how discs are filled in, and of slip surfaces of discs."""
+    clay = slope()["strata"][0] | {"strength_ratio": 0.25, "friction_angle": "0 deg", "cohesion": "0 kPa"}
+    run = Config.parse(slope() | {"strata": [clay, slope()["strata"][1]]})
+    text = html(results(run, fem=fem(run)))
+    for words in ("The discs are filled in", "Cundall", "Hamada", "constant c and φ"):
+        assert words not in text
+    assert "Ratios of strength apply to the vertical effective stress before shaking." in text
+    assert "The discs are " in html(whole(s13))
+    for name in ("slip_surfaces", "dem_model"):
+        Image.new("RGB", (9, 9)).save(tmp_path / f"{name}.png")
+    assert collect(["slip_surfaces.png"], tmp_path, 9)[0].caption == "Slip surface of the continuum."
+    both = collect(["slip_surfaces.png", "dem_model.png"], tmp_path, 9)
+    assert both[0].caption.startswith("Slip surfaces of the continuum and of the discs.")
 
 
 def test_a_face_that_fails_under_its_own_weight_has_a_row_and_no_block(s13: Config) -> None:
