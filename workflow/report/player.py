@@ -29,6 +29,7 @@ MOST = 400_000  # places in one film; of a longer one every second picture is le
 MOST_CELLS = 20_000  # of a mesh that is drawn in a page
 HISTORY = 300  # points of a curve in time
 SHADES = 9
+BEYOND = 0.1  # of the extent of the discs at the start, which a film shows beyond that extent at most
 
 
 @dataclass(frozen=True)
@@ -76,9 +77,8 @@ def _slide(results: Results, title: str, states: list[Frame], history: SlideHist
     """Return a film of one slide: radius, stratum and position of every disc, then its displacement from frame to
     frame."""
     first, last = states[0], states[-1]
-    reach = first.radius.max()
-    left, right = float(first.x.min() - reach), float(first.x.max() + reach)
-    bottom, top = float(first.z.min() - reach), float(first.z.max() + reach)
+    left, right = _extent([state.x for state in states], first.radius.max())
+    bottom, top = _extent([state.z for state in states], first.radius.max())
     quantum = (right - left) / STEPS
     places = np.array([np.rint(np.column_stack([state.x - left, state.z - bottom]) / quantum) for state in states])
     rows = history.rows if history is not None else ()
@@ -99,6 +99,19 @@ def _slide(results: Results, title: str, states: list[Frame], history: SlideHist
     }
     return Film.of(
         "slides", title, table, [np.rint(first.radius / quantum), first.stratum, places[0], np.diff(places, axis=0)]
+    )
+
+
+def _extent(places: list[np.ndarray], reach: float) -> tuple[float, float]:
+    """Return the ends (m) along one axis of discs of radius ``reach`` in all states, from their places (n,) in each.
+
+    Ground that slides out of the section stays in the picture; single discs that fly away do not make it small.
+    """
+    low, high = float(places[0].min() - reach), float(places[0].max() + reach)
+    beyond = BEYOND * (high - low)
+    return (
+        max(low - beyond, min(float(place.min()) - reach for place in places)),
+        min(high + beyond, max(float(place.max()) + reach for place in places)),
     )
 
 

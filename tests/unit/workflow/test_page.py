@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import tomli_w
 from PIL import Image
@@ -17,6 +18,7 @@ from workflow.figures.displacements import slides
 from workflow.report.captions import collect
 from workflow.report.console import run_lines
 from workflow.report.page import page
+from workflow.report.player import _extent
 from workflow.report.summary import summary
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer, alike
@@ -189,3 +191,10 @@ def test_a_run_is_told_in_twelve_lines(s13: Config) -> None:
     many = result.model_copy(update={"warnings": result.warnings * 10})
     assert len(run_lines(many)) <= 9
     assert run_lines(many)[-1].endswith("more warnings are in the report.")
+
+
+def test_a_film_shows_ground_that_slides_out_of_its_section() -> None:
+    """Discs of 1 m in 100 m of width: 4 m beyond the right side are shown; of a disc that flies away a tenth is."""
+    start = np.linspace(1.0, 99.0, 50)
+    assert _extent([start, start + 4.0], 1.0) == pytest.approx((0.0, 104.0))
+    assert _extent([start, np.append(start, 900.0)], 1.0) == pytest.approx((0.0, 110.0))
