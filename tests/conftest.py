@@ -3,15 +3,17 @@
 import gc
 import signal
 
+import pytest
 from hypothesis import settings
 
-settings.register_profile("any machine", deadline=None)
-settings.load_profile("any machine")
+settings.register_profile("gate", deadline=None, max_examples=30)
+settings.register_profile("long studies", deadline=None, max_examples=100)
 
 
-def pytest_configure() -> None:
+def pytest_configure(config: pytest.Config) -> None:
     """Hears Ctrl-C again, here and in every program that a test starts: a shell that runs `make test` in the background
-    has told it to ignore that."""
+    has told it to ignore that. Properties are tried on more examples where the long studies run, too."""
+    settings.load_profile("gate" if config.option.markexpr == "not slow" else "long studies")
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

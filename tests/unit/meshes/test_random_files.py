@@ -29,6 +29,8 @@ WAYS = ("closed", "bulged", "lines", "open", "unclosed", "space", "spline", "per
 ONLY_LENSES = ("bulged", "spline", "periodic", "unclosed")
 WIDE = 60.0
 
+FEW = settings.default.max_examples // 5  # files take a second to write and to read
+
 
 @dataclass
 class Drawn:
@@ -141,7 +143,7 @@ def area(ring: np.ndarray) -> float:
 
 
 @given(seed=st.integers(0, 100_000))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=FEW, deadline=None)
 def test_random_drawings_come_back(seed: int, tmp_path_factory: pytest.TempPathFactory) -> None:
     made = drawing(seed, tmp_path_factory.mktemp("dxf") / "drawn.dxf")
     read = read_dxf(made.path, "made")
@@ -163,7 +165,7 @@ def test_random_drawings_come_back(seed: int, tmp_path_factory: pytest.TempPathF
 
 
 @given(seed=st.integers(0, 100_000))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=FEW, deadline=None)
 def test_random_lines_come_back(seed: int, tmp_path_factory: pytest.TempPathFactory) -> None:
     """A slope of lines alone, in any order and direction: some go on past the ground, and one of fill ends at it."""
     rng = np.random.default_rng(seed)
@@ -251,7 +253,7 @@ def borings(seed: int, path: Path) -> list[dict[str, Any]]:
 
 
 @given(seed=st.integers(0, 100_000))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=FEW, deadline=None)
 def test_random_borings_come_back(seed: int, tmp_path_factory: pytest.TempPathFactory) -> None:
     path = tmp_path_factory.mktemp("ags") / "made.ags"
     made = borings(seed, path)

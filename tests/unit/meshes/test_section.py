@@ -241,13 +241,13 @@ def test_round_trip_of_shipped_sections(file: Path, tmp_path: Path) -> None:
     assert_round_trip(section, tmp_path / "again.toml")
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(deadline=None, derandomize=True)
 @given(section=sections())
 def test_round_trip_of_random_sections(section: Section, tmp_path_factory: pytest.TempPathFactory) -> None:
     assert_round_trip(section, tmp_path_factory.mktemp("section") / "again.toml")
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(deadline=None, derandomize=True)
 @given(section=sections())
 def test_areas_of_random_sections_are_those_of_their_polygons(section: Section) -> None:
     def area(polygon: np.ndarray) -> float:
