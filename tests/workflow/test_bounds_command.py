@@ -78,7 +78,7 @@ def test_grains_that_roll_down_are_told_and_the_slope_as_a_whole_is_bounded(
     sand = layer("sand", cohesion=0, friction_angle="35 deg", bottom={"elevation": -2.0})
     bank = {"name": "bank", "surface": [[0.0, 5.0], [10.0, 5.0], [20.0, 0.0], [30.0, 0.0]], "base": {"elevation": -4.0}}
     path.write_text(tomli_w.dumps({**bank, "strata": [sand, layer("clay", cohesion="60 kPa", friction_angle="0 deg")]}))
-    assert run("bounds", path, "--out", out, "--no-davis", *SMALL) == 0
+    assert run("bounds", path, "--out", out, "--no-davis", *SMALL, "--max-cells", "200") == 0
     answer = json.loads((out / "fem/bounds.json").read_text())
     [face] = answer["shallow_failures"]
     assert answer["upper"] > face["kh"] == pytest.approx(0.1482, abs=1e-4)

@@ -37,7 +37,7 @@ SECTION: dict[str, Any] = {
         "model": "paper", "radius": "0.5 m", "kh": [0.1], "resolution": 0.04, "tolerance": 0.1,
         "out_of_reach": "go on", "element_tests": False, "parameter": "all", "range": [0.25, 4.0],
     },
-    "slide": {"methods": ["discs"], "duration": 4.0, "frames": 4, "cases": [{"stiffness": 0.1}, {"stiffness": 0.03}]},
+    "slide": {"methods": ["discs"], "duration": 2.5, "frames": 4, "cases": [{"stiffness": 0.1}, {"stiffness": 0.03}]},
 }  # fmt: skip
 
 

@@ -27,7 +27,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ],
         "mesh": {"size": "3 m"},
         "fem": {"direction": "downhill", "accuracy": 0.0, "element": "bilinear", "tolerance": 1e-4},
-        "bounds": {"max_cells": 400},
+        "bounds": {"max_cells": 200, "gap": 0.3},
         "slide": {
             "cases": [{"stiffness": 0.1}, {"residual": 0.02}, {"residual": 0.2, "name": "much"}, {"stiffness": 0.5}]
         },

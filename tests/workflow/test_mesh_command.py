@@ -262,7 +262,8 @@ def test_no_usable_mesh_is_another_exit_code(
 
 
 @pytest.mark.parametrize(
-    "kilobytes", [pytest.param(1, marks=pytest.mark.slow), 4, pytest.param(12, marks=pytest.mark.slow), 30]
+    "kilobytes",
+    [4, *(pytest.param(size, marks=pytest.mark.slow) for size in (1, 12, 30))],
 )
 def test_a_full_disk_leaves_nothing_half_written(kilobytes: int, section: Path, out: Path) -> None:
     """No file may become larger than so many kilobytes: each file is then there whole, or not at all."""
