@@ -17,7 +17,7 @@ from workflow.config import Config
 from workflow.config.tables import ReportSettings
 from workflow.estimates.slide_error import SlideError
 from workflow.report import assumptions, model_error, uncertainty
-from workflow.report.captions import CAPTIONS
+from workflow.report.captions import CAPTIONS, WITHOUT_DISCS
 from workflow.report.first_page import FLOW, IN_FULL, SIDES, headlines
 from workflow.report.page import VARIED
 from workflow.report.tables import STRATA_HEADS
@@ -82,7 +82,7 @@ def wanted() -> set[str]:
     heads = [head.strip().replace("\n", ", ") for head in STRATA_HEADS]
     head = [name for name, field in ReportSettings.model_fields.items() if field.annotation is str and name != "logo"]
     machine = ["host", "system", "processor"]
-    captions = [caption.words for caption in CAPTIONS]
+    captions = [*(caption.words for caption in CAPTIONS), *WITHOUT_DISCS.values()]
     return {*of_templates(), *of_code(), *headings(), *fixed, *heads, *head, *machine, *captions}
 
 
