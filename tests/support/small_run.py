@@ -26,7 +26,12 @@ SHORT_SLIDE = {
 
 def written(folder: Path, **more: Any) -> Path:
     """A small section with a record, coarse enough for a second."""
-    data = {**slope(), "title": "A <small> slope & more", "mesh": {"size": 3.0}, "bounds": {"max_cells": 300}}
+    data = {
+        **slope(),
+        "title": "A <small> slope & more",
+        "mesh": {"size": 3.0},
+        "bounds": {"max_cells": 200, "gap": 0.3},
+    }
     data |= {
         "fem": {"element": "bilinear", "kh": [0.2, 0.9], "accuracy": 0.0, "tolerance": 1e-4},
         "sliding_block": {"accelerogram": "quake.csv"},

@@ -36,7 +36,7 @@ SECTION: dict[str, Any] = {
         "elements": 110, "kh": [0.1], "resolution": 0.08, "tolerance": 0.05, "out_of_reach": "go on",
         "element_tests": False,
     },
-    "slide": {"methods": ["discs"], "seeds": [1], "duration": 4.0, "frames": 3, "kh_seconds": 1.0,
+    "slide": {"methods": ["discs"], "seeds": [1], "duration": 2.5, "frames": 3, "kh_seconds": 1.0,
               "cases": [{"stiffness": 0.1, "residual": 0.1}, {"volumetric_strain": 0.03},
                         {"stiffness": 0.1, "residual": 0.1, "damping": 0.3}]},
 }  # fmt: skip

@@ -376,7 +376,7 @@ def test_processes_that_start_at_once_share_one_cache(tmp_path: Path) -> None:
         assert outputs[0]
 
 
-@pytest.mark.parametrize("law", ["paper", "soil"])
+@pytest.mark.parametrize("law", [pytest.param("paper", marks=pytest.mark.slow), "soil"])
 def test_same_numbers_with_the_jit_switched_off(law: Law) -> None:
     root = TOP
     outputs = []

@@ -69,6 +69,7 @@ def test_no_triangle_loses_strength_at_the_kink() -> None:
     assert low == pytest.approx(high, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_bounds_of_the_factor_of_tailings_are_close() -> None:
     """Elements: 1.363. On 5,126 triangles across the kink they were 0.533 and 1.362."""
     starter = {

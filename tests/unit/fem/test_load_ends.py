@@ -37,6 +37,7 @@ def test_only_bare_ends_on_sand_are_held() -> None:
     assert with_strengthened_load_ends(clay, 0.5) is clay
 
 
+@pytest.mark.slow
 def test_a_road_on_bare_sand_has_bounds_on_either_side_of_what_elements_find() -> None:
     """Elements: Kh = 0.259, factor of safety 1.781; no stress balanced the end of the load before, on any mesh."""
     wish = BoundsSettings(gap=0.1, max_cells=2000, seconds=30)
