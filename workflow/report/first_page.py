@@ -80,7 +80,7 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
     )
     if fem.davis is not None and fem.flow == "associated":
         phrase += " " + _(
-            "With Davis reduced strength, a low estimate for soil that dilates less, it is {kc}.",
+            "With Davis reduced strength, a low estimate for soil that dilates less, the critical Kh is {kc}.",
             kc=coefficient(fem.davis.kc) if fem.davis.verdict in ("plateau", "peak") else "0",
         )
     return HeadlinePart(

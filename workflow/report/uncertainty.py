@@ -82,7 +82,11 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
         " ".join([f"{mesh.quadrilaterals} quadrilaterals ({mesh.method}), {fem.element} element.", *_meshes(fem)]),
         "mesh",
     )
-    yield "Element", "On a mesh that is too coarse the two elements differ.", "element"
+    yield (
+        "Element",
+        "On a mesh that is too coarse the quadratic and the reduced element give different results.",
+        "element",
+    )
     yield (
         "Step",
         f"The first step of Kh was {settings.first_step:g}. Kh is an unknown on the path, not a value at which the "

@@ -13,8 +13,9 @@ COARSE = 0.1
 WIDER = 2.0
 # What an interval can follow from.
 METHODS = (
-    "by the sequence of meshes", "by strict bounds", "by bounds of deeper failures",
-    "by strict bounds and the sequence of meshes", "by bounds of deeper failures and the sequence of meshes",
+    "by the sequence of meshes", "by strict bounds", "by strict bounds of failures below the cohesionless faces",
+    "by strict bounds and the sequence of meshes",
+    "by strict bounds of failures below the cohesionless faces and the sequence of meshes",
 )  # fmt: skip
 
 
@@ -62,7 +63,7 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
 def proven_by(strengthened: bool) -> str:
     """Return the name of the bounds that limit an interval: bounds of the ground of the section file, or of ground with
     its bare faces ``strengthened``."""
-    return "by bounds of deeper failures" if strengthened else "by strict bounds"
+    return "by strict bounds of failures below the cohesionless faces" if strengthened else "by strict bounds"
 
 
 def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
