@@ -159,7 +159,7 @@ class Engine:
             raise ValueError("give either a duration in s or a number of steps")
         total = steps if steps is not None else max(1, round(float(duration or 0.0) / dt))
         if total < 0:
-            raise ValueError(f"a number of steps cannot be negative, is {steps}")
+            raise ValueError(f"a number of steps cannot be negative, but is {steps}")
         between = total if every is None else max(1, round(every / dt))
         saves = max(1, round(min(self.checkpoint_every, 1e9 * dt) / dt)) if self.checkpoint else 0
         run = EngineRun(self, model, dt)

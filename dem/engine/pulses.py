@@ -1,7 +1,7 @@
 """Runs discs in many short sections, between which only positions and velocities are read.
 
 Conversion of a model into the layout of the kernels and back takes as long as some forty steps. In displacement control
-the load depends on the motion, and so positions are read more often than this.
+the load depends on the motion, and so positions are read more often than every forty steps.
 """
 
 from types import TracebackType
