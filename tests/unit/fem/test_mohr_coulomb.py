@@ -16,7 +16,7 @@ from fem.kernels import return_mapping as rm
 from tests.support import TOP
 from tests.support.stress_updates import FLOWS, REGIONS, YOUNG, in_plane, many_trials, updated
 
-every = settings(deadline=None, max_examples=200, derandomize=True)
+every = settings(deadline=None, max_examples=2 * settings.default.max_examples, derandomize=True)
 
 
 def friction_and_dilation():

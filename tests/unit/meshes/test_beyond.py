@@ -53,7 +53,7 @@ def test_a_layer_that_ends_inside_does_not_come_again() -> None:
     assert area == pytest.approx(given_area)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None)
 @given(section=sections(), distance=st.floats(1.0, 300.0), ends=st.sampled_from(["level", "parallel"]))
 def test_inside_its_ends_a_section_is_what_it_was(section: Section, distance: float, ends: str) -> None:
     wide = Section.model_validate({**dict(section), "beyond": distance, "beyond_slope": ends})

@@ -121,7 +121,7 @@ def test_what_needs_no_step_stays(bottom: Any) -> None:
     np.testing.assert_array_equal(layers.left, section.layering.left)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(deadline=None)
 @given(section=sections(), least=st.floats(0.05, 2.0))
 def test_no_ground_is_lost_and_no_layer(section: Section, least: float) -> None:
     layers, notices = cut(section, least)

@@ -110,7 +110,7 @@ UNITS = {
 @given(
     unit=st.sampled_from(sorted(UNITS)), apart=st.sampled_from([",", ";", "\t"]), seed=st.integers(0, 10**6), step=STEPS
 )
-@settings(max_examples=80, deadline=None)
+@settings(deadline=None)
 def test_every_spelling_of_a_unit(unit: str, apart: str, seed: int, step: float) -> None:
     values = motion(seed, 100, step)
     time = step * np.arange(100)
@@ -238,7 +238,7 @@ def test_milliseconds_are_read_and_asked_for() -> None:
 
 
 @given(seed=st.integers(0, 10**6), offset=st.floats(0.011, 0.2), sign=st.sampled_from([-1.0, 1.0]))
-@settings(max_examples=40, deadline=None)
+@settings(deadline=None)
 def test_an_offset_is_taken_off_and_told(seed: int, offset: float, sign: float) -> None:
     """A record with quiet ends that is shifted by a share of its peak."""
     values = np.concatenate([np.zeros(150), motion(seed, 300, 0.01), np.zeros(150)])

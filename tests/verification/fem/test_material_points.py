@@ -91,7 +91,7 @@ def test_elastic_column_settles_by_its_weight_and_swings_with_its_period() -> No
     assert crossings[1] - crossings[0] == pytest.approx(period, rel=0.03)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(deadline=None)
 @given(
     st.lists(st.floats(-2e5, 5e4), min_size=3, max_size=3),
     st.lists(st.floats(-5e-3, 5e-3), min_size=3, max_size=3),

@@ -170,7 +170,7 @@ def independent(method: str, test: Judged, column: dict[str, Any], number: int) 
 
 
 @pytest.mark.parametrize("method", METHODS)
-@settings(max_examples=40, deadline=None)
+@settings(deadline=None)
 @given(columns())
 def test_every_relation_is_the_independent_one(method: str, column: dict[str, Any]) -> None:
     for number, test in enumerate(judged(column, method)):

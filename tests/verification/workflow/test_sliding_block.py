@@ -79,7 +79,7 @@ def test_a_harmonic_record_by_brute_force() -> None:
 records = st.lists(st.floats(-8.0, 8.0), min_size=3, max_size=40)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(deadline=None)
 @given(records, st.floats(0.02, 0.6), st.floats(0.1, 3.0))
 def test_what_holds_under_every_record(values: list[float], kc: float, stretch: float) -> None:
     time, acceleration = 0.1 * np.arange(len(values)), np.array(values)
