@@ -1,7 +1,6 @@
 """Searches the factor of safety in one direction by bounds of the critical Kh of weakened ground."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -17,7 +16,7 @@ from fem.limit.adaptive_bounds import (
 )
 from fem.limit.bounds import body_of
 from fem.limit.bracket import COST_EXPONENT, FAILED_MESHES, GROWTH, LEAST_GROWTH, MOST_GROWTH, BoundSide
-from fem.limit.factor_trial import BoundsTrial, FactorWork, Gauge, TrialStart, gap_of_factors, inside
+from fem.limit.factor_trial import BoundsTrial, FactorWork, Gauge, TrialStart, gap_of_factors, inside, root_of
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
 from fem.limit.lower_bound import LowerBound
 from fem.limit.upper_bound import UpperBound
@@ -34,6 +33,9 @@ SMALLEST, LARGEST, STEP = 0.02, 20.0, 1.6
 # side of it, so that it proves. The solver leaves 6e-5 of Kh open, which is 0.0003 of the factor where Kh falls by 0.2
 # for each logarithm of it.
 TRIALS, MARGIN = 10, 0.0005
+# The same for proofs on triangles that are not the last ones: there one trial proves where the small margin took two or
+# three, and finer triangles have a closer bound.
+ROUGH_MARGIN = 0.005
 # Trials, at most, that prove a bound on one mesh.
 PROOFS = 4
 # A factor is good enough to refine at when the middle of the bounds is this close, or this close over what they leave
@@ -42,7 +44,7 @@ CLOSE, OPEN = 0.015, 0.6
 # On finer triangles the lower bound rises by about this share of what the bounds leave open: there the first trial is.
 RISE = 0.05
 # A bound is proven on triangles that are not the last ones where what is proven is so far (of the factor) from it.
-FALLBACK = 0.02
+FALLBACK = 0.05
 # A Kh, or a logarithm of a share of loads, this far from what is to be borne says nothing on the factor.
 FAR = 1.0
 
@@ -328,9 +330,11 @@ class FactorSearch:
         reduced, but only once on triangles that are not the last ones (``finally_``).
         """
         last, work = self.trials[-1].factor, 0.5 * min(trial.work for trial in self.here)  # of one bound, at least
+        decides = not self.slips <= self.root(side) * math.exp(sense * MARGIN) < self.enough
+        margin = MARGIN if finally_ or decides else ROUGH_MARGIN
         for times in range(1, PROOFS + 1):
             proven = getattr(self, side)
-            at = self.root(side) * math.exp(sense * times * MARGIN)
+            at = self.root(side) * math.exp(sense * times * margin)
             unborne = min((trial.factor for trial in self.here if side == "lower" and trial.unborne), default=math.inf)
             if math.isnan(at) and proven == 0.0:
                 if times > 1 and not finally_:
@@ -338,7 +342,7 @@ class FactorSearch:
                 at = min(last, unborne) * STEP ** (-0.5 * times)
             elif math.isnan(at) or self.trials[-1].factor == unborne:
                 at = math.sqrt(min(last, unborne) * proven)
-            elif not sense * (at - proven * math.exp(-sense * MARGIN)) < 0.0:
+            elif not sense * (at - proven * math.exp(-sense * margin)) < 0.0:
                 return
             if (self.good and side == "lower") or not SMALLEST < at < LARGEST or not self.work.allows(work):
                 return
@@ -352,7 +356,7 @@ class FactorSearch:
 
     def root(self, side: BoundSide) -> float:
         """Return the factor at which a bound meets the required value, by a secant; NaN if unknown."""
-        return _root(self.points(side), self.slope)
+        return root_of(self.points(side), self.slope, math.log(STEP))
 
     def points(self, side: BoundSide) -> list[tuple[float, float]]:
         """Return pairs of the logarithm of the factor and the excess of a bound, for trials on these triangles."""
@@ -382,19 +386,3 @@ class FactorSearch:
         self.unborne_from = math.inf
         self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
         self.meshes.append(self.mesh)
-
-
-def _root(points: Sequence[tuple[float, float]], slope: float | None) -> float:
-    """Return the factor of safety at which a function is zero; the function falls as the logarithm of the factor rises.
-
-    The zero is interpolated from the nearest points, or extrapolated from one point with ``slope``. The function
-    returns NaN if neither is known.
-    """
-    stand, fail = [point for point in points if point[1] >= 0.0], [point for point in points if point[1] < 0.0]
-    ends = [stand[-1], fail[0]] if stand and fail else stand[-2:] or fail[:2]
-    if len(ends) == 2 and ends[1][1] < ends[0][1]:
-        slope = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0])
-    if not ends or slope is None:
-        return math.nan
-    at, over = min(ends, key=lambda point: abs(point[1]))
-    return math.exp(at + float(np.clip(-over / slope, -math.log(STEP), math.log(STEP))))

@@ -1,8 +1,11 @@
 """Defines trials of a factor of safety, their starting points, and the computing work that they may take."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
+
+import numpy as np
 
 # What is bounded: the Kh that weakened ground bears, or the share of all loads, the Kh given among them.
 Gauge = Literal["kh", "loads"]
@@ -81,3 +84,20 @@ def inside(factor: float, safe: float, unsafe: float) -> float:
         return factor
     share = math.log(factor / safe) / math.log(unsafe / safe)
     return factor if INSIDE <= share <= 1.0 - INSIDE else math.sqrt(safe * unsafe)
+
+
+def root_of(points: Sequence[tuple[float, float]], slope: float | None, furthest: float) -> float:
+    """Return the factor of safety at which a function is zero; the function falls as the logarithm of the factor rises.
+
+    ``points`` are pairs of the logarithm of a factor and the function, in the order of the factors. The zero is
+    interpolated from the nearest points, or extrapolated from one point with ``slope``, by at most ``furthest`` in the
+    logarithm. The function returns NaN if neither is known.
+    """
+    stand, fail = [point for point in points if point[1] >= 0.0], [point for point in points if point[1] < 0.0]
+    ends = [stand[-1], fail[0]] if stand and fail else stand[-2:] or fail[:2]
+    if len(ends) == 2 and ends[1][1] < ends[0][1]:
+        slope = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0])
+    if not ends or slope is None:
+        return math.nan
+    at, over = min(ends, key=lambda point: abs(point[1]))
+    return math.exp(at + float(np.clip(-over / slope, -furthest, furthest)))
