@@ -366,6 +366,7 @@ def strip_bottom(layers: Layering, start: float, end: float, k: int, depth: floa
         ground, top, bottom = (line[0] + share * (line[1] - line[0]) for line in (ground, top, bottom))
         level = np.clip(ground - depth, bottom, top)
         thick = thick or bool((top - level > layers.tolerance).any())
-        line_points = [[float(a), float(b)] for a, b in zip(start + share * (end - start), level, strict=True)]
-        points += [point for point in line_points if point not in points]
+        for place, z in zip((1.0 - share) * start + share * end, level, strict=True):  # both ends exactly
+            if not points or place > points[-1][0] or abs(z - points[-1][1]) > layers.tolerance:
+                points.append([float(place), float(z)])
     return points if thick else []

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.continuum.liquefied_ground import liquefied_section
-from fem.continuum.shallow_failure import faces_at, shallow_failures, strengthened
+from fem.continuum.shallow_failure import faces_at, shallow_failures, strengthened, strip_bottom
 from fem.limit.bounds import DirectionGround, kh_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.liquefies import Remains
@@ -155,3 +155,15 @@ def test_a_face_under_a_load_has_no_shallow_failure() -> None:
     sand = soil("Sand", cohesion=0.0, friction_angle="38 deg")
     load = {"from": 18, "to": 42, "pressure": "20 kPa"}
     assert shallow_failures(water_section(sand, surcharges=[load]), FemSettings()) == []
+
+
+@pytest.mark.parametrize(("start", "end"), [(36.65, 120.79), (10.0, 20.0)])
+def test_the_bottom_of_a_strip_goes_from_left_to_right_to_rounding(start: float, end: float) -> None:
+    """36.65 + 1.0 (120.79 - 36.65) is 120.79000000000002: the shell of a dam ended in "point 4 stands after"."""
+    data = {"name": "shell", "surface": [[0.0, 30.0], [start, 30.0], [end, 3.0], [end + 30.0, 0.0]]}
+    sand = layer("sand", cohesion=0.0, friction_angle="35 deg", bottom={"elevation": -2.0})
+    section = Section.parse({**data, "base": {"elevation": -4.0}, "strata": [sand, layer("clay")]})
+    x, z = np.array(strip_bottom(section.layering, start, end + 30.0, 0, 0.5)).T
+    assert (np.diff(x) > 0.0).all()
+    assert x[[0, -1]].tolist() == [start, end + 30.0]
+    assert z == pytest.approx(np.interp(x, *section.ground.T) - 0.5)
