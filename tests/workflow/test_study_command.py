@@ -111,6 +111,7 @@ def children(process: int) -> list[int]:
     return [item for item in values if "-c" in Path(f"/proc/{item}/cmdline").read_text().split("\0")]
 
 
+@pytest.mark.slow
 def test_a_longer_study_computes_only_what_is_new(section: Path, alone: str) -> None:
     folder = section.parent / "alone"
     before = {path.name: path.stat().st_mtime_ns for path in (folder / "tasks").glob("*.json")}

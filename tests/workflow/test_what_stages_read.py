@@ -192,6 +192,7 @@ def test_blow_counts_make_what_follows_run_again_only_where_they_change_what_liq
     assert stale(before, less) == {"triggering", "liquefied", "mpm", "slide", "report"}
 
 
+@pytest.mark.slow
 def test_what_the_elements_ignore_changes_nothing(tmp_path: Path) -> None:
     """Threads and factors of safety: the critical Kh, its path and the box that discs are held against are the same to
     the last bit."""

@@ -101,6 +101,7 @@ def test_loose_ground_that_liquefies_keeps_its_volume(wedge: tuple[DiscModel, Gr
     assert abs(volume_lost(start, slider.model)) < 0.006
 
 
+@pytest.mark.slow
 def test_undrained_ground_that_shears_swells(
     undrained_wedge: tuple[DiscModel, Ground], monkeypatch: pytest.MonkeyPatch
 ) -> None:

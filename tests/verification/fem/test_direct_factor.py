@@ -60,7 +60,7 @@ def test_an_embankment_that_spreads_to_both_sides_is_between_its_bounds():
     assert moved.min() == pytest.approx(-moved.max(), rel=0.05)
 
 
-@pytest.mark.parametrize("guess", [0.2, 5.0])
+@pytest.mark.parametrize("guess", [pytest.param(0.2, marks=pytest.mark.slow), 5.0])
 def test_the_factor_is_the_same_wherever_the_search_begins(guess):
     near = factor_of("taylor_60_10").factor
     result = factor_of("taylor_60_10", guess)

@@ -283,13 +283,10 @@ def test_apic_alone_loses_the_slide() -> None:
     assert engine.energy.transfer_loss_share > 0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sides", "critical", "most", "least"),
-    [
-        pytest.param("fixed", 0.348, 0.2, 0.5, marks=pytest.mark.slow),
-        pytest.param("smooth", 0.348, 0.2, 0.5, marks=pytest.mark.slow),
-        ("free-field", 0.3036, 1.5, 5.0),
-    ],
+    [("fixed", 0.348, 0.2, 0.5), ("smooth", 0.348, 0.2, 0.5), ("free-field", 0.3036, 1.5, 5.0)],
 )
 def test_a_slope_slides_at_the_critical_kh_of_the_finite_elements(
     sides: Sides, critical: float, most: float, least: float
