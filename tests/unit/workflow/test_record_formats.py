@@ -247,7 +247,7 @@ def test_an_offset_is_taken_off_and_told(seed: int, offset: float, sign: float) 
     if abs(shifted.mean()) > 0.0105 * np.abs(shifted).max():
         assert len(text.remarks) == 1
         assert "the mean of the record" in text.remarks[0]
-    if "taken off" in "".join(text.remarks):
+    if "subtracted as an offset" in "".join(text.remarks):
         assert np.abs(text.acceleration - values).max() < 0.01 * np.abs(values).max()
 
 
