@@ -69,7 +69,8 @@ def column() -> Column:
     return Column(model, top, 2.0 * np.pi / float(fitted[1]))
 
 
-@pytest.mark.parametrize("ratio", [1.0, pytest.param(0.5, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [1.0, 0.5])
 def test_resonance_is_that_of_a_layer_on_a_half_space(column: Column, ratio: float) -> None:
     """Surface over outcrop at the first period: the impedance below over that of the layer (Kramer 1996, eq. 7.25).
 

@@ -85,6 +85,7 @@ def test_states_are_kept_where_the_ground_stands_and_marked_where_it_does_not():
     assert np.abs(plateau.displacement).max() > np.abs(wanted.displacement).max() > 0.01
 
 
+@pytest.mark.slow
 def test_davis_substitute_fails_where_the_path_as_given_does():
     """Measured with reduced cells: 0.2371, with quadratic ones as given 0.2344, with ψ = φ 0.2846."""
     davis, associated = outcome("reduced", flow=DAVIS), outcome("reduced", flow=ASSOCIATED)
@@ -99,6 +100,7 @@ def test_davis_substitute_fails_where_quadratic_cells_as_given_do():
     assert outcome("reduced", flow=DAVIS).kc == pytest.approx(outcome("quadratic").kc, rel=0.03)
 
 
+@pytest.mark.slow
 def test_pushed_both_ways_the_slope_fails_downhill():
     """Uphill only the ground at the left side fails, at 0.155, where its neighbour presses with no more than K0."""
     result = outcome("reduced", flow=DAVIS, direction="both")

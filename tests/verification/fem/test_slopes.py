@@ -109,7 +109,7 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
     assert associated_kc(ground, mesh, wish, MPI.COMM_SELF) == pytest.approx(due.kc, rel=0.03)
 
 
-@pytest.mark.parametrize("element", ["bilinear", "quadratic"])
+@pytest.mark.parametrize("element", ["bilinear", pytest.param("quadratic", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("beta", "c", "phi"), [(10.0, 0.0, 35.0), pytest.param(10.0, 1e4, 30.0, marks=pytest.mark.slow)]
 )

@@ -98,7 +98,8 @@ def cracked_cut(water: str) -> Config:
     })  # fmt: skip
 
 
-@pytest.mark.parametrize(("water", "wedge"), [pytest.param("dry", 8.0 / 9.0, marks=pytest.mark.slow), ("full", 0.764)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("water", "wedge"), [("dry", 8.0 / 9.0), ("full", 0.764)])
 def test_a_cut_beside_cracks_of_half_its_height(water: str, wedge: float) -> None:
     """A plane of 45° below a crack that is there before slides at F = 2 c (H - z) / (γ (H² - z²) / 2 + γw z² / 2), dry
     at Terzaghi's 2.67 c / γ = H. Opening a crack on that plane costs 0.29 c times its depth, which thinner slices and
