@@ -127,7 +127,7 @@ def test_ground_that_fails_with_twenty_times_its_strength_is_told_with_its_kh():
 
 
 def test_daviss_factor_begins_where_that_with_full_dilation_ended(monkeypatch):
-    """One program instead of two, in at most two thirds of the iterations of one from the beginning, for the same
+    """One program instead of two, in at most four fifths of the iterations of one from the beginning, for the same
     factor within 0.1 %. Sent to another process, the start is left behind."""
     case = cases()["acads_1c"]
     mesh = generate(case.section, case.mesh)
@@ -145,7 +145,7 @@ def test_daviss_factor_begins_where_that_with_full_dilation_ended(monkeypatch):
     programs, started = len(iterations), iterations[0]
     cold = limit_load_safety_factor(case.section, mesh, davis, 0.0, MPI.COMM_SELF, near.factor)
     assert programs == 1
-    assert started <= 2 / 3 * iterations[1]
+    assert started <= 4 / 5 * iterations[1]
     assert near.factor == pytest.approx(cold.factor, rel=1e-3)
     assert near.factor < 0.97 * base.factor
     assert base.start is not None
