@@ -43,7 +43,7 @@ def test_of_an_embankment_the_steeper_face_counts(tmp_path: Path, capsys: pytest
     assert other["lower"] >= answer["upper"]
     text = " ".join(capsys.readouterr().out.split())
     assert "force upslope (to the right)" in text
-    assert f"downslope (to the left) it is {other['lower']:.4f} to {other['upper']:.4f}" in text
+    assert f"downslope (to the left) the critical Kh is {other['lower']:.4f} to {other['upper']:.4f}" in text
 
 
 @pytest.mark.parametrize("number", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in range(3))])

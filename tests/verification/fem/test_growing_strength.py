@@ -140,13 +140,13 @@ def test_ground_whose_strength_goes_to_zero_at_its_top_is_told() -> None:
 
     def message(**more: object) -> list[str]:
         read = Section.parse({**section, "strata": [fill, layer("clay", **soil, **more)]})
-        return [text for text in read.notices if "strength is zero" in text]
+        return [text for text in read.notices if "of the stratum is zero" in text]
 
     [weak] = message()
     assert "the strength of the stratum is zero at its top, below other ground, from x = 0.05 to 15.9 m" in weak
     assert message(cohesion_minimum="5 kPa") == []
     assert message(pre_overburden_pressure="10 kPa") == []
-    bare = [text for text in slope(strength_ratio=0.3).notices if "strength is zero" in text]
+    bare = [text for text in slope(strength_ratio=0.3).notices if "of the stratum is zero" in text]
     assert len(bare) == 2, "above the water and below it"
     assert all("at the ground from" in text for text in bare)
 
