@@ -49,9 +49,11 @@ drifts as well, either way, by up to a fifth of a disc's diameter (0.5 m for dis
 thick as the crust ground far behind a bank hardly follows. Material points depend on neither. They move gently
 sloping ground as the discs do, and as the strain potential does in closed form, layer by layer. They slide too far
 where the residual strength lets a bank flow by its weight, which moved by less than a metre in the field: most of all
-at Wildlife, whose sand lies below 2.5 m of silt and reaches below the bed of the river. Discs lie in a rigid box, and
-level ground ends at smooth sides for points: both hold the ground farthest behind a face, and what is asked for lies 25
-to 180 m from there."""
+at Wildlife, whose sand lies below 2.5 m of silt and reaches below the bed of the river. Level ground
+ends at smooth sides for points and at the walls of a box for discs: both hold the ground farthest behind a face, and
+what is asked for lies 25 to 180 m from there. Behind quays the rubble decides: on a quay of Kobe with liquefied sand
+behind it, elements find a factor of safety of 1.02 to 1.09 with ψ = φ, and 0.78 with ψ = 0. Discs dilate, and hold it;
+points do not, and let it go."""
 
 
 def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:
