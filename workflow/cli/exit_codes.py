@@ -58,6 +58,7 @@ def ended_as_program(call: Callable[[], object]) -> None:
 
 def _stop() -> NoReturn:
     _complain("Stopped.", style="yellow")
+    exec("")  # else Python ends by the signal if Ctrl-C came inside of another exec: as a class was made, for example
     sys.exit(STOPPED)
 
 

@@ -1,10 +1,15 @@
 """Exit codes of the program and what it says at its end."""
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from meshes.errors import InputError
+from tests.support.command_line import TOP
 from workflow.cli.exit_codes import BAD_INPUT, FAULT, STOPPED, ended
 
 
@@ -49,3 +54,19 @@ def test_ends_with_the_code_and_a_sentence(
     said = capsys.readouterr().err
     assert message in said
     assert (said == message) == (code == STOPPED)
+
+
+def test_ctrl_c_while_a_class_is_made_ends_with_the_code_of_a_stop(tmp_path: Path) -> None:
+    """A module ends by the signal, -2, once Ctrl-C has left an `exec` in it, whoever has heard it since."""
+    program = """
+import rich.markup, workflow.cli.terminal  # which make classes, too
+from workflow.cli.exit_codes import ended
+ended(lambda: exec("raise KeyboardInterrupt"))
+"""
+    (tmp_path / "stopped.py").write_text(program)
+    paths = os.pathsep.join([str(tmp_path), str(TOP)])
+    done = subprocess.run(
+        [sys.executable, "-m", "stopped"], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": paths},
+        check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (STOPPED, "Stopped.\n")
