@@ -38,22 +38,22 @@ Where nothing moved in nature, **stands** is right and **moved** is wrong. An en
 asks for more than the strength that is left.
 
 Slides of the field are run as a user without a record of the site runs them: flows and dams by their weight alone,
-spreads under the cycles of Kh, both ways, that the program takes from the earthquake. Gently sloping ground is an
-endless slope: of each earthquake in the data base of Youd et al. the row in the middle of what was measured, and of the
-two largest the quartiles. Behind a free face the ground is level and its water falls to the toe; quays have a caisson
-and the sea. Predictions of others for the same ground are given for comparison.
+spreads under the cycles of Kh, in both directions, that the program takes from the earthquake. Gently sloping ground
+is an endless slope: of each earthquake in the data base of Youd et al. the row in the middle of what was measured, and
+of the two largest the quartiles. Behind a free face the ground is level and its water falls to the toe; quays have a
+caisson and the sea. Predictions of others for the same ground are given for comparison.
 
 Spreads move by the strain potential of the sand, which blow counts give. Behind a face the crust is one to three discs
 thick. It sinks and drifts with the liquefied ground below it, by packing more than by anything else: level ground
 drifts as well, either way, by up to a fifth of a disc's diameter (0.5 m for discs of 1.26 m radius), and in discs as
-thick as the crust ground far behind a bank hardly follows. Material points depend on neither. They move gently
-sloping ground as the discs do, and as the strain potential does in closed form, layer by layer. They slide too far
-where the residual strength lets a bank flow by its weight, which moved by less than a metre in the field: most of all
-at Wildlife, whose sand lies below 2.5 m of silt and reaches below the bed of the river. Level ground
-ends at smooth sides for points and at the walls of a box for discs: both hold the ground farthest behind a face, and
-what is asked for lies 25 to 180 m from there. Behind quays the rubble decides: on a quay of Kobe with liquefied sand
-behind it, elements find a factor of safety of 1.02 to 1.09 with ψ = φ, and 0.78 with ψ = 0. Discs dilate, and hold it;
-points do not, and let it go."""
+thick as the crust ground far behind a bank hardly follows. Material points depend on neither. They move gently sloping
+ground as the discs do, and as the strain potential does in closed form, layer by layer. They slide too far where the
+residual strength lets a bank flow by its weight, which moved by less than a metre in the field: most of all at
+Wildlife, whose sand lies below 2.5 m of silt and reaches below the bed of the river. Level ground ends at smooth sides
+for points and at the walls of a box for discs: both hold the ground farthest behind a face, and what is asked for lies
+25 to 180 m from there. Behind quays the rubble decides: on a quay of Kobe with liquefied sand behind it, elements find
+a factor of safety of 1.02 to 1.09 with ψ = φ, and 0.78 with ψ = 0. Discs dilate, and hold it; points do not, and let
+it go."""
 
 
 def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:
