@@ -85,18 +85,29 @@ def _evaluated(model: DiscModel) -> Layout:
     return layout
 
 
+def neighbour_forces(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.ndarray]:
+    """Return the force (x, z) on each disc from contacts, rigid lines and liquefied ground (N per metre)."""
+    wet_x, wet_z = model.liquefied_forces
+    return (
+        wet_x + _on_discs(model, forces.fx, -forces.fx, forces.line_fx),
+        wet_z + _on_discs(model, forces.fz, -forces.fz, forces.line_fz),
+    )
+
+
 def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return force (x, z) and moment on each disc from contacts, weight, water, loads and external acceleration (N, N m
     per metre)."""
-    n = len(model)
-
-    def total(on_j: np.ndarray, on_i: np.ndarray, lines: np.ndarray) -> np.ndarray:
-        pairs = np.bincount(model.pair_j, on_j, n) + np.bincount(model.pair_i, on_i, n)
-        return pairs + np.bincount(model.line_disc, lines, n)
-
     ax, az, level = felt(model).with_level(model.gravity)[:, 0]
     pull_x, pull_z = model.pull
-    wet_x, wet_z = model.liquefied_forces
-    fx = wet_x + total(forces.fx, -forces.fx, forces.line_fx) + model.mass * (pull_x + model.added_mass_x * level + ax)
-    fz = wet_z + total(forces.fz, -forces.fz, forces.line_fz) + model.mass * (pull_z + model.added_mass_z * level + az)
-    return fx, fz, model.radius * total(forces.rim, forces.rim_i, forces.line_rim)
+    fx, fz = neighbour_forces(model, forces)
+    fx = fx + model.mass * (pull_x + model.added_mass_x * level + ax)
+    fz = fz + model.mass * (pull_z + model.added_mass_z * level + az)
+    return fx, fz, model.radius * _on_discs(model, forces.rim, forces.rim_i, forces.line_rim)
+
+
+def _on_discs(model: DiscModel, on_j: np.ndarray, on_i: np.ndarray, lines: np.ndarray) -> np.ndarray:
+    """Return the sum (n,) on each disc of what acts on the second and on the first disc of each pair, and of what lines
+    contribute."""
+    n = len(model)
+    pairs = np.bincount(model.pair_j, on_j, n) + np.bincount(model.pair_i, on_i, n)
+    return pairs + np.bincount(model.line_disc, lines, n)

@@ -156,8 +156,8 @@ def within_scatter(far: float, radius: float) -> list[str]:
         return []
     return [
         f"the largest slide is less than {SCATTER * 2.0 * radius:.2g} m, a quarter of a disc: level ground that "
-        f"liquefies moves as far, in either direction, because of its random packing alone; a smaller radius would "
-        f"show whether this ground slides"
+        "liquefies moves as far, in either direction, because of its random packing alone; a smaller radius would "
+        "show whether this ground slides"
     ]
 
 

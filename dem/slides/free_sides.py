@@ -21,10 +21,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from dem.engine.engine import Engine, largest_step
-from dem.engine.forces import contact_forces
+from dem.engine.forces import contact_forces, neighbour_forces
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
+from dem.springs import wave_speeds
 from meshes.section.section import Section, Stratum
 
 EVERY = 0.04  # s between two updates of the velocities of the walls
@@ -159,9 +160,7 @@ class FreeSides:
 
     def follow(self, model: DiscModel, share: float) -> None:
         """Set the velocities of the walls; share: degree of liquefaction (0 to 1)."""
-        forces, n = contact_forces(model), len(model)
-        force_x = model.liquefied_forces[0] + np.bincount(model.pair_j, forces.fx, n)
-        force_x -= np.bincount(model.pair_i, forces.fx, n)
+        force_x, _ = neighbour_forces(model, contact_forces(model))
         vx = model.vx.copy()
         for strip in self.strips:
             wanted = strip.at_rest + share * (strip.liquefied - strip.at_rest)
@@ -205,6 +204,4 @@ def _heavier(start: DiscModel, ground: Ground, section: Section) -> float:
 
 def _p_wave_impedance(soil: Stratum) -> float:
     """Return ρ V_p (Pa s/m) of a soil, with V_p of its skeleton."""
-    nu = soil.poissons_ratio
-    modulus = soil.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
-    return float(np.sqrt(soil.density_seismic * modulus))
+    return soil.density_seismic * wave_speeds(soil.youngs_modulus, soil.poissons_ratio, soil.density_seismic)[0]

@@ -48,8 +48,8 @@ class Store:
         """Yield a temporary path to write to; at the end of the block the file is renamed to ``name``.
 
         Raises InputError if it cannot be written, or if another file cannot be read meanwhile. After an error the
-        temporary file is removed. A thread whose result is no longer needed writes nothing: Ctrl-C, which raises
-        KeyboardInterrupt here.
+        temporary file is removed. After Ctrl-C a thread whose result is no longer needed writes nothing, but
+        raises KeyboardInterrupt here.
         """
         check_cancelled()
         target = self.folder / name
