@@ -229,7 +229,7 @@ class DiscModel(DiscState):
     def set_springs(self, layers: Sequence[LayerSprings]) -> None:
         """Replace the constants of the layers, in the same order; overlaps and slips are unchanged.
 
-        So all spring forces, including stored ones, change with the stiffness. Masses are unchanged.
+        All spring forces, including stored ones, therefore change with the stiffness. Masses are unchanged.
         """
         if len(layers) != len(self.springs.layers):
             raise ValueError(f"{len(layers)} layers given, the discs have {len(self.springs.layers)}")

@@ -1,8 +1,8 @@
 """Defines DiscState: the whole state of the discs as plain arrays, in the order in which the user numbered them.
 
 x to the right, z up (m); angles and spins positive counter-clockwise. Rotation is stored as radius times spin and
-radius times angle, as contacts use it. The state is complete, so that a checkpoint holds nothing else, and a run from a
-checkpoint has the same bits as an uninterrupted one.
+radius times angle, in the form in which contacts use it. The state is complete, so that a checkpoint holds nothing
+else, and a run from a checkpoint has the same bits as an uninterrupted one.
 """
 
 from dataclasses import dataclass, field

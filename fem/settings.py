@@ -39,9 +39,9 @@ def usual_sides(section: Section) -> Sides:
     """Return the default sides of a section file: "smooth" if the ground is level at both ends, else "free-field".
 
     Level ground that continues beyond the section stands under any Kh below about tan φ' times buoyant over saturated
-    unit weight. Free-field sides resist with the K0 stress only. Such sides let level ground slide out of the section
-    at about half of this Kh (0.15 in sand below water), long before a slope in the middle may fail. Where the ground
-    slopes at an end, smooth or fixed sides would support the slope.
+    unit weight. Free-field sides resist with the K0 stress only. Free-field sides let level ground slide out of the
+    section at about half of this Kh (0.15 in sand below water), long before a slope in the middle may fail. Where the
+    ground slopes at an end, smooth or fixed sides would support the slope.
 
     Parameters
     ----------

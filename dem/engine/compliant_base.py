@@ -53,7 +53,7 @@ def momentum(model: DiscState) -> float:
 
 class Look:
     """Holds the interval of steps from one measurement of the force on the base to the next. A new neighbour list may
-    interrupt it.
+    end the interval early.
 
     Attributes
     ----------

@@ -36,7 +36,7 @@ class Room:
         self.rooms: dict[str, np.ndarray] = {}
 
     def zeros(self, name: str, *shape: int) -> np.ndarray:
-        """Return an array of zeros in large pages, as `large_zeros` does."""
+        """Return an array of zeros in large pages of memory, by `large_zeros`."""
         size = math.prod(shape)
         if not self.keeps or 8 * size <= LARGEST:
             return large_zeros(*shape)

@@ -1,8 +1,8 @@
 """Computes the force of a bond between liquefied discs from its displacement (kernel). Force and displacement are given
 as shares of their values at the limit of the bond.
 
-The law is bilinear: soft up to the strain potential, then steep up to the limit. Without a strain potential the law is
-linear.
+The law is bilinear: soft up to the strain potential, then steep up to the limit. If the ground has no strain potential,
+the law of the bond is linear.
 """
 
 import math

@@ -16,8 +16,8 @@ from dem.kernels.work_buffers import BLOCK, constant, load_partners
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
 def add(total: float, value: float) -> float:
-    """Add two numbers in an order that the compiler may choose. This sum is used for the energy balance, never for the
-    motion."""
+    """Add two numbers in an order that the compiler may choose. A sum in any order is used for the energy balance only,
+    never for the motion of the discs."""
     return total + value
 
 

@@ -1,8 +1,8 @@
 """Computes the energies of the discs at one instant, from the layout that the stepping kernel works on (kernel).
 
 The kinetic energy is m/2 v(n-1/2) v(n+1/2), which is of second order, and which the scheme conserves exactly. The
-second velocity requires the forces of this instant. This kernel computes these forces, and the work of springs,
-dashpots and boundaries since the last step, without changing the state.
+velocity half a step later requires the forces at this instant. This kernel computes the forces on the discs at the
+instant, and the work of springs, dashpots and boundaries since the last step, without changing the state.
 """
 
 import numpy as np

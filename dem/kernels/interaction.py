@@ -1,8 +1,9 @@
 """Computes forces, energies and losses of one contact, from the motion of its two sides and its history variables
 (kernel).
 
-Here the contact law is applied to the layout. The stepping kernel stores the result; the energy balance only reads it.
-All functions are inlined, so that values that a caller does not need are not computed.
+The functions of this module apply the contact law to the arrays of `layout`. The stepping kernel stores the new history
+variables of a contact; the energy balance only reads them. All functions of this module are inlined, so that values
+that a caller does not need are not computed.
 """
 
 import math
@@ -116,8 +117,8 @@ def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law,
     """Write direction, distance and lever arms of the contact in lane q into the rows of `buffer`.
 
     d: place at which the chunk begins in `state.links`; law: contact law with the period of the ground, which only
-    `soil` discs have. One square root and one division take longer than the rest of the law. So root and division are
-    computed separately, while the records of the next partners are fetched.
+    `soil` discs have. One square root and one division take longer than the rest of the contact law. The root and the
+    division are therefore computed separately, while the records of the next partners are fetched.
     """
     radii = state.links[d + field.RADII + q]
     dx = buffer[field.X + q] - buffer[OWNED_DISCS + field.X + q]
@@ -179,7 +180,8 @@ def between_discs(
 
     state: arrays of discs and contacts; buffer: rows that `load_geometry` filled; slip_time: length of the last step
     (s); law: law of the contacts; soil, pores, with_losses: whether the law of soil discs holds, there are pore
-    springs, and losses are computed. Callers pass these three as literals, so that the compiler omits unused parts.
+    springs, and losses are computed. Callers pass `soil`, `pores` and `with_losses` as literals, so that the compiler
+    omits unused parts of the law.
     """
     links = state.links
     radii = links[d + field.RADII + q]

@@ -120,7 +120,7 @@ def entry(disc: int, field: int) -> np.uint64:
 
 @device_function(nogil=True, forceinline=True)
 def place(disc: int, field: int) -> np.uint64:
-    """Return the place in `discs` of a field of a disc."""
+    """Return the index in the array `discs` at which a field of a disc is stored."""
     return np.uint64(disc // LANES) * DISC + np.uint64(disc % LANES) + field
 
 

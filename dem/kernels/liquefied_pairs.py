@@ -1,8 +1,8 @@
 """Computes the forces of liquefied ground, whose pore pressure carries its weight and whose bonds provide its residual
 strength (kernel).
 
-Two laws act between every two discs that are nearer than the reach H if one of them has liquefied. These laws are
-independent of contacts.
+Two laws act between every two discs that are nearer than the reach H if one of them has liquefied. Both laws of
+liquefied ground are independent of contacts.
 
 1. Pore pressure by volume. A disc represents an area V with its voids. The density of these areas is rho_i = sum_j V_j
 W(r_ij), the disc itself included, with the kernel C2 of Wendland (1995) as W. The pore pressure in excess of the
@@ -244,9 +244,9 @@ def strength_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
     """Return the weights of the strengths of both discs in the strength of their bond: 1 for each disc if both are of
     one stratum, else 2 for the weaker disc.
 
-    While a disc liquefies, its contacts with clay, which has bonds already, fade before its own residual strength has
-    built up. Until then the bond has the strength of the clay, multiplied by the share of the disc that has not
-    liquefied.
+    While a disc liquefies, its contacts with clay, which already has bonds, fade before the residual strength of the
+    disc has built up. Until the residual strength has built up, the bond has the strength of the clay, multiplied by
+    the share of the disc that has not liquefied.
     """
     if discs[i, SHARE] == 0.0:
         return 0.0, 2.0

@@ -1,7 +1,8 @@
 """Computes the energy losses of a contact since the last step, for the energy balance (kernel). Losses do not affect
 the motion.
 
-So the compiler may reorder and fuse these sums and products. Losses are doubled here, and halved after they are summed.
+The compiler may therefore reorder and fuse the sums and products of the losses. Losses are doubled by these functions,
+and halved after they are summed.
 """
 
 import math

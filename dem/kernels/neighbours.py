@@ -2,8 +2,9 @@
 margin, the skin.
 
 The list is valid until some disc has moved half the skin. The list also contains every pair with a pore spring, intact
-or cracked, at any distance. A cracked spring resists again when the discs return to its length, so that the result
-would depend on the skin if the spring were removed. History variables of springs are copied to the new list.
+or cracked, at any distance. A cracked spring resists again when its discs return to the length of the spring. If the
+cracked spring were removed from the list, the result would depend on the margin of the list. History variables of
+springs are copied to the new list.
 """
 
 from typing import NamedTuple

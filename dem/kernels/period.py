@@ -41,8 +41,8 @@ def image(dx: float, dz: float, period: Period) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def folded(x: np.ndarray, z: np.ndarray, period: Period) -> tuple[np.ndarray, np.ndarray]:
-    """Return the images of all positions (m) in the period that begins with the leftmost position. Without a period,
-    return the positions themselves.
+    """Return the images of all positions (m) in the period that begins with the leftmost position. If the ground is not
+    periodic, return the positions unchanged.
     """
     if period.length == ENDLESS.length:
         return x, z

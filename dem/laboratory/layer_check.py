@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class LayerCheck:
-    """Compares a stratum with its discs at three confining pressures. Numbers are means over the seeds, and None if
-    they are missing.
+    """Compares a stratum with its discs at three confining pressures. Numbers are means over several random packings,
+    and None if they are missing.
 
     Attributes
     ----------
@@ -20,8 +20,8 @@ class LayerCheck:
     E_soil_Pa, E_discs_Pa : float
         Young's modulus of the soil, and of the discs at small strain.
     c_soil_Pa, c_discs_Pa, phi_soil_deg, phi_discs_deg : float
-        Mohr-Coulomb parameters. Those of the discs follow from the strengths after the peak, with c = 0 where the soil
-        has no cohesion.
+        Mohr-Coulomb parameters. The parameters of the discs follow from their strengths after the peak, with c = 0
+        where the soil has no cohesion.
     dilation_deg : float
         Dilation angle of the discs at the peak.
     friction, cohesion_N, stiffness_N_m : float

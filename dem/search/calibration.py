@@ -238,8 +238,8 @@ def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:
 def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], target: float) -> str:
     """Return the parameter with the largest influence among those that reach the target.
 
-    A parameter reaches the target if halving or doubling it does. If no parameter does, the ends of the ranges count.
-    If these do not reach the target either, the parameter that comes closest is taken.
+    A parameter reaches the target if the critical Kh does with half or twice its value. If no parameter reaches it, the
+    ends of the ranges are tried, and otherwise the parameter that comes closest to the target is taken.
     """
     base = middle(next(s for p, _, s in table if not p))
     weaker = target < base

@@ -1,16 +1,16 @@
 """Prepares soil discs at rest. The discs are filled in a little too high, settled, cut to the surface of the section,
 and settled again.
 
-Random packings settle by some per cent of their height. So the box is filled above the surface of the section; after
-settling, discs above the surface are removed, and every other disc is assigned to the stratum in which it lies. After
-this cut, surface and interfaces are those of the section. Weight and mass follow from the void ratio of this packing:
-area of the section over area of discs. Settling and cutting are done `ROUNDS` times, the last time with the hollows at
-the surface filled, which is repeated where a column still deviates (`dem.search.levelling`).
+Random packings settle by some per cent of their height. The box is therefore filled above the surface of the section.
+After settling, discs above the surface are removed, and every other disc is assigned to the stratum in which it lies.
+After this cut, surface and interfaces are those of the section. Weight and mass follow from the void ratio of this
+packing: area of the section over area of discs. Settling and cutting are done `ROUNDS` times, the last time with the
+hollows at the surface filled, which is repeated where a column still deviates (`dem.search.levelling`).
 
 Discs that came to rest under their weight alone have hardly more contacts than equilibrium requires (three each), and
 move at a small share of their strength: the discs of S-13 moved 0.44 m under Kh = 0.1, the continuum 0.10 m. Natural
-ground is denser than such a packing. So the discs are compacted by some cycles of a small Kh; then Kh = 0.1 moves the
-discs of S-13 by 0.05 m.
+ground is denser than such a packing. The discs are therefore compacted by some cycles of a small Kh, after which Kh =
+0.1 moves the discs of S-13 by 0.05 m.
 """
 
 from collections.abc import Sequence

@@ -1,9 +1,9 @@
 """Levels the surface of soil discs to that of the section: discs above the surface are removed, and hollows are filled.
 
-A removed disc leaves a hollow of its size, into which its neighbours slide. So a new disc is added wherever there is
-room for it on two other discs. The radius of the new disc, within the spread of the packing, is the one that brings its
-top nearest to the surface. If a column has no such room, one of its discs is exchanged for others. Positions, radii and
-order follow from the discs, not from random numbers.
+A removed disc leaves a hollow of its size, into which its neighbours slide. Therefore a new disc is added wherever
+there is room for it on two other discs. The radius of the new disc, within the spread of the packing, is the one that
+brings its top nearest to the surface. If a column has no such room, one of its discs is exchanged for others.
+Positions, radii and order follow from the discs, not from random numbers.
 """
 
 import numpy as np

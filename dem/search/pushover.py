@@ -1,15 +1,15 @@
 """Finds the critical Kh of soil discs by displacement control: their displacement is prescribed, and the Kh that it
 requires is measured.
 
-So the curve continues beyond the largest Kh, like the equilibrium path of the FEM model. Both curves are Kh over the
-mass-weighted mean displacement in the direction of the seismic force (m). Both curves are compared at the same
-displacement, since neither has a limit load in a box: loose ground hardens as it is compressed. The critical Kh of the
-discs is the largest Kh, averaged over a fifth of the displacement, up to `DemSettings.ductility` times the yield
-displacement of the FEM model. Grains need this larger strain to reach the same strength as an elastic-plastic body with
-the same E: `settings.GROWTH` describes how it was measured.
+Under displacement control the curve continues beyond the largest Kh, like the equilibrium path of the FEM model. The
+curves of discs and FEM model are Kh over the mass-weighted mean displacement in the direction of the seismic force (m).
+Both curves are compared at the same displacement, since neither has a limit load in a box: loose ground hardens as it
+is compressed. The critical Kh of the discs is the largest Kh, averaged over a fifth of the displacement, up to
+`DemSettings.ductility` times the yield displacement of the FEM model. Discs require a larger strain than an
+elastic-plastic body with the same E to reach the same strength: `settings.GROWTH` describes how it was measured.
 
-The place of failure is visible only later: at their critical Kh discs still harden, and shear everywhere. So the test
-continues, and the discs at its end have a slip surface.
+The place of failure is visible only later: at their critical Kh discs still harden, and shear everywhere. The test
+therefore continues until the discs have a slip surface.
 """
 
 from collections.abc import Iterator, Sequence
@@ -106,8 +106,8 @@ def pushover_critical_kh(
     until_failed: bool = True,
 ) -> tuple[Search, DiscModel]:
     """Compute the critical Kh of settled discs, the load-displacement curve, and the discs at the end of the test. With
-    ``until_failed`` the test continues beyond the curve until a slip surface has formed, a part has separated, or the
-    displacement is large enough. The settled discs are not changed.
+    ``until_failed`` the test continues beyond the end of the load-displacement curve until a slip surface has formed, a
+    part of the discs has separated, or the displacement is large enough. The settled discs are not changed.
 
     on_trial is called with every point of the curve. The verdict is "undecided" if a DemError stops the discs before
     the end of the curve; after a later one, the discs are those at the end of the curve. ground: place of the discs;

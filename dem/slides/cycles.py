@@ -12,7 +12,7 @@ def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.nda
     """Return the acceleration Kh g cos(2 π t / T), whose amplitude rises in the first cycle and fades in the last
     cycle.
 
-    This acceleration is the derivative of a velocity Kh g T/(2 π) w(t) sin(2 π t / T) with w a half cosine at either
+    The acceleration is the derivative of a velocity Kh g T/(2 π) w(t) sin(2 π t / T) with w a half cosine at either
     end, so that the base has no mean velocity: without the half cosines it would drift away from liquefied ground.
 
     Parameters

@@ -26,9 +26,9 @@ class Shaking:
     liquefy.
 
     Base and fixed discs move as one rigid body. In the frame of the base, the acceleration of the base, with the
-    opposite sign, acts on the full mass of the discs. This is exact for a box and for periodic sides. Cycles of Kh, and
-    the average acceleration of the soil, contain the response of the ground already, so that the base is compliant then
-    (`dem.engine.compliant_base`).
+    opposite sign, acts on the full mass of the discs. For a box and for periodic sides the change of frame is exact.
+    Cycles of Kh, and the average acceleration of the soil, contain the response of the ground already, so that the base
+    is compliant then (`dem.engine.compliant_base`).
 
     Attributes
     ----------

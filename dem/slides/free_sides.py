@@ -1,18 +1,19 @@
-"""Moves the free-field sides of a slide of discs. The ground continues beyond them, and the pressure at rest acts on
-them.
+"""Moves the free-field sides of a slide of discs. The ground continues beyond free-field sides, and its pressure at
+rest acts on the sides.
 
-Walls that do not move would hold a slope that continues beyond the section. So the wall discs above the lowest stratum
-that liquefies at a side move horizontally, in strips two diameters high. Each strip is a plate between the ground in
-the section, which pushes with a force N, and the ground beyond, which pushes with its force at rest N_0 and takes waves
-away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877). In each time `EVERY` its velocity v increases by
+Walls that do not move would hold a slope that continues beyond the section. Therefore the wall discs of a side move
+horizontally, in strips two diameters high, above the lowest stratum that liquefies there. Each strip is a plate between
+the ground in the section, which pushes with a force N, and the ground beyond, which pushes with its force at rest N_0
+and takes waves away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877). In each time `EVERY` its velocity
+v increases by
 
     Δv = `RELIEF` ((N - N_0) / (ρ V_p h) - v),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν).
 
 Here h is the height of a strip and V_p the velocity of P-waves. As a stratum liquefies, its K_0 becomes 1, and the
 ground settles by the water that drains. The stress σ'_v is that of the section at the side, times the ratio of the
-weight of all discs to that of the section. So both sides of level ground carry the same force. The discs nearest to
-each side are heavier or lighter by a few per cent; under such a difference liquefied ground would drift without end.
-Walls move by `ROOM` diameters at most, since the floor ends there. Positive is outwards.
+weight of all discs to that of the section. Both sides of level ground therefore carry the same force. The discs nearest
+to each side are heavier or lighter by a few per cent; under such a difference liquefied ground would drift without end.
+Walls move by `ROOM` diameters at most, since the floor ends there. Positive velocities are outwards.
 """
 
 from collections.abc import Sequence

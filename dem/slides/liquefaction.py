@@ -76,7 +76,7 @@ class Slider:
     folder
         Folder of checkpoint.npz and rows.json, or None.
     shaking
-        A record of the base instead of Kh. Without a record, Kh is constant or cyclic by the settings.
+        A record of the base instead of Kh. Without a record, the settings decide whether Kh is constant or cyclic.
     free_sides
         Whether the ground continues beyond the sides, see `dem.slides.free_sides`; otherwise it lies in a box. Discs of
         the paper lie in a box.
@@ -338,8 +338,8 @@ class Slider:
         """Return a sentence if the case slides without Kh as well (flow failure), else empty.
 
         Ground that is stable under its weight moves only by centimetres; ground without equilibrium moves until its
-        face is flatter. So the displacement without Kh is compared with the height of the face. The slide under Kh is
-        no measure: it depends on the duration of Kh, on the slope below, and on the sides of the box.
+        face is flatter. To tell both apart, the displacement without Kh is compared with the height of the face. The
+        slide under Kh is no measure: it depends on the duration of Kh, on the slope below, and on the sides of the box.
         """
         settings = self.settings.changed(kh=0.0, duration=ALONE)
         alone = Slider(

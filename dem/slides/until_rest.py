@@ -75,7 +75,7 @@ def run_until_rest(
     Raises
     ------
     DemError
-        If a run of the engine stops.
+        If the engine stops with an error.
     ValueError
         If times or the displacement are not positive.
     """

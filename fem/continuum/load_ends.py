@@ -2,10 +2,11 @@
 these ends.
 
 The bearing capacity of sand below a strip load comes from its weight alone, and is zero at the edge of the load
-(Terzaghi 1943: γ B Nγ / 2 is the mean of a pressure that falls to zero at the edge). So no stress field balances a
-pressure that ends in a step, whatever Kh is, and there is no strict lower bound. Only a little sand at the edge yields.
-As below cohesionless faces, the ground within the least depth of the end of the load is given an apparent cohesion, and
-carries the load with this cohesion. Any failure then cuts through the strengthened ground.
+(Terzaghi 1943: γ B Nγ / 2 is the mean of a pressure that falls to zero at the edge). Therefore no stress field balances
+the pressure of a surcharge that ends in a step, whatever Kh is, and there is no strict lower bound. Only a little sand
+yields at the edge of the load. As below cohesionless faces, the ground within the least depth of the end of the load is
+given an apparent cohesion, and carries the load with this cohesion. Any failure then cuts through the strengthened
+ground.
 """
 
 from fem.continuum.shallow_failure import STRIP, strip_bottom
@@ -63,7 +64,7 @@ def with_strengthened_load_ends(section: Section, least_depth: float) -> Section
 
 def soil_of_strip(name: str) -> str:
     """Return the name of the stratum from which a strengthened strip was cut, below a face or below the end of a load.
-    Other names are returned unchanged.
+    The name of a stratum that is no strip is returned unchanged.
     """
     for mark in (STRIP, BELOW_END):
         name = name.rpartition(mark)[0] or name

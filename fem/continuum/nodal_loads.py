@@ -2,9 +2,9 @@
 
 The pore pressure u is taken at the quadrature points, where it does work on the volumetric strain, so that the skeleton
 gets the forces of σ' = σ + u (tension positive) whether u jumps from stratum to stratum or not. Free water loads the
-ground surface with its pressure. Where this pressure equals u, both together give buoyancy. (If u were bilinear between
-the corners of cells that the water table crosses, there would be pore pressure above the water table, and sand without
-cohesion would be lifted.)
+ground surface with its pressure. Where the pressure of free water equals u, both forces together give buoyancy. (If u
+were bilinear between the corners of cells that the water table crosses, there would be pore pressure above the water
+table, and sand without cohesion would be lifted.)
 """
 
 from collections.abc import Callable

@@ -63,9 +63,9 @@ def refuse_other_water(section: Section) -> None:
 
 
 def _along_side(section: Section, side: int, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return two arrays (n,) in Pa for the left (0) or right (1) side. The first contains the pore pressure at both
-    ends of each interval between ``depths`` (m) and, as its last entry, the pressure of free water on the ground. The
-    second contains the excess pore pressure by shaking.
+    """Return two arrays (n,) in Pa for the left (0) or right (1) side. The first array contains the pore pressure at
+    both ends of each interval between ``depths`` (m) and, as its last entry, the pressure of free water on the ground.
+    The second array contains the excess pore pressure by shaking.
     """
     water, layers = section.water_pressure, section.layering
     elevation = layers.left[0] if side == 0 else layers.right[-1]

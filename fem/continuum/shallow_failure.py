@@ -151,8 +151,8 @@ def failing_at_rest(
     """Find the cohesionless faces inclined against the seismic force that fail by their weight alone, for example
     because seepage leaves the ground there.
 
-    Such a face has no stress field in equilibrium without a seismic force, and fails before the slope fails in the
-    direction of the force. ``section``, ``settings``, ``friction``: as in ``shallow_failures``.
+    A face that fails by its weight has no stress field in equilibrium without a seismic force, and fails before the
+    slope fails in the direction of the force. ``section``, ``settings``, ``friction``: as in ``shallow_failures``.
     """
     against = settings.changed(direction=direction_of(settings, opposite=True))
     return [face for face in shallow_failures(section, against, friction) if face.kh < 0.0]
@@ -247,7 +247,7 @@ def _forces(
     first pair is that of the soil just below a piece of ground. If the layer down to the least depth reaches into
     water, a second pair is that of this layer.
 
-    Between the two depths the forces vary linearly. So a layer of a depth in between never slides first.
+    Between the two depths the forces vary linearly, so that a layer whose depth is in between never slides first.
     """
     layers, water = section.layering, section.water_pressure
     bounds = layers.interfaces(np.array([piece.middle]))[0]

@@ -183,9 +183,9 @@ def _first_checked(
     passes.
 
     The solver fulfils equations and margins only approximately, and the correction of the equations may lead beyond the
-    yield surface or violate the flow rule. So the next attempt has a margin, at every corner, of a few times the
-    shortfall of the last attempt. There is no next attempt if the solver ended early: then the shortfall comes from
-    unfinished iterations, and a margin of this size would leave no admissible stress.
+    yield surface or violate the flow rule. Therefore the next attempt has a margin to the yield surface at every
+    corner, which is a few times the violation by the last attempt. There is no next attempt if the solver ended early:
+    the violation then comes from unfinished iterations, and a margin of the same size would leave no admissible stress.
     """
     notes: list[str] = []
     bound, check = attempt(0.0, most_work)
@@ -251,7 +251,7 @@ def singular_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
     """Find the singular points (n,), as a mask: the principal directions rotate more around them than the cells can
     follow.
 
-    The edge of a footing is such a point: its few cells reduce the lower bound, however small they are.
+    The edge of a footing is a singular point: the few cells around it reduce the lower bound, however small they are.
     """
     points = problem.mesh.cells.ravel()
     work = np.bincount(points, weights=low.yield_work.ravel(), minlength=len(problem.mesh.points))

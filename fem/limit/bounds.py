@@ -65,12 +65,13 @@ class KhBounds(SmallerKhBounds):
     shallow_failures : tuple of ShallowFailure
         Cohesionless faces whose shallow failure has a smaller Kh than the bounds. If there is one, the ground below all
         these faces is strengthened down to the least depth, as in the finite elements, and the bounds are strict for
-        the strengthened ground: they are bounds of the whole slope. Without shallow failures they are strict for the
-        ground of the section file.
+        the strengthened ground: they are bounds of the whole slope. Without shallow failures the bounds are strict for
+        the ground of the section file.
     shallow : float or None
         An upper bound of Kh of the ground without strengthening, if it is below the bounds and below the Kh of all
         ``shallow_failures``: ground above the least depth then slips where faces of different water or slope meet, or
-        where water seeps out of a face. This ground is strengthened, too. None if there is no such bound.
+        where water seeps out of a face. The ground of this slip is strengthened as well. None if the upper bound of the
+        ground without strengthening is not smaller.
     section : Section
         The section that was analysed for the direction that fails first, with faces strengthened if necessary.
     substitute : SmallerKhBounds or None
@@ -105,10 +106,11 @@ class DirectionGround:
         """Return the ground that is analysed for the direction of the settings.
 
         The Kh of each face is compared with an upper bound on one coarse mesh of the section with all its faces
-        strengthened. This bound is rather too large, so that a few faces too many may be listed, but none is missing.
-        Faces inclined against the force that fail by their weight are strengthened in any case: no stress field is in
-        equilibrium there. The section without strengthening is not used for the comparison: where faces of different
-        water meet, its mechanism may be shallow, too. Raises what ``first_mesh`` raises.
+        strengthened. The upper bound of the coarse mesh is larger than that of a fine mesh, so that a few faces too
+        many may be listed, but no face is missing. Faces inclined against the force that fail by their weight are
+        strengthened in any case: no stress field is in equilibrium there. The section without strengthening is not used
+        for the comparison: where faces of different water meet, its mechanism may be shallow, too. Raises what
+        ``first_mesh`` raises.
         """
         faces, always = shallow_failures(section, fem), failing_at_rest(section, fem)
         whole = strengthened(section, faces + always, fem)

@@ -108,8 +108,8 @@ class FactorSearch:
     def confirms(self, other: "FactorSearch") -> bool:
         """Return whether the lower bound of the ``other`` direction is proven for this one on the finest triangles.
 
-        This proof mostly needs far fewer triangles than the bounds of the other direction. If it fails, the factor of
-        this direction is searched for, on triangles refined for its mechanism.
+        To prove that the other direction governs mostly requires far fewer triangles than its bounds. If the proof
+        fails, the factor of this direction is searched for, on triangles refined for its mechanism.
         """
         if other.both_ways:
             self.lower = other.lower

@@ -147,10 +147,10 @@ def points_of_equations(matrix: sparse.csr_matrix, points: np.ndarray, corner_po
     """Return the number of the point of every equation, -1 for none. The equilibrium of a cell with only one corner
     stress belongs to this corner.
 
-    The other two corners of such a cell lie at a bare surface of ground without cohesion. The equilibrium equations of
-    several such cells around a point, as in the tip of a wedge of sand, depend on the tractions there.
-    ``matrix`` multiplies the stresses at the corners, which lie at the points ``corner_points`` (k,); ``points``
-    holds the point of each equation of tractions, -1 for the other equations.
+    A cell has only one corner stress if its two other corners lie at a bare surface of ground without cohesion. The
+    equilibrium equations of several cells with only one corner stress around a point, as in the tip of a wedge of sand,
+    depend on the tractions there. ``matrix`` multiplies the stresses at the corners, which lie at the points
+    ``corner_points`` (k,); ``points`` holds the point of each equation of tractions, -1 for the other equations.
     """
     rows = np.flatnonzero((points < 0) & (np.diff(matrix.indptr) > 0))
     corners = matrix[rows].indices // 3
@@ -242,7 +242,7 @@ def _balance(problem: LimitProblem) -> Equations:
 
 def _continuity(problem: LimitProblem) -> Equations:
     """Return the equations of tractions at both ends of inner edges: they are equal on both sides except for the
-    ``EdgeJumps``. Each equation is times half the length of the edge.
+    ``EdgeJumps``. Each equation is multiplied by half the length of the edge.
     """
     mesh = problem.mesh
     interior = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
@@ -259,7 +259,7 @@ def _continuity(problem: LimitProblem) -> Equations:
 
 def _boundary(problem: LimitProblem) -> Equations:
     """Return the equations of the prescribed traction at both ends of the edges of the outline, in components that are
-    not fixed. Each equation is times half the length of the edge.
+    not fixed. Each equation is multiplied by half the length of the edge.
     """
     outline = problem.outline
     normal = _normals(problem, outline.cells, outline.ends)
@@ -272,7 +272,7 @@ def _boundary(problem: LimitProblem) -> Equations:
 
 def _repetition(problem: LimitProblem) -> Equations:
     """Return the equations of tractions on periodic sides: they are opposite at both ends of edges that are joined.
-    Each equation is times half the length of the edge."""
+    Each equation is multiplied by half the length of the edge."""
     mesh = problem.mesh
     parts = []
     for ends in mesh.matched:

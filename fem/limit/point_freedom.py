@@ -3,7 +3,7 @@
 Several cells meet at a point, and each has its own stress and strain rate there. Conditions at the point link them to
 each other and to the boundary; some of these conditions leave only zero stress or zero strain rate. Rounding would turn
 the zero into a small violation of the yield surface or the flow rule, and an interior-point solver would find no
-interior. Such points are therefore searched for beforehand, and zero is prescribed there.
+interior. Points with zero stress or zero strain rate are therefore found beforehand, and zero is prescribed at them.
 """
 
 from collections.abc import Iterator
@@ -147,9 +147,9 @@ def _outside_cone(stresses: np.ndarray, friction: float) -> bool:
 def unstrained_points(problem: LimitProblem) -> np.ndarray:
     """Find the points (n,), as a mask, on fixed boundaries at which the flow rule lets no cell strain.
 
-    Such points are corners between two held edges, where φ is larger than half of their angle, and points of a straight
-    held edge where ground that cannot dilate begins. At such a point the velocity gradient of a cell follows from the
-    derivatives of the velocity along its edges, which are zero on held edges.
+    No cell can strain at corners between two held edges, where φ is larger than half of the angle between them, nor at
+    points of a straight held edge where ground that cannot dilate begins. At a corner between two edges the velocity
+    gradient of a cell follows from the derivatives of the velocity along its edges, which are zero on held edges.
     """
     mesh, outline = problem.mesh, problem.outline
     fixed = np.zeros((len(mesh.edges), 2), dtype=bool)

@@ -139,8 +139,8 @@ class Discretised:
     ) -> "tuple[Discretised, cone_program.Solution]":
         """Solve the cone program, and return the solution with the problem in the unit of stress that was used. If the
         solver is not certain, or finds no stress because forces were rounded, the program is solved again with a larger
-        unit of stress. Only the first attempt begins at ``start``. ``least`` is the smallest multiplier of which the
-        gap is a share.
+        unit of stress. Only the first of both attempts begins at ``start``. ``least`` is the smallest multiplier of
+        which the gap is a share.
         """
         attempts = []
         for ground, place in ((self, start), (replace(self, unit=LARGER * self.unit), None)):
@@ -180,11 +180,11 @@ def conic_limit_load(
 ) -> ConicLimitLoad:
     """Find the largest λ at which the ground resists the nodal forces ``dead`` + λ ``live``, both (dofs,) in N/m.
 
-    The flow is associated, the element "reduced"; the result does not depend on initial stress and stiffness. All ranks
-    get the answer of the first. Raises UnstableError if no stress balances the forces, NoAnswerError if the solver
-    leaves no answer. ``problem``: the elements of ``mesh``, with their strength and the components that are fixed;
-    ``start``: the ``start`` of another limit load with the same mesh, fixed components and loads, which saves half of
-    the work.
+    The flow is associated, the element "reduced"; the result does not depend on initial stress and stiffness. All MPI
+    ranks get the answer of the first rank. Raises UnstableError if no stress balances the forces, NoAnswerError if the
+    solver leaves no answer. ``problem``: the elements of ``mesh``, with their strength and the components that are
+    fixed; ``start``: the ``start`` of another limit load with the same mesh, fixed components and loads, which saves
+    half of the work.
     """
     ground = gathered(problem, mesh, dead, live)
     answer: ConicLimitLoad | NoAnswerError | None = None

@@ -142,9 +142,9 @@ def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadR
     """Order two limit loads of one mesh under one load, so that the first is not above the second. The strength of the
     first ground is nowhere larger than that of the second.
 
-    The second ground resists every load that the first one resists (lower bound theorem). So the bracket of the first
-    is cut off at the upper end of the second bracket, and the second at the lower end of the first: then their means
-    are in this order, too.
+    The second ground resists every load that the first one resists (lower bound theorem). Therefore the bracket of the
+    first limit load is cut off at the upper end of the second bracket, and the second bracket at the lower end of the
+    first. The means of both brackets are then in the same order.
     """
     low, high = weak.ground.limit, strong.ground.limit
     if low is None or high is None:

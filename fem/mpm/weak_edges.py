@@ -11,10 +11,10 @@ with the mass above M (kg/m²), and s_e and M_e at the edge. The shear stress by
 so that these spans yield at the Kh at which a rigid block slips on the edge, wherever the edge lies on the grid.
 
 Sand that strains by its strain potential γ_max before it regains strength would strain over all spans of its hat
-functions, or not at all where stiff points in the same spans carry the shear. So these points have the stress-strain
-law of the layer, too: their γ at τ M(z) / M is the γ of the layer at τ, and all strains are scaled by the thickness of
-the layer over the width that shears on the grid. The width W of a column of points p follows from its equilibrium: with
-φ_k the hat of knot k, h the cell,
+functions, or not at all where stiff points in the same spans carry the shear. Therefore the points in these spans also
+have the stress-strain law of the layer: their γ at τ M(z) / M is the γ of the layer at τ, and all strains are scaled by
+the thickness of the layer over the width that shears on the grid. The width W of a column of points p follows from its
+equilibrium: with φ_k the hat of knot k, h the cell,
 
     Σ_l (Σ_p V_p g_p φ_k φ_l) γ_l = Σ_p V_p M_p φ_k,   W = h Σ_k γ_k,
 
@@ -91,7 +91,7 @@ def edge_strength(
     Returns
     -------
     EdgeStrength
-        Points of sound ground, in the order of their numbers.
+        Strength of the points of sound ground that lie in these knot spans, in the order of the numbers of the points.
     """
     column, row = _places(x, cell)
     above = np.zeros(len(x))

@@ -20,8 +20,8 @@ class Descent:
         self._low, self._high = (0.0, slope), (np.inf, 0.0)
 
     def ends(self, slope: float) -> bool:
-        """Return whether the length just tried is good enough, given the ``slope`` of the potential there; if not, set
-        ``part`` to the next length.
+        """Return whether the last step length of the line search is good enough, given the ``slope`` of the potential
+        at its end. If it is not, set ``part`` to the next step length to try.
         """
         self._tried += 1
         if not abs(slope) > SLOPE_LEFT * self._slope or self.part >= LONGEST or self._tried == MOST_LENGTHS:

@@ -173,9 +173,9 @@ class AdaptiveSearch:
     ) -> AdaptiveResult[LimitLoadResult]:
         """Find the limit load with ``other`` settings under the same forces, on the mesh of ``base``.
 
-        Where this mesh does not resolve the mechanism, another mesh with as many cells is made that resolves it, and
-        the smaller limit load counts; both are in the sequence. Raises NoAnswerError if the solver has no answer on the
-        mesh of ``base``.
+        Where the mesh of ``base`` does not resolve the mechanism, another mesh with as many cells is made that resolves
+        it. The smaller limit load counts, and both are in the sequence of meshes. Raises NoAnswerError if the solver
+        has no answer on the mesh of ``base``.
         """
         self.tell(f"limit load of {len(base.mesh.cells)} cells")
         same = with_other_flow(base.result, self.section, base.mesh, other)

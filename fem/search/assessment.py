@@ -193,8 +193,9 @@ class _Search:
 
         ``safety`` are the factors of safety that are already being computed, or None. Raises UnstableError.
 
-        With Davis's estimate the path starts on the mesh of the estimate, before it is known whether the mesh for ψ = φ
-        is better. The mesh for ψ = φ is rarely better.
+        By Davis's estimate the equilibrium path starts on the mesh of the estimate, while the limit load on the mesh
+        for ψ = φ is still being computed. If the limit load on the mesh for ψ = φ is smaller, which is rare, the path
+        is computed again on this mesh.
         """
         one_way = settings.changed(direction=adapted.result.direction)
         safety = self.begin_safety(one_way) if safety is None else safety
@@ -243,7 +244,8 @@ class _Search:
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult] | None]:
         """Return the limit loads ``adapted``, and the limit loads by the other flow rule: ψ = φ, or Davis's estimate if
-        the flow rule is ψ = φ. The second is None without limit loads, or if the section file has ψ = φ in all strata.
+        the flow rule is ψ = φ. The limit load by the other flow rule is None if it was not found, or if the section
+        file has ψ = φ in all strata.
         """
         try:
             if self.dilates_more(settings):

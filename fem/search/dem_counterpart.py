@@ -1,8 +1,9 @@
 """Computes the FEM model with the sides of the DEM box, fixed or periodic, and non-associated flow with the given ψ.
 
 Davis's estimate weakens sand but not clay, which moves the slip surface towards the sand: in S-13 (the section of the
-paper) between fixed sides it lies 5 m from the slip surface with the given ψ. Discs have the strength of the soil and
-dilate little. So the slip surface of discs is compared with that of the non-associated path.
+paper) between fixed sides the slip surface by Davis's estimate lies 5 m from the slip surface with the given ψ. Discs
+have the strength of the soil and dilate little. The slip surface of discs is therefore compared with that of the
+non-associated equilibrium path.
 """
 
 from dataclasses import dataclass, replace

@@ -2,8 +2,8 @@
 estimate.
 
 The limit load with these angles (``nonassociated_limit_load.py``) depends on element and mesh by 5 to 15 %, and on some
-ground it is not found at all. So it is computed on three meshes, on the first of them from two starts, and reported
-only if all of these agree.
+ground it is not found at all. The critical Kh is therefore computed on three meshes, on the first mesh from two starts,
+and reported only if all four results agree.
 """
 
 import math
@@ -52,7 +52,7 @@ class OwnDilation:
 
 def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult, comm: Any) -> OwnDilation:
     """Compute the critical Kh of a section for the dilation angles of its strata, in the direction of the limit load
-    ``known``. The cohesionless faces that ``known`` strengthened are strengthened here, too.
+    ``known``. The cohesionless faces that were strengthened for ``known`` are also strengthened for this critical Kh.
 
     ``settings``: settings of the finite elements; ``comm``: MPI communicator of one rank.
     """

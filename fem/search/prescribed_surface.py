@@ -43,9 +43,9 @@ def critical_above(
     """Compute the limit loads with and without fixing the nodes on and below ``line`` (k, 2), points [x, elevation] in
     m.
 
-    Beyond its ends the line continues at the depth of these ends below the ground. For one rank; raises what
-    ``critical_limit_load`` does. ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``:
-    settings of the finite elements; ``comm``: MPI communicator.
+    Beyond its ends the line continues at the depth of these ends below the ground. Runs on one MPI rank only. Raises
+    the errors of ``critical_limit_load``. ``section``: the section of the ground; ``mesh``: a mesh of the section;
+    ``settings``: settings of the finite elements; ``comm``: MPI communicator.
     """
     ground = critical_limit_load(section, mesh, settings, comm).ground
     assert ground.limit is not None

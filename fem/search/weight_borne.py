@@ -1,4 +1,4 @@
-"""Computes whether ground resists its own weight between held sides, as liquefied ground may not."""
+"""Computes whether ground between held sides resists its own weight. Liquefied ground may fail under its own weight."""
 
 from typing import Any
 

@@ -28,8 +28,8 @@ class ConeProgram:
     dead, live : ndarray (n,)
         Vectors b0 and b1: work of the dead and the live load on a unit velocity.
     stress_margin : ndarray (k,) or float
-        Smallest distance of the stress to the yield surface, so that rounding does not lead beyond it. There is no such
-        distance to the tension cut-off, below which there may be no admissible stress.
+        Smallest distance of the stress to the yield surface, so that rounding does not lead beyond it. No distance to
+        the tension cut-off is required, since there may be no admissible stress below a reduced cut-off.
     strain_margin : ndarray (k,) or float
         Volumetric strain rate in excess of that of the flow rule where φ > 0, so that rounding does not violate the
         flow rule.
@@ -38,8 +38,8 @@ class ConeProgram:
     tension : ndarray (k,) or float
         Tension cut-off over the unit of stress, inf for none.
     bare : ndarray (k,) of bool
-        Corners on a bare surface, where equilibrium makes one principal stress zero: there the cut-off limits the other
-        one, which is equal to the trace.
+        Corners on a bare surface, where equilibrium makes one principal stress zero, so that the cut-off limits the
+        other principal stress, which is equal to the trace.
     softening : ndarray (k,) or None
         Vector s > 0 if λ reduces the strength and multiplies no load: the right-hand side of the yield condition is
         reduced by λ s. Then b1 is zero, and the dual has Σ w s |(εxx - εyy, εxy)| = 1 in place of b1·x = 1.

@@ -89,10 +89,10 @@ def interior_solution(
 ) -> Iterate:
     """Solve a program to a ``tolerance``; its costs are ``unit`` times the multiplier of the loads.
 
-    ``check_cancelled`` is called before each of at most ``most_iterations`` iterations. After a breakdown the best
-    iterate that meets the equations is returned, if there is one. ``start`` is an iterate of the same mesh with another
-    strength: one well inside the cones saves half of the iterations, one near the solution often breaks down.
-    ``standard``: the program in standard form; ``matrix``: the normal equations to factorise.
+    ``check_cancelled`` is called before each of at most ``most_iterations`` iterations. If the factorisation breaks
+    down, the best iterate that satisfies the equations is returned, if there is one. ``start`` is an iterate of the
+    same mesh with another strength: one well inside the cones saves half of the iterations, one near the solution often
+    breaks down. ``standard``: the program in standard form; ``matrix``: the normal equations to factorise.
     """
     return _Method(standard, unit, tolerance, matrix).run(check_cancelled, start, most_iterations)
 

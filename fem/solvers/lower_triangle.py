@@ -48,7 +48,7 @@ class LowerTriangle:
         """Factorise the ``entries``, with the smallest share of STIFFER added to the diagonal that makes the matrix
         positive definite.
 
-        Raises NotPositiveDefiniteError if no share does.
+        Raises NotPositiveDefiniteError if no share makes the matrix positive definite.
         """
         diagonal = self.entries[self.diagonal]
         for share in (0.0, *STIFFER):

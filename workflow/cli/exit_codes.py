@@ -43,8 +43,8 @@ def ended(call: Callable[[], object]) -> None:
 
 
 def ended_as_program(call: Callable[[], object]) -> None:
-    """Call a function as `ended` does, and end the process at once if threads of cancelled tasks still run. Otherwise
-    Python would abort in these threads.
+    """Call a function as `ended` does, and end the process at once if threads of cancelled tasks still run. If the
+    process went on to its normal end, Python would abort in these threads.
     """
     try:
         ended(call)

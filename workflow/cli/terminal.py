@@ -46,7 +46,8 @@ def say(line: str) -> None:
 
 
 def warn(lines: Iterable[str], verbosity: Verbosity) -> list[str]:
-    """Print warnings and return them. Warnings go to standard error if the output contains no sentences."""
+    """Print warnings and return them. Warnings are printed on standard error if the command prints data instead of
+    sentences."""
     messages = list(lines)
     for line in messages:
         (out if verbosity.in_sentences else err).print(line, soft_wrap=True, markup=False)

@@ -59,8 +59,8 @@ def _changes(stages: Sequence[Stage], job: Job, key: str, without: Callable[[str
 
 
 def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list[str]:
-    """Return one sentence on each setting that a ``command`` does not read. The sentence names the ``commands`` that
-    read it."""
+    """Return one sentence on each setting that a ``command`` does not read. Each sentence names the ``commands`` that
+    read the setting."""
     from workflow.stages import STAGES, command_of
 
     reads = {command_of(stage.name): stage.reads for stage in STAGES if not stage.of_all}

@@ -1,6 +1,6 @@
 """Reads old names of settings, with a notice; `noshiro migrate` rewrites them.
 
-No other module has an old name. For a later renaming, add an entry to ``RENAMED``.
+Old names occur in this module only. When a setting is renamed later, its old name is added to ``RENAMED``.
 """
 
 import re

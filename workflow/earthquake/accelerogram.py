@@ -197,7 +197,7 @@ def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, l
     """Return accelerations without a constant offset, and a remark where one was removed.
 
     The mean acceleration of ground that ends at rest is 0. If the median agrees with the mean, the whole record has an
-    offset. If not, the record is a pulse, or cut off, and is not changed.
+    offset. If median and mean differ, the record is a pulse, or was cut off, and is not changed.
     """
     mean = float(0.5 * (values[1:] + values[:-1]) @ np.diff(time)) / max(float(time[-1] - time[0]), 1e-9)
     middle, peak = float(np.median(values)), float(np.abs(values).max())

@@ -256,9 +256,9 @@ class SiteResponseSettings(Model):
 def loading_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
     """Return Kh of the slides, its cycles and their period, if the earthquake of the input determines them.
 
-    The result is empty without an earthquake, or if the table [earthquake] has errors, which are reported elsewhere.
-    With a given Kh or duration there are no cycles unless the settings request them. Raises InputError if a setting is
-    ``"earthquake"`` and there is no peak, or a record shakes the slides instead.
+    The result is empty without an earthquake, or if the table [earthquake] has errors, which are reported elsewhere. If
+    the input gives Kh or its duration, Kh has no cycles unless the settings request cycles. Raises InputError if a
+    setting is ``"earthquake"`` and there is no peak, or a record shakes the slides instead.
     """
     requested = [key for key in ("kh", *CYCLES) if slide.get(key) == EARTHQUAKE]
     kh_left = slide.get("kh", EARTHQUAKE) == EARTHQUAKE
@@ -285,8 +285,9 @@ def loading_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], 
 def assumed_loading(magnitude: float | None) -> dict[str, float]:
     """Return assumed Kh of the slides, its cycles and their period, if the input does not determine the shaking.
 
-    This is the default Kh with the cycles and the period of the ``magnitude`` (7.5 if None) at 20 km. A constant Kh
-    without end would move even level ground without limit once its residual strength is exceeded.
+    The assumed loading is the default Kh with the number of cycles and the period that belong to the ``magnitude`` (7.5
+    if None) at a distance of 20 km. A constant Kh without end would move even level ground without limit once its
+    residual strength is exceeded.
     """
     kh = float(SlideSettings.model_fields["kh"].default)
     magnitude = REFERENCE if magnitude is None else magnitude

@@ -41,8 +41,8 @@ def zones_against(
     A failure towards the other side, or behind the crest, is excluded by a strong zone behind the crest. A failure in
     front of the crest is excluded in one of two ways. If the critical circle of the face leaves the ground farther out,
     the strong zone reaches from the exit of the failure to the crest, down to a small depth: the zone moves as one
-    body, and no part of it moves without the crest. Otherwise the zone begins at the top of the slope in which the
-    failure lies.
+    body, and no part of it moves without the crest. If the circle leaves the ground nearer, the zone begins at the top
+    of the slope in which the failure lies.
 
     Parameters
     ----------

@@ -13,8 +13,8 @@ def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -
 
     The data of lateral spreads are of ground that stands once shaking ends: it moves in each half cycle of the shaking,
     up to its strain potential. Ground with a factor of safety below 1 moves by its weight until it is as flat as its
-    residual strength allows. No relation for lateral spreads has such ground in its data (Youd, Hansen & Bartlett 2002
-    exclude flow failures; Idriss & Boulanger 2008, section 4.4).
+    residual strength allows. No relation for lateral spreads has ground that flows in its data (Youd, Hansen & Bartlett
+    2002 exclude flow failures; Idriss & Boulanger 2008, section 4.4).
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Divides the mass above trial slip surfaces into vertical slices: weights, loads, strength and water at their bases.
 
 Many trial surfaces are divided together: arrays are (surfaces, slices). Lengths are in m, forces in N per m of width,
-stresses in Pa; x to the right, elevation upwards. A mass that would slide to the right is mirrored first. So every mass
-here slides to the left, and the base of a driving slice rises to the right (angle α > 0).
+stresses in Pa; x to the right, elevation upwards. A mass that would slide to the right is mirrored first. Therefore
+every mass in this module slides to the left, and the base of a driving slice rises to the right (angle α > 0).
 """
 
 from dataclasses import dataclass, replace

@@ -64,8 +64,8 @@ class SlideError:
 
 
 def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> SlideError | None:
-    """Return the error in predicting known field slides. Only flow failures, or only spreads, are compared if there are
-    enough of them.
+    """Return the error in predicting known field slides. Only flow failures, or only lateral spreads, are compared if
+    the collection has enough cases of the kind.
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
 """Finds thin layers that are weaker than the layers above and below, and thin mantles over stronger ground. A slip
-circle cuts across such layers and cannot follow them.
+circle cuts across a thin layer and cannot follow it.
 """
 
 import numpy as np

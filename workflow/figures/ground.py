@@ -228,8 +228,8 @@ def _draw_walls(axes: Axes, section: Section) -> None:
 def _number_strata(axes: Axes, section: Section) -> None:
     """Write the number of every stratum where it is thickest, so that layers can be distinguished without colours, too.
 
-    A number that is higher than its stratum would cover the lines of the stratum. Such a number is written above the
-    ground instead, at the end of a line from the stratum.
+    A number that is higher than its stratum would cover the lines of the stratum. The number of a stratum that is too
+    thin is written above the ground instead, at the end of a line from the stratum.
     """
     layers = section.layering
     at_left, at_right = layers.thickness()

@@ -172,7 +172,7 @@ def is_weaker(case: Case, other: Case, strata: Sequence[str], of_other: Sequence
     """Return whether a case has less stiffness or strength than another, and no more of either.
 
     ``strata`` are those that liquefy in the case, ``of_other`` those that liquefy in the other case. A stratum that
-    does not liquefy counts as stronger than one that does.
+    does not liquefy counts as stronger than a stratum that liquefies.
     """
     if not set(of_other) <= set(strata):
         return False

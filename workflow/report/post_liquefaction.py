@@ -100,10 +100,11 @@ def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
     """Return the residual strength with which the ground just stands without shaking; None without a factor of safety.
 
     Between a case that flows and a case that stands, the strength follows from linear interpolation of their factors of
-    safety F. If all strengths are divided by F the ground just stands. So the residual strength alone has to be larger
-    than its value divided by F if the ground flows (F below 1), and may be smaller than this if the ground stands. If
-    all cases are on one side, the result is a bound on this side. F is concave in the strength, as the minimum over
-    mechanisms of linear functions, so that a line through two cases that flow gives a better lower bound.
+    safety F. If all strengths are divided by F the ground just stands. If the ground flows (F below 1), the required
+    residual strength is therefore larger than its value divided by F; if the ground stands, it may be smaller than its
+    value divided by F. If all cases flow, or all cases stand, the result is a bound. F is concave in the strength, as
+    the minimum over mechanisms of linear functions, so that a line through two cases that flow gives a better lower
+    bound.
     """
     known = [(0.5 * (case.factor_lower + case.factor_upper), case) for case in cases
              if case.factor_lower is not None and case.factor_upper is not None

@@ -209,7 +209,8 @@ def _fails_between_fixed_sides(results: Results) -> Iterator[str]:
 
 
 def joined(notes: Mapping[int, Sequence[str]]) -> Iterator[str]:
-    """Merge equal notes of several cases. Numbers that differ become a range. The order by importance is unchanged."""
+    """Merge equal notes of several cases. Where the notes have different numbers, the merged note has the range of the
+    numbers. The order by importance is unchanged."""
     groups: dict[str, dict[int, list[str]]] = {}
     places: dict[str, int] = {}
     remedies: dict[str, str] = {}

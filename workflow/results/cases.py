@@ -92,8 +92,8 @@ class MovedSurface(Part):
         """Return the largest fall of the surface (m), and its x (m).
 
         Both surfaces are smoothed to the spacing of their points, so that a single missing disc is no fall. The
-        outermost points lie on the sides of the model, where a single disc that remains or is missing does not show
-        the settlement of the ground. So these two points are left out.
+        outermost points lie on the sides of the model, where a single disc that remains or is missing does not show the
+        settlement of the ground. The two outermost points are therefore left out.
         """
         before, after = (np.array(line).reshape(-1, 2) for line in (self.surface_before, self.surface_after))
         if not len(before) or not len(after):
@@ -134,8 +134,8 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
 
 class Spread(Part):
-    """Holds a number on several random packings: mean, standard deviation and confidence interval. These numbers are
-    None if there are too few packings; the confidence interval needs at least three.
+    """Holds a number on several random packings: mean, standard deviation and confidence interval. Mean, deviation and
+    interval are None if there are too few packings; the confidence interval needs at least three.
     """
 
     mean: float | None

@@ -39,7 +39,7 @@ def write_histories(store: Store, slides: Iterable[SlideHistory]) -> None:
 def read_histories(store: Store) -> list[SlideHistory]:
     """Return the slides of a folder in the order of the file.
 
-    Raises InputError if there is none, OtherVersionError if another version of the program wrote it.
+    Raises InputError if there is no file of slides, OtherVersionError if another version of the program wrote the file.
     """
     path = store.folder / FILE
     row_of = TypeAdapter(Row)

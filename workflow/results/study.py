@@ -90,7 +90,8 @@ class Result(Part):
     @property
     def by_chance(self) -> float:
         """Return the 95 % limit of the largest rank correlation of independent numbers for the number n of samples.
-        Each correlation is normal with variance 1 / (n - 1); Bonferroni's inequality covers all together.
+        Each correlation of independent numbers is nearly normal with variance 1 / (n - 1), and Bonferroni's inequality
+        gives the limit for all correlations together.
         """
         if self.samples < 2:
             return 1.0

@@ -64,9 +64,9 @@ class StageLine:
 class Display:
     """Displays a run to which it listens; used as a context manager.
 
-    On a terminal, ``err`` shows a list of all stages that is updated in place. Otherwise lines are written to ``err``:
-    one when a stage ends, and before that one every `EVERY` seconds. In verbose mode there is also one line when a
-    stage begins, and one for every step.
+    On a terminal, ``err`` shows a list of all stages that is updated in place. If ``err`` is no terminal, one line is
+    written to it every `EVERY` seconds while a stage runs, and one line when the stage ends. In verbose mode there is
+    also one line when a stage begins, and one for every step.
     """
 
     def __init__(self, err: Console, stages: Sequence[Stage], verbosity: Verbosity) -> None:

@@ -123,8 +123,8 @@ class Run:
         )
 
     def has_to_work(self, decision: Decision) -> bool:
-        """Return whether a stage has to work. If not, the decision is carried out: the stage is skipped, because of its
-        settings or because a stage that it needs has no answer, or its results are reused.
+        """Return whether a stage has to work. If the stage does not have to work, this function skips the stage,
+        because of its settings or because a stage that it needs has no answer, or reuses its results.
         """
         stage, left = decision.stage, self.record[decision.stage.name]
         if decision.action == "off":

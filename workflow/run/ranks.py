@@ -22,7 +22,7 @@ class Ranks:
     """
 
     def __init__(self) -> None:
-        """Find the ranks. Raises InputError if there is no dolfinx."""
+        """Find the MPI ranks on which this process and others run. Raises InputError if there is no dolfinx."""
         dolfinx_api.require()
         from mpi4py import MPI
 
@@ -36,7 +36,8 @@ class Ranks:
         self._tell_others(True)
 
     def called(self) -> bool:
-        """On the other ranks, wait for the first rank. Return True if it called them, False if it released them."""
+        """Wait, on any other rank than the first, for the first rank. Return True if the first rank called this rank to
+        compute, False if the first rank released it."""
         while not self.comm.iprobe(source=0):
             time.sleep(PAUSE)
         return bool(self.comm.recv(source=0))

@@ -71,8 +71,8 @@ class Stage:
         names for messages.
     files: files of the user that the stage reads, by names for messages.
     results: patterns of the files with the results of the stage.
-    read: function that reads the answers of the stage. It raises OtherVersionError if another version of the program
-        wrote an answer.
+    read: function that reads the answers of the stage. The function raises OtherVersionError if another version of the
+        program wrote an answer.
     pictures: patterns of the pictures of the stage.
     leftovers: patterns of the files from which the stage continues after a stop; they are removed when the input has
         changed.
@@ -80,9 +80,9 @@ class Stage:
         is not required runs only if it is requested by name, and its earlier results are reused while they are valid.
     partial: function that returns whether the job requests only a part of the stage.
     concurrent_after: stages that must have ended before this stage may run concurrently with others, in another
-        process; None if it runs in this process. Only a stage ``of_all`` may need such a stage.
-    of_all: whether the stage reports the results of all other stages. It then runs after any change of them, even if
-        stages that it needs have no answer.
+        process; None if it runs in this process. Only a stage ``of_all`` may need a stage that runs concurrently.
+    of_all: whether the stage reports the results of all other stages. A stage that reports all others runs after any
+        change of their results, even if stages that it needs have no answer.
     """
 
     name: str

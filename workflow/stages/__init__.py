@@ -1,8 +1,8 @@
 """Contains the stages of a run, one file for each, which ends with its STAGE. Heavy packages are only imported inside
 functions.
 
-So the program starts quickly, and each command needs only the packages that it uses. The files are imported when STAGES
-is first used. Work that is too long for one file, or common to two stages, is in other files: bearing,
+The program therefore starts quickly, and each command needs only the packages that it uses. The files are imported when
+STAGES is first used. Work that is too long for one file, or common to two stages, is in other files: bearing,
 calibrated_discs, liquefied_slides, random_packings, sliding.
 """
 

@@ -39,7 +39,7 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
     Parameters
     ----------
     section : Section
-        The ground with its strength after liquefaction or after large strains.
+        Section whose strata have their strength after liquefaction or after large strains.
     config : Config
         Config of the run; the flow rule follows from its section.
     mesh : QuadMesh
@@ -153,8 +153,8 @@ def _factors(
     section: Section, mesh: "QuadMesh", fem: FemSettings, bounds_settings: BoundsSettings, notes: list[str]
 ) -> "tuple[float | None, SafetyBounds | None]":
     """Return the factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds. If the first
-    bounds do not decide whether the ground stands, closer bounds are computed. Without an answer, return None and add a
-    note.
+    bounds do not decide whether the ground stands, closer bounds are computed. If the finite elements have no answer,
+    return None and add a note.
 
     ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``, ``bounds_settings``: settings
     of both methods; ``notes``: list to which notes are added.

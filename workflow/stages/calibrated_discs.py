@@ -180,7 +180,7 @@ Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # what is done, and what it 
 
 
 def _done(piece: Piece, tell: Tell) -> Any:
-    """Do one task."""
+    """Do one task of the stage, such as a search for the critical Kh of discs."""
     work, config = piece
     return work(*config, tell)
 

@@ -82,9 +82,9 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
 
 
 def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> DemCounterpart | None:
-    """Return the answer with the sides of the discs, for failures below cohesionless faces that are deep enough for
-    discs to resolve. Return None if this answer is not requested, is equal to that of the stage `fem`, or does not
-    exist.
+    """Return the critical Kh of the finite elements with the sides of the box of discs, for failures that are deep
+    enough for discs to resolve. Return None if the critical Kh with these sides is not requested, is that of the stage
+    `fem`, or was not found.
     """
     from mpi4py import MPI
 

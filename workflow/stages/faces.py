@@ -113,8 +113,8 @@ def work(job: Job) -> None:
 
 
 def _unchanged(job: Job, fem: FemAnswer, sides: Sequence[int]) -> dict[tuple[Quantity, int], ElementValue | str]:
-    """Return both quantities of the section without strong zones towards ``sides``. Each is computed once, or taken
-    from the stage of the finite elements if it has them with ψ = φ.
+    """Return both quantities of the section without strong zones towards ``sides``. Critical Kh and factor of safety
+    are each computed once, or taken from the stage `fem` if its flow rule is ψ = φ.
     """
     values: dict[tuple[Quantity, int], ElementValue | str] = dict(_of_elements(job.config, fem))
     wanted: list[tuple[Quantity, int]] = [("critical Kh", side) for side in dict.fromkeys(sides)]

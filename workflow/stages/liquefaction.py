@@ -30,8 +30,8 @@ def remaining(config: Config) -> dict[int, dict[int, Remains]]:
 
 
 def first_equal(keys: Mapping[Item, Hashable]) -> dict[Item, Item]:
-    """For every item, return the first item with the same key, which may be the item itself. Only the first item has to
-    be computed."""
+    """For every item, return the first item with the same key, which may be the item itself. Of several items with the
+    same key only the first item has to be computed."""
     first: dict[Hashable, Item] = {}
     return {item: first.setdefault(key, item) for item, key in keys.items()}
 

@@ -63,8 +63,8 @@ def work(job: Job) -> None:
 
 
 def _peak(config: Config, mesh: "QuadMesh", notes: list[str]) -> "AdaptiveResult[SafetyFactor] | None":
-    """Return the factor of safety of the section at Kh = 0 with peak strength, and its mesh. Without an answer, return
-    None and add a note with the reason.
+    """Return the factor of safety of the section at Kh = 0 with peak strength, and its mesh. If the finite elements
+    have no answer, return None and add a note with the reason.
     """
     from mpi4py import MPI
 

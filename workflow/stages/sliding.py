@@ -23,7 +23,7 @@ ALONE = 0  # the number of the case without liquefaction, Kh alone
 
 @dataclass(frozen=True, eq=False)
 class PlannedSlide:
-    """Holds one slide.
+    """Holds the input of one slide: discs, strata that liquefy, and springs.
 
     Attributes
     ----------

@@ -102,8 +102,8 @@ def like_with_like(changes: Sequence[Change], config: Config, progress: Progress
     change is computed on the first mesh, together with the path of the unchanged ``config`` on this mesh.
 
     The critical Kh of a sequence of meshes are limit loads of the reduced element. Another element has another critical
-    Kh on the same mesh, which is no effect of the change. So changes are left out if the path of the unchanged config
-    has no result.
+    Kh on the same mesh, which is no effect of a changed assumption. Changed assumptions are therefore left out if the
+    path of the unchanged config has no result.
     """
     from fem.limit_load.limit_load import is_unique
 

@@ -33,9 +33,9 @@ class Outcome(BaseModel):
 class ResultCache:
     """Stores answers of tasks in a folder, which several machines may share.
 
-    A task is claimed by a file lock of the operating system. So each task is computed once by all workers of one
-    machine or several, and a worker that dies releases its claim. On a file system without locks a task may be computed
-    twice, with the same answer.
+    A task is claimed by a file lock of the operating system. Therefore each task is computed only once by all workers
+    of one machine or several, and a worker that dies releases its claim. On a file system without locks a task may be
+    computed twice, with the same answer.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -63,8 +63,8 @@ class ResultCache:
 
     @contextmanager
     def claimed(self, fingerprint: str) -> Iterator[bool]:
-        """Return whether this process has claimed the task until the end of the block. If not, another process has
-        claimed it."""
+        """Return whether this process has claimed the task until the end of the block. The result is False if another
+        process has claimed the task."""
         self.folder.mkdir(parents=True, exist_ok=True)
         path = self.folder / f".{fingerprint}.claim"
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)

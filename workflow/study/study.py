@@ -108,8 +108,9 @@ def _input(config: Config, drawn: Mapping[str, Any]) -> Config | str:
 def task_of(read: Config, part: StudyPart, store: Store) -> Task[StudySample, Numbers]:
     """Return the task of one part of a sample: its section, and only the settings that this part reads.
 
-    The input of a part that reads borings and earthquake includes them. Other parts do not depend on the strata that
-    liquefy; pore pressures by blow counts are already in the strata.
+    If a part of the sample reads borings and earthquake, they are in the input of its task. A part that does not read
+    them does not depend on which strata liquefy, since pore pressures that follow from blow counts are already in the
+    strata.
     """
     data = read.to_data(part.tables)
     for table, key in (name.split(".") for name in part.ignores):
