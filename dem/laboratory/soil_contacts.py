@@ -197,6 +197,6 @@ def _on_stiffness(stiffness: float, real: float, stress: float) -> list[str]:
         return []
     what = "stiffer" if stiffness > real else "softer"
     return [
-        f"{what} than the soil: kn is {stiffness / real:.2f} times that of its E, {stiffness / stress:.0f} "
-        "times the stress of the layer"
+        f"{what} than the soil: the spring constant kn is {stiffness / real:.2f} times the one that follows from E, "
+        f"{stiffness / stress:.0f} times the stress of the layer"
     ]

@@ -151,8 +151,9 @@ def _smooth(section: Section) -> Estimate:
         words = "the ends of the ground are level: no acceleration"
     else:
         words = (
-            f"{math.degrees(slope):.1f}° gives {plane.acceleration:.2f} m/s²; 3 m take {plane.time_for(3.0):.1f} s, "
-            f"and after 9 s it has gone {plane.distance(9.0):.0f} m at {plane.speed(9.0):.1f} m/s; it does not stop"
+            f"on a slope of {math.degrees(slope):.1f}° the block accelerates at {plane.acceleration:.2f} m/s²; "
+            f"it moves 3 m in {plane.time_for(3.0):.1f} s, has moved {plane.distance(9.0):.0f} m after 9 s at a "
+            f"speed of {plane.speed(9.0):.1f} m/s, and does not stop"
         )
     return Estimate(
         "smooth block", "block without friction on the mean slope", None, words, f"{PAPER}, Sec. 5",

@@ -30,11 +30,15 @@ DIRECTIONS: Mapping[DirectionSetting, str] = {
 
 def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     """Yield assumptions as pairs of a heading and sentences."""
-    yield "Plane strain", "There is no support from the ends of the slope across the section."
+    yield (
+        "Plane strain",
+        "The analysis is two-dimensional: the slope is infinitely long out of the plane of the section, and its ends "
+        "give no support.",
+    )
     yield (
         "Shaking",
         "Shaking is represented by a constant horizontal force, Kh times g times the seismic density, with the same "
-        "Kh everywhere: without waves, amplification and frequency. "
+        "Kh everywhere. Waves, amplification and the frequency of shaking are neglected. "
         + (
             f"Kv = {config.fem.vertical:g} acts together with Kh. "
             if config.fem.vertical
@@ -67,9 +71,8 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     if config.section.liquefies:
         yield (
             "Liquefaction",
-            "The layers that liquefy and their residual strength are input, not results. They lose strength "
-            f"{_onset(config)} under "
-            f"{_driven(config)}. {_of_the_paper(config)}{LIQUEFIED}",
+            "The layers that liquefy and their residual strength are input, not results. The layers that "
+            f"liquefy lose strength {_onset(config)} under {_driven(config)}. {_of_the_paper(config)}{LIQUEFIED}",
         )
         yield (
             "Discs",
@@ -79,8 +82,8 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
                 f"factor on all strengths makes the critical Kh of the discs equal to that of the finite elements. "
                 f"{DISCS}"
                 if config.dem.model == "soil"
-                else "Their springs are calibrated only to the critical Kh of the finite elements, not to the "
-                "stiffness after failure or the dilation of the soil."
+                else "The springs of the discs are calibrated only to the critical Kh of the finite elements, not to "
+                "the stiffness after failure or the dilation of the soil."
             ),
         )
 
@@ -130,7 +133,10 @@ def _driven(config: Config) -> str:
     """Return the loading of slides, and how it differs from an earthquake."""
     words = config.slide.shaking
     if config.slide.accelerogram:
-        return f"{words}, which moves the base and everything fixed to it as one; then there is no shaking"
+        return (
+            f"{words}, which moves the base and everything fixed to it as one rigid body; after the record there is no "
+            "shaking"
+        )
     if config.slide.kh == 0.0:
         return f"{words}, as if all shaking were over"
     if config.slide.kh_cycles is not None:

@@ -141,7 +141,8 @@ def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
         which, has = ("circles", "end") if len(pairs) > 1 else ("circle", "ends")
         yield (
             f"the critical slip {which} towards {ways} {has} at the {side} side of the section, with a critical Kh of "
-            f'{values} where the ground continues: give {more:g} m more of the ground there, or beyond = "{more:g} m"'
+            f"{values} where the ground continues: give {more:g} m more of the ground at this side, or "
+            f'beyond = "{more:g} m"'
         )
 
 

@@ -61,8 +61,8 @@ def of_curve(discs: DiscsAnswer) -> Iterator[str]:
     fall = deepest_fall(discs.after, soil=discs.model.discs == "soil")
     if discs.after.kc is not None and fall is not None and fall[0] - fall[1] > FALLEN * discs.after.kc:
         yield (
-            f"the Kh of the discs falls from {coefficient(fall[0])} to {coefficient(fall[1])} before it reaches the "
-            f"critical {coefficient(discs.after.kc)}: under a constant Kh the discs would fail at "
+            f"the Kh of the discs falls from {coefficient(fall[0])} to {coefficient(fall[1])} before it reaches "
+            f"their critical Kh of {coefficient(discs.after.kc)}: under a constant Kh the discs would fail at "
             f"{coefficient(fall[0])}; take this Kh until more discs (dem.elements) or another packing (dem.seed) are "
             "computed"
         )

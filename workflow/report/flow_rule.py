@@ -26,7 +26,10 @@ BLOCKS: Mapping[Flow, str] = {
 }
 # The same of discs, and of the verdict on liquefied ground.
 DISCS = "The discs are calibrated to the continuum with the given ψ, 0 if none is given, since discs hardly dilate."
-LIQUEFIED = "Whether the ground then stands follows from strict bounds, which have ψ = φ, or else from finite elements."
+LIQUEFIED = (
+    "Whether the ground stands after liquefaction follows from strict bounds, which have ψ = φ, or else from finite "
+    "elements."
+)
 
 
 def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, shown: Callable[[float], str]) -> str:

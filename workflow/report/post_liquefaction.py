@@ -62,9 +62,9 @@ def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[
     slide = results.config.slide
     if slide.kh == 0.0 and not slide.accelerogram and far > FLOWS * _relief(results):
         yield (
-            f"The discs contradict this result: they slide {metres(far)} by their weight alone. They are too coarse "
-            f"for the "
-            "layers that liquefy, or get denser as they slide; noshiro converge repeats the slides with smaller discs."
+            f"The discs contradict this result: they slide {metres(far)} by their weight alone. The discs are "
+            "too coarse for the layers that liquefy, or get denser as they slide; "
+            "noshiro converge repeats the slides with smaller discs."
         )
 
 

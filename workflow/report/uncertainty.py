@@ -22,8 +22,8 @@ def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
     if results.older:
         yield (
             "Version of the program",
-            f"Another version of the program computed {listed(results.older)} than wrote this report; noshiro run "
-            "computes again.",
+            f"Not the version of the program that wrote this report, but another one computed {listed(results.older)}; "
+            "noshiro run computes again.",
         )
     if results.fem is not None:
         variants = results.variants.variants if results.variants is not None else ()
@@ -52,7 +52,9 @@ def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
 def _meshes(fem: FemAnswer) -> Iterator[str]:
     """Yield sentences on the dependence of the critical Kh on the mesh."""
     phrases = list(meshes_sentences(fem))
-    yield from phrases or ["A finer mesh gives a smaller Kh. To see the difference: --set 'variants.which=[\"mesh\"]'."]
+    yield from phrases or [
+        "A finer mesh gives a smaller Kh. To compute the difference: --set 'variants.which=[\"mesh\"]'."
+    ]
 
 
 def _seen(variant: Variant, kc: float | None) -> str:

@@ -246,7 +246,7 @@ def _calibration(results: Results) -> Iterator[str]:
     elif calibration.verdict == "out of reach":
         yield (
             "calibration failed, since no factor on the strength of the discs gives the critical Kh of the finite "
-            "elements: the slides are those of another soil"
+            "elements: the slides belong to a soil of another strength"
         )
     elif not 1.0 / CALIBRATED_FAR <= calibration.value <= CALIBRATED_FAR:
         name = calibration.parameter.replace("_", " ")

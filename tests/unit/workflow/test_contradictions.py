@@ -173,7 +173,7 @@ def test_a_critical_kh_behind_a_fall_of_the_curve_is_told(run: Config) -> None:
     falls = displaced(run, 0.148, (0.0, 0.0), (0.02, 0.13), (0.03, 0.08), (0.05, 0.15), (0.07, 0.02))
     assert deepest_fall(falls.after, soil=True) == (0.13, 0.08)
     [messages] = of_curve(falls)
-    assert "the Kh of the discs falls from 0.130 to 0.080 before it reaches the critical 0.148" in messages
+    assert "the Kh of the discs falls from 0.130 to 0.080 before it reaches their critical Kh of 0.148" in messages
     assert "dem.elements" in messages
     rises = displaced(run, 0.148, (0.0, 0.0), (0.02, 0.10), (0.03, 0.09), (0.05, 0.15), (0.07, 0.02))
     assert list(of_curve(rises)) == [], "what grains do, and what comes after the critical Kh, is none"
