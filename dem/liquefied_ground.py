@@ -101,10 +101,10 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
 def match_strength(state: DiscState) -> None:
     """Adjust the strength of bonds, so that strained ground has its prescribed strength with a new list of pairs.
 
-    Without this adjustment the strength would be 0.8 to 1.5 times the prescribed one, depending on the arrangement of
-    the discs: the pressure between discs that move past each other contributes shear stress, and bonds resist more in
-    simple than in pure shear. Bonds along a straight row of fixed discs are not adjusted: discs slip along such a row
-    at less than the stress between the discs beside it, and `FITTED` is for this case.
+    Without the adjustment of bonds the strength would be 0.8 to 1.5 times the prescribed strength, depending on the
+    arrangement of the discs: the pressure between discs that move past each other contributes shear stress, and bonds
+    resist more in simple than in pure shear. Bonds along a straight row of fixed discs are not adjusted: discs slip
+    along such a row at less than the stress between the discs beside it, and `FITTED` is for this case.
     """
     if not len(state.liquefied):
         return

@@ -122,7 +122,8 @@ class DiscModel(DiscState):
     ) -> None:
         """Set the velocities (m/s, 1/s) of all discs, or of those in the mask `where`.
 
-        Fixed discs keep this velocity, which moves a boundary. vx, vz: velocities (m/s); spin: angular velocity (1/s).
+        Fixed discs keep the given velocity, which moves a boundary. vx, vz: velocities (m/s); spin: angular velocity
+        (1/s).
         """
         chosen = np.ones(len(self), bool) if where is None else where
         rim_speed = np.broadcast_to(spin, int(chosen.sum())) * self.radius[chosen]

@@ -1,6 +1,7 @@
 """Compiles the kernels before a run, concurrently, unless an earlier run has compiled them.
 
-Without this, all processes of a run would reach the step loop at the same time, and each would compile it.
+Without compiling beforehand, all processes of a run would reach the step loop at the same time, and each would compile
+it.
 """
 
 import hashlib

@@ -1,13 +1,14 @@
 """Removes the shear stress that the pressure of liquefied discs causes, since pore water has no shear stress.
 
-The pressure between two discs acts along the line of centres. On average over all directions this is an isotropic
-pressure, but the few neighbours of a disc are denser in some directions than in others. The pressure in shearing ground
-therefore contributes a shear stress of 0.5 to 0.9 % of the effective stress, which matters for the displacement of
-ground with a strain potential. The deviatoric part of this stress, a mean over neighbours, is measured with every new
-list of pairs (virial of Love 1927). Until the next list, opposite forces on the two discs of a pair subtract this
-deviatoric part: for a stress s and the unit vector n of the line of centres the force is k s n, with k = 2 (V_i/S_i +
-V_j/S_j) w as for the bonds (`kernels.liquefied_pairs`), so that the sum of these forces has the stress s. For discs
-without a strain potential nothing is subtracted: their total strength is adjusted instead (`liquefied_ground`).
+The pressure between two discs acts along the line of centres. On average over all directions the forces between discs
+are an isotropic pressure, but the few neighbours of a disc are denser in some directions than in others. The pressure
+in shearing ground therefore contributes a shear stress of 0.5 to 0.9 % of the effective stress, which matters for the
+displacement of ground with a strain potential. The deviatoric part of this stress, a mean over neighbours, is measured
+with every new list of pairs (virial of Love 1927). Until the next list, opposite forces on the two discs of a pair
+subtract this deviatoric part: for a stress s and the unit vector n of the line of centres the force is k s n, with k =
+2 (V_i/S_i + V_j/S_j) w as for the bonds (`kernels.liquefied_pairs`), so that the sum of these forces has the stress s.
+For discs without a strain potential nothing is subtracted: their total strength is adjusted instead
+(`liquefied_ground`).
 """
 
 from collections.abc import Callable

@@ -91,7 +91,8 @@ class Engine:
         Whether dashpots of contact springs may pull (only for comparison with closed forms).
     crack_by : "contact" or "pore"
         Normal force in the crack criterion of pore springs, eq. (16) of the paper: that of contact and pore spring
-        together, or of the pore spring alone. For soil discs it is always that of the pore spring alone.
+        together, or of the pore spring alone. For soil discs the force in the criterion is always that of the pore
+        spring alone.
     checkpoint, checkpoint_every : path, float
         File of the checkpoint, and model time between two checkpoints (s); the last checkpoint is kept when a run stops
         with an error.

@@ -1,10 +1,11 @@
 """Defines the layout of discs and contacts in memory, and converts it to and from lists (kernel).
 
-Discs are sorted in space and cut into slices of 64 lanes. A slice owns some of the contacts of its discs. These
-contacts are kept in chunks of 64 lanes: lane l of a chunk is a contact owned by lane l of the slice. Each field of a
-slice or chunk is 64 doubles in a row, and all fields of one slice (or chunk) are adjacent. Every inner loop then runs
-over 64 neighbouring doubles at fixed distances from one base address, so that the compiler can use vector instructions;
-lanes without a contact point to a disc far away.
+Discs are sorted in space and cut into slices of 64 lanes. A slice, a block of 64 discs, stores some of the contacts of
+its discs, and partner slices store the others. The contacts of a slice are kept in chunks of 64 lanes: lane l of a
+chunk is a contact of the disc in lane l of the slice. Each field of a slice or chunk is 64 doubles in a row, and all
+fields of one slice (or chunk) are adjacent. Every inner loop then runs over 64 neighbouring doubles at fixed distances
+from one base address, so that the compiler can use vector instructions; lanes without a contact point to a disc far
+away.
 
 A layout does not depend on the number of threads, so that the order of sums is the same for any number.
 """

@@ -12,7 +12,7 @@ from dem.kernels.liquefied_laws import water_energy
 def liquefied_energy(wet: bond.Liquefied, shared: np.ndarray, force: np.ndarray) -> tuple[float, float]:
     """Return the energy (J) stored in pore water and in bonds. Also add the last forces to `force` (3, slots).
 
-    The work of these forces on displacements since the last evaluation counts as stored.
+    The work of the last forces on the displacements since their evaluation counts as stored energy.
     """
     discs = wet.discs
     water, bonds = 0.0, 0.0

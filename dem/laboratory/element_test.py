@@ -1,8 +1,8 @@
 """Runs element tests of a layer's discs: stiffness and strength of the soil that they represent.
 
 A patch of one layer, without gravity, is confined at several pressures, then its pore springs are set, as in the slope
-after settling. In this state small strains give its stiffness; a biaxial test (plane strain) and a simple-shear test
-give its strength. Conventions of the patch and its loading are described in `patch.py` and `loading.py`.
+after settling. Small strains of the confined patch give its stiffness; a biaxial test (plane strain) and a simple-shear
+test give its strength. Conventions of the patch and its loading are described in `patch.py` and `loading.py`.
 """
 
 from collections.abc import Sequence

@@ -3,7 +3,7 @@ section.
 
 Strength is compared at a quarter, a half and all of the vertical effective stress. The required strength at a confining
 pressure p is half the deviator stress at failure of Mohr-Coulomb, (p sin phi + c cos phi) / (1 - sin phi). For clay
-without friction this is c_u, and for sand it is p sin phi / (1 - sin phi).
+without friction the required strength is c_u, and for sand it is p sin phi / (1 - sin phi).
 """
 
 from dataclasses import dataclass, replace

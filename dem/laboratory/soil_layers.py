@@ -23,7 +23,7 @@ class SoilLayer(SoilContacts):
     stratum: Stratum
 
     def springs(self, radius: float, void_ratio: float) -> LayerSprings:
-        """Return the constants of discs of this mean radius (m) in a packing of this void ratio."""
+        """Return the constants of discs of a given mean radius (m) in a packing of a given void ratio."""
         s = self.stratum
         return self.discs(s.name, s.density_seismic, radius, void_ratio, buoyant_density=s.density_ordinary)
 

@@ -113,9 +113,9 @@ class StrengthMap:
         return modulus * (KAPPA / kappa) ** LOOSENS[cohesion_number > 0.0]
 
     def gained_by_softness(self, stiffness: float, pressure: np.ndarray, cohesion: float) -> np.ndarray:
-        """Return the strength of discs with this kn (N/m) at these pressures (Pa) over the strength of the map;
-        cohesion: C over the diameter (Pa). The ratio is interpolated between its values without cohesion and with large
-        cohesion.
+        """Return the ratio of the strength of discs with the spring constant kn (N/m) at given pressures (Pa) to the
+        strength of the map, which is for stiff discs; cohesion: C over the diameter (Pa). The ratio is interpolated
+        between its values without cohesion and with large cohesion.
         """
         kappa = stiffness / (pressure + ATTRACTION * cohesion)
         dry = EARLY / (EARLY + cohesion / pressure)

@@ -64,7 +64,7 @@ class Rise(NamedTuple):
     from_kh : float
         Kh at which the discs stand.
     kh : float
-        Kh to which it rises.
+        Kh at the end of the rise.
     flexibility : float
         Elastic displacement over Kh (m); infinite if it is not known, and then no trial fails.
     """

@@ -164,7 +164,7 @@ def within_scatter(far: float, radius: float) -> list[str]:
 def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[str]:
     """Return a note on liquefied layers that are less than two discs thick, with the radius that they need.
 
-    With such layers River Park moved by 0.5 m, while material points moved by 1.1 m and 3.7 m were measured.
+    At River Park, discs with layers so thin slid 0.5 m and material points 1.1 m, where 3.7 m were measured.
     """
     notes, thin = [], dict[str, float]()
     free = ~start.fixed

@@ -1,11 +1,11 @@
 """Keeps the volume of undrained ground constant: its discs swell as their packing gets denser.
 
 Clay and liquefied ground do not drain during an earthquake, but for the prescribed volumetric strain. Random discs are
-looser than such soil and get denser as they shear. Liquefied discs get denser as their arrangement becomes regular,
-since the density that determines their pore pressure is larger in random arrangements: level ground sank by 1.5 % of a
-liquefied layer without any drainage. This loss of volume is compensated, stratum by stratum, by swelling of the discs.
-All discs of a stratum swell by the same factor, so that the packing and its strength are unchanged. Areas are volumes
-per metre out of plane (m2).
+looser than undrained soil and get denser as they shear. Liquefied discs get denser as their arrangement becomes
+regular, since the density that determines their pore pressure is larger in random arrangements: level ground sank by
+1.5 % of a liquefied layer without any drainage. The loss of volume of a denser packing is compensated, stratum by
+stratum, by swelling of the discs. All discs of a stratum swell by the same factor, so that the packing and its strength
+are unchanged. Areas are volumes per metre out of plane (m2).
 """
 
 from collections.abc import Mapping, Sequence

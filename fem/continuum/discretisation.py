@@ -181,7 +181,7 @@ def _modes(element: Element, gauss: np.ndarray, points: np.ndarray, weights: np.
 def _project_volumetric_strain(matrix: np.ndarray, weights: np.ndarray, modes: np.ndarray) -> None:
     """Replace the volumetric strain by its best fit among the ``modes`` (nc, nq, k) over the cell, in place.
 
-    With the constant mode alone this is the mean dilatation of Hughes (1980).
+    With the constant mode alone the projection is the mean dilatation method of Hughes (1980).
     """
     volumetric = matrix[:, :, 0] + matrix[:, :, 1]
     weighted = modes * weights[:, :, None]

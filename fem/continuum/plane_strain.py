@@ -211,7 +211,8 @@ class PlaneStrain:
     def internal_force(self, increment: np.ndarray, tangent: bool = True) -> np.ndarray:
         """Return the nodal forces of the stress after a displacement increment from the accepted state.
 
-        This stress, and with ``tangent`` its tangent stiffness, is stored until the next call or ``accept``.
+        The stress after the increment, and with ``tangent`` its tangent stiffness, is stored until the next call or
+        ``accept``.
         """
         local = self.exchange.to_local(increment)
         assembly.strains(self.grid.matrix, self.grid.dofs, local, self._strain)
@@ -278,7 +279,8 @@ class PlaneStrain:
         return laws
 
     def accept(self, increment: np.ndarray) -> None:
-        """Accept the state of the last ``internal_force``. The next increment starts from this state."""
+        """Accept the state of the last ``internal_force``. The next displacement increment starts from the accepted
+        state."""
         self.displacement = self.displacement + increment
         self.stress[:] = self._trial
         self.strain += self._strain

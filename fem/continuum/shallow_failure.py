@@ -2,9 +2,10 @@
 failures are found.
 
 Sand without cohesion fails first at its inclined surface, in a layer of no thickness along the face. No mesh resolves
-this failure, and practitioners want to know the failure of the whole slope. So the Kh of the shallow failure is
-computed in closed form. Where it governs, the ground down to ``least_depth`` below such a face is given an apparent
-cohesion, with which it does not fail alone; any failure then lies below this ground, or cuts through it.
+the failure of a layer without thickness, and practitioners want to know the failure of the whole slope. The Kh of the
+shallow failure is therefore computed in closed form. Where the shallow failure governs, the ground down to
+``least_depth`` below the face is given an apparent cohesion, with which it does not fail alone. Any failure then lies
+below the strengthened ground, or cuts through it.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -282,7 +283,8 @@ def _sheets(
 
 def _level(section: Section, piece: _Piece, k: int, top: float, lowest: float) -> float:
     """Return the elevation (m) between ``lowest`` and ``top`` above which the pore pressure at rest in stratum k is
-    zero; ``top`` if the stratum is entirely wet or entirely dry. Below this elevation the pressure is linear.
+    zero; ``top`` if the stratum is entirely wet or entirely dry. Below the returned elevation the pore pressure is
+    linear.
     """
     x, water = piece.middle, section.water_pressure
     ends = np.array([[x, top], [x, lowest + 0.1 * (top - lowest)], [x, lowest]])
@@ -302,10 +304,11 @@ def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: Fe
     """Return the section with additional strata: the ground from each of the faces down to the least depth,
     strengthened by a cohesion.
 
-    These strata have the soil of the face and an apparent cohesion, Δγ d sin 2β / (2 cos² φ) with Δγ = γ - Kv γs and d
-    the least depth, vertically. With this cohesion they resist Kh = (γ / γs - Kv) tan φ, at which the same sand would
-    fail on level ground. The cohesion goes to zero with the inclination: a depth of 0.5 m of dry sand with φ = 33° at
-    1:3 gets 3.7 kPa. A stratum that is nowhere thicker than the least depth gets this cohesion as a whole.
+    The additional strata have the soil of the face and an apparent cohesion, Δγ d sin 2β / (2 cos² φ) with Δγ = γ - Kv
+    γs and d the least depth, vertically. With this cohesion the additional strata resist Kh = (γ / γs - Kv) tan φ, at
+    which the same sand would fail on level ground. The cohesion goes to zero with the inclination: a depth of 0.5 m of
+    dry sand with φ = 33° at 1:3 gets 3.7 kPa. A stratum that is nowhere thicker than the least depth gets this cohesion
+    as a whole.
     """
     names = [stratum.name for stratum in section.strata]
     strata: list[Stratum] = []

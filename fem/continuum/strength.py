@@ -7,9 +7,9 @@ the strength
 
     τ = β (c + σ tan φ),    β = cos ψ cos φ / (1 - sin ψ sin φ)    (at most 1),
 
-and substitutes associated ground with c* = β c and tan φ* = β tan φ. The limit load of this ground is unique, has
-strict bounds, and is never above that of ψ = φ. When the strength is divided by a factor λ, there are three forms
-(Tschuchnigg, Schweiger & Sloan 2015, Géotechnique 65, 249; theory in Sysala et al. 2021):
+and substitutes associated ground with c* = β c and tan φ* = β tan φ. The limit load of the substituted ground is
+unique, has strict bounds, and is never above that of ψ = φ. When the strength is divided by a factor λ, there are three
+forms (Tschuchnigg, Schweiger & Sloan 2015, Géotechnique 65, 249; theory in Sysala et al. 2021):
 
     Form A takes β of φ and ψ as given; form B takes β of arctan(tan φ / λ) and arctan(tan ψ / λ); form C takes β of
     arctan(tan φ / λ) and ψ, and β = 1 where ψ is the larger of these two angles.

@@ -18,16 +18,16 @@ with ψ = 0); a mean tension beyond the apex opens a crack, and the crack has to
 again.
 
 Four points of constant volume leave a knot span, which has two degrees of freedom, no way to deform: it locks (Mast et
-al. 2012, J. Comput. Phys. 231, 5351; Coombs et al. 2018, Comput. Methods Appl. Mech. Eng. 333, 1). So at points of
-ground that yields without friction the mean stress p approaches the one of their knot span by a share ρ of the
+al. 2012, J. Comput. Phys. 231, 5351; Coombs et al. 2018, Comput. Methods Appl. Mech. Eng. 333, 1). Therefore at points
+of ground that yields without friction the mean stress p approaches that of their knot span by a share ρ of the
 difference in each step,
 
     p' = p + ρ (Σ V p / K) / (Σ V / K) - ρ p,   K of plane strain,
 
 which conserves the volumetric strain of the span. The elastic energy of the span can only decrease; the decrease counts
-as dissipated. This relaxation is the mean dilatation of the authors named, applied to the stress, so that the total
-strain is unchanged. A step is about the time in which a wave crosses 0.7 of a cell, so ρ = 0.1 is a relaxation time of
-seven cells.
+as dissipated. The relaxation of p is the mean dilatation method of both papers, applied to the stress, so that the
+total strain is unchanged. A step is about the time in which a wave crosses 0.7 of a cell, so ρ = 0.1 is a relaxation
+time of seven cells.
 
 Rows of nodes may be inclined, so that layers are parallel to them: node (i, j) is at (i h, j h + s i h), s the slope of
 a row. Splines, d and C are those of (x, z - s x), where cells are squares; with J = [[1, 0], [-s, 1]] the gradient of
@@ -145,7 +145,8 @@ def _strain_of(radius: float, shear: float, soft: float, knee: float) -> float:
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _radius_of(strain: float, shear: float, soft: float, knee: float) -> float:
-    """Return the radius of Mohr's circle (Pa) at an elastic shear strain. This is the inverse of `_strain_of`."""
+    """Return the radius of Mohr's circle (Pa) at an elastic shear strain. The function is the inverse of
+    `_strain_of`."""
     knee_strain = knee / soft if knee > 0.0 else 0.0
     return soft * strain if strain < knee_strain else knee + shear * (strain - knee_strain)
 

@@ -4,8 +4,8 @@ of the solver.
 A stress field is statically admissible, and its multiplier a lower bound, if it is in equilibrium, its tractions are
 continuous and equal to the prescribed ones, and no point is beyond the yield surface. Velocities are kinematically
 admissible if they are continuous, zero where the boundary is held, and obey the associated flow rule. The upper bound
-from such velocities is the dissipation less the work of the dead load, over the work of the live load. All numbers are
-dimensionless, over the units of the problem.
+from kinematically admissible velocities is the dissipation less the work of the dead load, over the work of the live
+load. All numbers are dimensionless, over the units of the problem.
 """
 
 from dataclasses import dataclass
@@ -185,8 +185,8 @@ def corner_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
     """Return the strain rates (m, 3 corners, [xx, yy, engineering xy]) of velocities (m, 6, 2), by differences along
     the sides.
 
-    On a side from a corner, the velocity is quadratic: its slope there is -3 v + 4 v(middle) - v(end). Where this slope
-    is as small as rounding errors of the velocities, as at a corner between held sides, the strain rate is zero.
+    On a side from a corner, the velocity is quadratic: its slope there is -3 v + 4 v(middle) - v(end). Where the slope
+    of the velocity is as small as rounding errors, as at a corner between held sides, the strain rate is zero.
     """
     points = problem.mesh.points[problem.mesh.cells]
     none = LAST_BITS * np.abs(velocity).max(axis=(1, 2))[:, None, None]

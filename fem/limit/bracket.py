@@ -169,7 +169,7 @@ class Limits:
         likely to be solved within this work. Work is computed from the number of iterations, not measured, so that the
         same input has the same meshes on a busy machine.
     enough : float
-        An upper bound below this number needs no improvement.
+        Load multiplier below which an upper bound needs no improvement.
     least : float
         Smallest multiplier of which the gap is a share; for Kh the constant ``LEAST_KH``.
     """

@@ -52,8 +52,8 @@ class Side:
     Attributes
     ----------
     fixed : str
-        Components of the velocity that are zero: "", "x", "y" or "xy". In these components the traction is an unknown
-        reaction.
+        Components of the velocity that are zero: "", "x", "y" or "xy". In the fixed components the traction is an
+        unknown reaction.
     dead : EdgeTraction or None
         Traction in the other components that does not depend on the multiplier; None for zero.
     live : EdgeTraction or None
@@ -243,8 +243,8 @@ def units_of(mesh: TriMesh, body: RigidPlasticBody) -> Units:
 
 
 def corner_cohesion(mesh: TriMesh, body: RigidPlasticBody, above: bool = True) -> np.ndarray:
-    """Return the cohesion (m, 3) in Pa at the corners of every cell. Linear in between, it is nowhere below the true
-    cohesion if ``above``, else nowhere above it.
+    """Return the cohesion (m, 3) in Pa at the corners of every cell. The linear interpolation of the returned cohesion
+    is nowhere below the true cohesion if ``above``, else nowhere above it.
     """
     if body.varying is not None:
         return body.varying(mesh, above)

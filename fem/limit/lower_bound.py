@@ -41,7 +41,7 @@ class LowerBound:
     stress : ndarray (m, 3 corners, [xx, yy, xy])
         The stress at the corners of every cell.
     yield_work : ndarray (m, 3)
-        Work of the stress at every corner on the dual strain rates, the multipliers of the equilibrium equations. This
+        Work of the stress at every corner on the dual strain rates, the multipliers of the equilibrium equations. The
         work is large where the yield surface limits the load multiplier. If one corner of a cell can have no stress,
         the work of the cell is assigned to this corner. Where no stress balances the dead load, ``yield_work`` is the
         magnitude of the strain rates at which the dead load fails.

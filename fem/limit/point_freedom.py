@@ -50,9 +50,10 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     """Find the corners (m, 3), as a mask, at which the stress must be zero: corners near a bare surface, in cells
     without cohesion or at crests without tension.
 
-    Tractions are continuous across the edges that meet at a point, and zero on a bare one. Where this leaves a cell no
-    stress inside its cone |radius of Mohr's circle| <= sin φ |mean stress|, its stress is zero. Where the cone has no
-    interior, as for clay whose strength is zero there, the stress is zero wherever an isotropic pressure is excluded.
+    Tractions are continuous across the edges that meet at a point, and zero on a bare edge. Where both conditions leave
+    a cell no stress inside its cone |radius of Mohr's circle| <= sin φ |mean stress|, its stress is zero. Where the
+    cone has no interior, as for clay whose strength is zero there, the stress is zero wherever an isotropic pressure is
+    excluded.
     """
     outline, mesh = problem.outline, problem.mesh
     round_corners = pressed_all_round(problem)
@@ -96,7 +97,7 @@ def _crests(problem: LimitProblem) -> np.ndarray:
     """Find the corners (m, 3), as a mask, of cells without tensile strength at points where bare surfaces meet at less
     than 180°.
 
-    A compression there would push the point out, since neither face carries traction.
+    A compression at such a convex point would push the point out, since neither face carries traction.
     """
     outline, mesh = problem.outline, problem.mesh
     bare = np.bincount(outline.ends[~outline.loaded], minlength=len(mesh.points)) == 2

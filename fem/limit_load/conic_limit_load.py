@@ -4,8 +4,8 @@ forces.
 
 By the duality of limit analysis (Krabbenhoft & Damkilde 2003, Int. J. Numer. Meth. Engng 56, 165; the program is that
 of ``cone_program.py``) it is also the smallest multiplier at which the dissipation of a velocity field of the same
-elements equals the work of the loads. This limit load is the limit of an equilibrium path with associated flow,
-computed without steps and elastic strains in some twenty factorisations. The limit load is not a bound, since the yield
+elements equals the work of the loads. The limit load is the limit of an equilibrium path with associated flow, computed
+without steps and elastic strains in some twenty factorisations. The limit load is not a bound, since the yield
 condition is required at the quadrature points only.
 """
 
@@ -48,7 +48,7 @@ class ConicLimitLoad:
         The load multiplier (-); infinite if the load does no work in any mechanism.
     mechanism : FieldState or None
         Stresses at the limit load; its displacements are the velocities of the mechanism, scaled to a largest velocity
-        of 1 m/s, and its strains the strain rates. None without a mechanism.
+        of 1 m/s, and its strains the strain rates. None if there is no mechanism.
     bracket : (float, float)
         Lower and upper multiplier at which the solver stopped; ``multiplier`` is the mean of both.
     start : Warm or None

@@ -88,7 +88,8 @@ class PointGround:
         """Return the median thickness (m) of the ground above the uppermost stratum that liquefies; inf if no stratum
         liquefies.
 
-        Places where it is thinner than a quarter of a cell, half a point at most, are disregarded.
+        Places where the ground above the stratum is thinner than a quarter of a cell, half a point at most, are
+        disregarded.
         """
         layering, liquefies = self.section.layering, [bool(s.liquefies_in) for s in self.section.strata]
         x = middles(*self.section.extent, COLUMNS)

@@ -102,7 +102,7 @@ class PointSlider:
 
     def settle(self) -> float:
         """Bring the ground to equilibrium under its weight, and return the largest movement of its surface (m). Later
-        displacements are counted from this state.
+        displacements are counted from the state of equilibrium.
 
         Free-field sides are rigid at first; then the pressure on each side is replaced by a constant force, and the
         ground comes to rest once more. Raises FloatingPointError if no equilibrium is reached within

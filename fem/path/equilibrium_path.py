@@ -138,9 +138,9 @@ class EquilibriumPath:
     def relax(self) -> bool:
         """Relax the overstress; return True if the state without overstress is in equilibrium.
 
-        If the multiplier scales a load, the control displacement is constant and the multiplier falls. If it scales the
-        strength, elastic ground does not respond to the multiplier, which is then prescribed and reduced until the
-        ground is in equilibrium.
+        If the multiplier scales a load, the control displacement is constant and the multiplier falls. If the
+        multiplier scales the strength, elastic ground does not respond to the multiplier, which is then prescribed and
+        reduced until the ground is in equilibrium.
         """
         if self.settings.relaxation <= 0.0:
             return True

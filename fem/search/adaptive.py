@@ -254,10 +254,10 @@ class AdaptiveSearch:
         return sequence.result
 
     def safety_by_other_rule(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
-        """Find the factor of safety by the flow rule of ``other`` settings on the mesh of ``base``. If this mesh does
-        not resolve the mechanism, another mesh with as many cells is made that resolves it, and the smaller factor
-        counts. Davis's estimate is not above the factor with ψ = φ, since ground of higher strength resists every load
-        that weaker ground resists.
+        """Find the factor of safety by the flow rule of ``other`` settings on the mesh of ``base``. If the mesh of
+        ``base`` does not resolve the mechanism, another mesh with as many cells is made that resolves it, and the
+        smaller factor counts. Davis's estimate is not above the factor with ψ = φ, since ground of higher strength
+        resists every load that weaker ground resists.
 
         Raises what ``limit_load_safety_factor`` does.
         """

@@ -55,7 +55,7 @@ def non_associated_path(
     """Compute the path with non-associated flow between the sides and in the direction of the ``settings``.
 
     ``section``: the section of the ground; ``mesh``: a mesh of the section; ``comm``: MPI communicator; ``listener`` is
-    called after every step. Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
+    called after every step. Raises InputError, UnstableError and NoEquilibriumError.
     """
     # fields are asked for beyond the path alone, so that it is not taken once more for some on its way
     wish = settings.changed(flow="section", kh=(LARGEST,))
@@ -81,8 +81,8 @@ def associated_kc(
     """Compute the critical Kh between the sides of the ``settings`` with ψ = φ: ground that dilates less does not
     resist more (Radenkovic 1961).
 
-    ``section``, ``mesh``, ``settings``, ``comm``, ``listener``: as in ``non_associated_path``.
-    Raises InputError, UnstableError and NoEquilibriumError as ``critical_coefficient`` does.
+    ``section``, ``mesh``, ``settings``, ``comm``, ``listener``: as in ``non_associated_path``. Raises InputError,
+    UnstableError and NoEquilibriumError.
     """
     wish = settings.changed(flow="associated", kh=())
     return critical_coefficient(section, mesh, wish, comm, listener).upper

@@ -1,7 +1,7 @@
 """Compares a given line with the computed slip surface, by the critical Kh of ground that can fail only above the line.
 
-Two mechanisms that need almost the same Kh may lie far apart. Two results are therefore compared by this Kh, too, and
-not by the distance of their slip surfaces alone.
+Two mechanisms that need almost the same Kh may lie far apart. Two slip surfaces are therefore compared not only by
+their distance, but also by the critical Kh of ground that can fail only above one of them.
 """
 
 from dataclasses import dataclass

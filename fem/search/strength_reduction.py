@@ -1,8 +1,8 @@
 """Finds the factor of safety at a given seismic coefficient by strength reduction: the divisor of cohesion and tan φ at
 which the ground fails (Zienkiewicz, Humpheson & Lewis 1975).
 
-For associated flow it follows from limit analysis (``conic_safety_factor.py``), otherwise from a path of equilibria
-along which it is an unknown.
+For associated flow the factor of safety follows from limit analysis (``conic_safety_factor.py``), otherwise from a path
+of equilibria along which the factor is an unknown.
 """
 
 from dataclasses import dataclass, replace
@@ -135,10 +135,10 @@ def safety_factor(
 ) -> SafetyFactor:
     """Find the factor of safety of a meshed section under its weight and a seismic coefficient.
 
-    With associated flow it follows from the limit load, else from strength reduction along a path. Ground that does not
-    stand is first strengthened, so that factors below 1 are found, too. Without shaking, sides that are not periodic
-    are held horizontally, as is usual in strength reduction: under the K0 stress as a force, weakened ground could fail
-    at a side before the slope.
+    With associated flow the factor of safety follows from the limit load, else from strength reduction along a path.
+    Ground that does not stand is first strengthened, so that factors below 1 are found, too. Without shaking, sides
+    that are not periodic are held horizontally, as is usual in strength reduction: under the K0 stress as a force,
+    weakened ground could fail at a side before the slope.
 
     Parameters
     ----------

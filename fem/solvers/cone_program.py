@@ -273,7 +273,8 @@ def _by_interior_point(
     most_work: float,
     start: Warm | None = None,
 ) -> _End:
-    """Solve by the built-in interior-point method. If it breaks down, solve again without the warm ``start``."""
+    """Solve by the built-in interior-point method. If the method breaks down, solve again without the warm
+    ``start``."""
     form, order = standard(program, data, magnified)
     warm = start if start is not None and start.suits(form) else None
     try:

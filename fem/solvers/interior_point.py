@@ -252,7 +252,8 @@ class _Method:
         return float(min(longest_step(self.cone(v), self.cone(dv)), alone))
 
     def squared(self, v: np.ndarray) -> np.ndarray:
-        """Return W² v of a vector of rows; zero in the first rows."""
+        """Return W² v, with W the scaling matrix of the cones; the result is zero in the rows of equations, which come
+        first."""
         squares = np.zeros(len(v))
         add_products(self.square, self.cone(v), self.cone(squares))
         squares[self.lones :] = self.lone * v[self.lones :]

@@ -188,7 +188,8 @@ def fem(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """Find the critical seismic coefficient of a section, and where it fails. Runs under mpirun, too."""
+    """Find the critical seismic coefficient of a section, and where it fails. The command also runs on several MPI
+    ranks, by mpirun."""
     from workflow.cli.invocation import Invocation, mesh_options
     from workflow.cli.terminal import err, out
     from workflow.run.ranks import Ranks
@@ -240,7 +241,7 @@ def view(
     field: Annotated[str, typer.Option(help="The field in colour, such as displacement.")] = "displacement",
     at: Annotated[float | None, typer.Option(help="The seismic coefficient. [default: the last]")] = None,
 ) -> None:
-    """Show the FEM results of a run in a window that can be turned and zoomed. Needs a screen."""
+    """Show the FEM results of a run in a window that can be turned and zoomed. The command needs a screen."""
     from workflow.cli.invocation import stored_job
     from workflow.figures.single import window
 

@@ -50,8 +50,9 @@ class Invocation:
     def of(
         cls, section: Path, folder: Path | None, options: Tables, settings: list[str] | None, afresh: bool = False
     ) -> "Invocation":
-        """Read the section file, and replace its settings by settings and options of the command line. Without options
-        of the mesh, those stored in the folder are used, unless ``afresh``. Raises InputError with every problem.
+        """Read the section file, and replace its settings by settings and options of the command line. If the command
+        line has no options of the mesh, the options stored in the folder are used, unless ``afresh``. Raises InputError
+        with every problem.
         """
         options_given = {
             table: {key: value for key, value in values.items() if value is not None}

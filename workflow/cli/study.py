@@ -33,7 +33,7 @@ def study(
 ) -> None:
     """Compute distributions and fragility by many samples of the numbers in [uncertain], on all processors or machines.
 
-    The same command continues where it was stopped, and computes only what is new.
+    If the study was stopped, the same command continues it, and computes only missing samples.
     """
     from meshes.section.section import read_toml
     from workflow.cli.invocation import dotted
@@ -88,7 +88,7 @@ def converge(
     """Check whether slides converge: compute them with smaller discs (1, 0.71 and 0.5 of the radius) and smaller time
     steps.
 
-    The same command continues where it was stopped.
+    If the computation was stopped, the same command continues it.
     """
     from meshes.section.section import read_toml
     from workflow.cli.invocation import dotted

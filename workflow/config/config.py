@@ -165,8 +165,8 @@ class Config(Tables):
 
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
-        """Make the config from the content of a TOML file. `config_after_triggering` completes it by analyses; cases
-        from blow counts then replace the default cases. Raises InputError with every problem.
+        """Make the config from the content of a TOML file. The function `config_after_triggering` completes the config
+        by analyses, after which cases from blow counts replace the default cases. Raises InputError with every problem.
         """
         data = current(data)
         slide = data.get("slide", {})

@@ -99,8 +99,8 @@ class FaceSettings(Model):
 
 
 class SlidingBlockSettings(Model):
-    """Holds the settings of the sliding block, the table [sliding_block] of the input file. Slides are compared with
-    this block."""
+    """Holds the settings of the sliding block, the table [sliding_block] of the input file. The slides of discs are
+    compared with the slide of the block."""
 
     accelerogram: str = Field(
         default="", description="file with a record of the ground motion: PEER, K-NET, COSMOS, CSMIP, ESM or .csv"

@@ -90,8 +90,9 @@ def fukushima_tanaka(magnitude: float, distance: float, site: Site) -> PeakMotio
     """Return the peak acceleration by Fukushima & Tanaka (1990): log A = 0.41 M - log(R + 0.032 10^(0.41 M)) - 0.0034 R
     + 1.30, A in gal, R in km.
 
-    σ = 0.21. ``distance`` R is the shortest to the fault. On average ground; 40 % less on rock, 40 % more on soft
-    soil, as the authors say. Mean of both horizontal components. Raises InputError outside M 4.6-8.2, R up to 300 km.
+    σ = 0.21. ``distance`` R is the shortest to the fault. The relation is for average ground; the authors say that the
+    peak is 40 % smaller on rock and 40 % larger on soft soil. The peak is the mean of both horizontal components.
+    Raises InputError outside M 4.6-8.2, R up to 300 km.
     """
     kilometres = distance / 1000.0
     relation = "Fukushima & Tanaka (1990)"

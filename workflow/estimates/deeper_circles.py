@@ -27,7 +27,7 @@ def ground_of_circles(
     """Find the ground in which slip circles are searched, and the critical circle in it.
 
     If a cohesionless face fails before any circle slides, as an infinite slope, the critical circle would be the
-    shallowest one of the search. In this case the ground gets an apparent cohesion below such faces, as in finite
+    shallowest one of the search. The ground below such a face therefore gets an apparent cohesion, as in finite
     elements and bounds, so that all methods describe the whole slope.
 
     Parameters

@@ -45,8 +45,8 @@ def liquefied(section: Section, case: int, columns: int = 400) -> LiquefiedLayer
     """Return the liquefied layers of a case taken together; None if none liquefies.
 
     The thickness is the mean of the total thickness of these layers over the part of the section where it is not zero.
-    The gradient is that of a straight line fitted there to the ground or to the lowest boundary of the layers,
-    whichever is steeper.
+    The gradient is that of a straight line fitted, over the same part of the section, to the ground or to the lowest
+    boundary of the layers, whichever is steeper.
     """
     which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
     left, right = section.extent

@@ -67,7 +67,8 @@ def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, s
 
 
 def _low(value: float, shown: Callable[[float], str]) -> str:
-    """Return Davis's estimate in words. If the ground with this strength fails under its weight, no Kh is given."""
+    """Return Davis's estimate in words. If the ground with the reduced strength of Davis fails under its weight, the
+    words give no Kh."""
     return shown(value) if value > 0.0 else "0, it fails under its own weight"
 
 

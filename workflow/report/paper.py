@@ -145,8 +145,8 @@ def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
 
 
 def _broken(row: PaperRow, cracked: dict[str, float]) -> PaperRow:
-    """Return whether pore springs, the breakable springs between discs that stand for pore water, crack in the Asd
-    layers, and in no other layer more."""
+    """Return whether pore springs, the breakable springs between discs that represent pore water, crack most in the Asd
+    layers."""
     shares = {name: cracked.get(name, 0.0) for name in ASD}
     most = max(shares.values())
     others = {name: share for name, share in cracked.items() if name not in ASD and share > most}

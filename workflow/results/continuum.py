@@ -86,8 +86,8 @@ class OtherWay(Part):
 
 
 class OwnDilationPart(Part):
-    """Holds an approximate critical Kh of ground that flows with the ψ of the strata. This Kh depends on element and
-    mesh by 5 to 15 %."""
+    """Holds an approximate critical Kh of ground that flows with the ψ of the strata. The critical Kh for these angles
+    depends on element and mesh by 5 to 15 %."""
 
     kc: float | None = Field(description="critical Kh on the last of three meshes; null if the iteration has no answer")
     low: float | None = Field(description="smallest critical Kh of the three meshes")
@@ -121,8 +121,8 @@ class MeshStep(Part):
 def displacement_at(path: Sequence[PathStep], kc: float, share: float) -> float:
     """Return the displacement (m) at which a path of rising Kh reaches a share of the critical Kh, ``kc``.
 
-    A path may end below this share if limit analysis gave the critical Kh. In this case the path is extrapolated: the
-    difference to kc decays exponentially with displacement, at the rate of the last step. For S-13 in a rigid box,
+    If limit analysis gave the critical Kh, a path may end before it reaches the share. The path is then extrapolated:
+    the difference to kc decays exponentially with displacement, at the rate of the last step. For S-13 in a rigid box,
     paths cut off at 0.8 and 0.95 of kc give the displacement at 0.99 of kc within 7 %.
     """
     near = [step.displacement for step in path if step.factor >= share * kc]

@@ -200,7 +200,7 @@ def _between_own_sides(
 
 
 def tried(what: str, notes: list[str], find: Callable[[], Result]) -> Result | None:
-    """Return the answer of an analysis. If it has none, return None and add a note with the reason."""
+    """Return the answer of an analysis. If the analysis has no answer, return None and add a note with the reason."""
     try:
         return find()
     except (NoAnswerError, InputError) as error:

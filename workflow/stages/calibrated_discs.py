@@ -354,8 +354,8 @@ def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.nd
 
 
 def _excess_above(config: Config, store: Store, line: np.ndarray, fem: FemAnswer) -> float | None:
-    """Return the relative increase of the critical Kh if the continuum can fail only above the line; None without an
-    answer."""
+    """Return the relative increase of the critical Kh of the continuum if it can fail only above the slip surface of
+    the discs; None if no critical Kh is found so."""
     from mpi4py import MPI
 
     from fem.search.prescribed_surface import critical_above

@@ -13,7 +13,8 @@ LOST = ("cohesion", "friction", "residual", "residual_strength")  # of a case, w
 
 
 def liquefying(config: Config) -> dict[int, list[int]]:
-    """For every case, return the indices of the strata that liquefy in it. Cases without such strata are left out."""
+    """For every case, return the indices of the strata that liquefy in it. Cases in which no stratum liquefies are left
+    out."""
     numbers = range(1, len(config.cases) + 1)
     numbers_of_strata = {
         n: [k for k, stratum in enumerate(config.section.strata) if n in stratum.liquefies_in] for n in numbers

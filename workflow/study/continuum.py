@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 def continuum(sample: StudySample) -> Numbers:
     """Return the critical Kh by finite elements; 0 for ground that does not stand without shaking.
 
-    The critical Kh is that with ψ = φ or by Davis's estimate, as ``fem.flow`` says. For both it is the limit load on
-    meshes adapted to the mechanism; for non-associated flow it follows from the path.
+    The critical Kh is that with ψ = φ or by Davis's estimate, as ``fem.flow`` says. By both flow rules the critical Kh
+    is the limit load on meshes adapted to the mechanism; for non-associated flow it follows from an equilibrium path.
     """
     config = Config.parse(sample.data)
     first = generate(config.section, config.mesh)
