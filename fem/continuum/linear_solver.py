@@ -206,8 +206,8 @@ class _ByMumps:
             self._ksp.setUp()
 
     def solve(self, right: np.ndarray) -> np.ndarray:
-        """Return the solution for a right-hand side. The vectors ``b`` and ``x`` contain the components that this MPI
-        rank owns. Raises SingularMatrixError."""
+        """Return the solution x of K x = b; ``b`` and ``x`` contain the components that this rank owns. Raises
+        SingularMatrixError."""
         self._b.array[:] = right
         with _as_singular():
             self._ksp.solve(self._b, self._x)

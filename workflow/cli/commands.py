@@ -188,8 +188,7 @@ def fem(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """Find the critical seismic coefficient of a section, and where it fails. The command also runs on several MPI
-    ranks, by mpirun."""
+    """Find the critical seismic coefficient of a section, and where it fails. Also runs on several MPI ranks."""
     from workflow.cli.invocation import Invocation, mesh_options
     from workflow.cli.terminal import err, out
     from workflow.run.ranks import Ranks
