@@ -122,7 +122,11 @@ class OneThread(Executor):
         """Start a task, see `Executor.begin`. The thread that asks for the result does the task itself, unless the
         other thread has begun it.
         """
-        shared = _Shared(partial(work, heard or _unheard))
+        return self.submit(work, heard or _unheard)
+
+    def submit(self, work: Callable[P, A], /, *arguments: P.args, **named: P.kwargs) -> "Future[A]":
+        """Return a future with the result of some work, which the thread that asks for it may do itself."""
+        shared = _Shared(partial(work, *arguments, **named))
         self.begin_there(shared.do)
         return shared
 
@@ -150,7 +154,10 @@ class _Shared(Future[A]):
     def do(self) -> None:
         """Do the task, unless another thread has begun it or it was cancelled."""
         if self._claim.acquire(blocking=False) and self.set_running_or_notify_cancel():
-            _do(self, self._work)
+            try:
+                self.set_result(self._work())
+            except BaseException as error:
+                self.set_exception(error)
 
     def result(self, timeout: float | None = None) -> A:
         """Return the result of the task; raise its error, and KeyboardInterrupt on Ctrl-C in this thread."""

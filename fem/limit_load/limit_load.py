@@ -21,7 +21,7 @@ from fem.continuum.strength import Flow, flow_of, is_associated, strength_of
 from fem.errors import UnstableError
 from fem.limit_load.conic_limit_load import ConicLimitLoad, conic_limit_load
 from fem.path.equilibrium_path import EquilibriumPath
-from fem.path.gravity import at_the_sides, bring_to_rest, element_for, fixed_components, gravity_equilibrium
+from fem.path.gravity import at_the_sides, element_for, fixed_components, gravity_equilibrium
 from fem.settings import FemSettings, PathVerdict
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
@@ -211,14 +211,6 @@ def loaded_ground(
         if limit is None or not limit.multiplier <= first < np.inf or first <= 0.0:
             return LoadedGround(problem, weight, constant, None, faces, load, limit, settings)
         faces, first = always, 0.0  # the ground below fails before them
-
-
-def at_rest(ground: LoadedGround) -> LoadedGround:
-    """Bring the ground to equilibrium under its weight; raise UnstableError if the weight makes it fail."""
-    if ground.gravity is not None:
-        return ground
-    gravity = bring_to_rest(ground.problem, ground.weight, ground.constant, ground.settings)
-    return replace(ground, gravity=gravity)
 
 
 def is_unique(section: Section, settings: FemSettings) -> bool:

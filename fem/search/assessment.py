@@ -102,7 +102,18 @@ def assess(
                 raise search.fails(settings, error) from error
             except NoAnswerError:  # an equilibrium path has to do
                 pass
-        return search.assessed(adapted, settings, safety)
+        try:
+            if adapted is None:
+                assessment = search.by_path(settings, safety)
+            else:
+                assessment = search.with_limit_loads(adapted, settings, safety)
+        except UnstableError as error:
+            raise search.fails(settings, error) from error
+        below_one = [each.result for each in assessment.safety if each.result.kh == 0.0 and _fails(each.result.factor)]
+        if adapted is not None and below_one:  # what little Kh there is, is the error of its mesh
+            unstable = UnstableError("the section fails under its own weight on some meshes")
+            raise search.fails(settings, unstable, below_one[0])
+        return replace(assessment, warnings=[*assessment.warnings, *of_uplift(section.uplift)])
 
 
 def critical_as_discs(
@@ -166,26 +177,6 @@ class _Search:
     listener: AssessmentListener
     executor: Executor
 
-    def assessed(
-        self, adapted: AdaptiveResult[LimitLoadResult] | None, settings: FemSettings, safety: list[Safety] | None
-    ) -> Assessment:
-        """Return all answers, by the limit loads on meshes adapted to the mechanism, or by an equilibrium path alone.
-
-        ``safety`` are the factors of safety that are already being computed, or None. Raises UnstableError.
-        """
-        try:
-            if adapted is None:
-                assessment = self.by_path(settings, safety)
-            else:
-                assessment = self.with_limit_loads(adapted, settings, safety)
-        except UnstableError as error:
-            raise self.fails(settings, error) from error
-        below_one = [each.result for each in assessment.safety if each.result.kh == 0.0 and _fails(each.result.factor)]
-        if adapted is not None and below_one:  # what little Kh there is, is the error of its mesh
-            unstable = UnstableError("the section fails under its own weight on some meshes")
-            raise self.fails(settings, unstable, below_one[0])
-        return replace(assessment, warnings=[*assessment.warnings, *of_uplift(self.section.uplift)])
-
     def with_limit_loads(
         self, adapted: AdaptiveResult[LimitLoadResult], settings: FemSettings, safety: list[Safety] | None
     ) -> Assessment:
@@ -201,17 +192,15 @@ class _Search:
         safety = self.begin_safety(one_way) if safety is None else safety
         limits = self.executor.submit(partial(self.limit_loads_by_both_rules, adapted, one_way))
         third = self.executor.submit(lambda: self.by_own_dilation(*limits.result(), one_way))
-        critical = self.path_to(adapted, one_way)
+        listener = self.path_listener("Kh")
+        reduced = element_for(self.section, one_way) == "reduced"  # of the limit loads, whose ground the path takes on
+        follow = partial(critical_coefficient, self.section, settings=one_way, comm=self.comm, listener=listener)
+        critical = follow(mesh=adapted.mesh, ground=adapted.result.ground if reduced else None)
         better, other = limits.result()
         if better.mesh is not adapted.mesh:
-            critical = self.path_to(better, one_way)
+            critical = follow(mesh=better.mesh, ground=better.result.ground if reduced else None)
         assessment = _together(critical, better.mesh, better, better.other, other, safety)
         return replace(assessment, own_dilation=third.result())
-
-    def path_to(self, limit: AdaptiveResult[LimitLoadResult], settings: FemSettings) -> CriticalResult:
-        """Return the path to a limit load, on its mesh; raise UnstableError."""
-        start = limit.result.ground if element_for(self.section, settings) == "reduced" else None
-        return critical_coefficient(self.section, limit.mesh, settings, self.comm, self.path_listener("Kh"), start)
 
     def by_path(self, settings: FemSettings, safety: list[Safety] | None) -> Assessment:
         """Return the results from equilibrium paths alone; raise UnstableError."""

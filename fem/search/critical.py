@@ -6,6 +6,7 @@ work-conjugate to the horizontal load: the mean horizontal displacement weighted
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,9 +16,9 @@ from fem.continuum.loads import Direction, direction_of, seismic_sign
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure
 from fem.continuum.strength import Flow, flow_of
-from fem.limit_load.limit_load import LoadedGround, at_rest, cohesionless_faces, faces_failing_at_rest, loaded_ground
+from fem.limit_load.limit_load import LoadedGround, cohesionless_faces, faces_failing_at_rest, loaded_ground
 from fem.path.equilibrium_path import EquilibriumPath
-from fem.path.gravity import path_settings
+from fem.path.gravity import bring_to_rest, path_settings
 from fem.path.load_stepping import step_to_limit
 from fem.path.newton import ProportionalLoad
 from fem.path.path_step import PathStep
@@ -156,14 +157,12 @@ def critical_coefficient(
         If no state on the path is in equilibrium.
     """
 
-    def towards(direction: Direction, most: float) -> CriticalResult:
-        wish = settings.changed(direction=direction, kh_limit=most)
-        return _towards(section, mesh, wish, comm, listener, ground)
-
+    towards = partial(_towards, section, mesh, comm=comm, listener=listener, ground=ground)
     if settings.direction != "both":
-        return towards(settings.direction, settings.kh_limit)
-    first = towards("downhill", settings.kh_limit)
-    second = towards("uphill", min(settings.kh_limit, OTHER_LIMIT * max(first.kc, settings.first_step)))
+        return towards(settings=settings)
+    first = towards(settings=settings.changed(direction="downhill"))
+    most = min(settings.kh_limit, OTHER_LIMIT * max(first.kc, settings.first_step))
+    second = towards(settings=settings.changed(direction="uphill", kh_limit=most))
     if second.kc < first.kc and not touched_sides(mesh, second.mechanism):
         return replace(second, other=first)
     return replace(first, other=second)
@@ -181,7 +180,9 @@ def _towards(
     sign = seismic_sign(section, settings)
     ground = ground or loaded_ground(section, mesh, settings, comm)
     while True:
-        ground = at_rest(ground)
+        if ground.gravity is None:
+            resting = bring_to_rest(ground.problem, ground.weight, ground.constant, ground.settings)
+            ground = replace(ground, gravity=resting)
         result = _followed(ground, mesh, sign, settings, listener)
         sand = cohesionless_faces(section, settings)
         strengthened = any(face in ground.faces for face in sand)

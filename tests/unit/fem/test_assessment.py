@@ -122,7 +122,7 @@ def test_the_path_is_followed_once_where_both_flow_rules_have_one_mesh(soil, mon
     """A second one would begin where the first one ended, and tell states below failure that were never there."""
     followed = []
     path = assessment.critical_coefficient
-    monkeypatch.setattr(assessment, "critical_coefficient", lambda *options: followed.append(1) or path(*options))
+    monkeypatch.setattr(assessment, "critical_coefficient", lambda *o, **named: followed.append(1) or path(*o, **named))
     result = assessed(slope_with(cohesion="5 kPa", friction_angle="32 deg", **soil), kh=(0.2,))
     assert len(followed) == 1
     (state,) = (state for state in result.critical.states if state.kh == 0.2)

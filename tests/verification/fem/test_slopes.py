@@ -9,7 +9,8 @@ from mpi4py import MPI
 
 from dem.slides.slip import compare
 from fem.continuum.fields import touched_sides
-from fem.limit_load.limit_load import at_rest, critical_limit_load
+from fem.limit_load.limit_load import critical_limit_load
+from fem.path.gravity import bring_to_rest
 from fem.search.adaptive import AdaptiveSearch
 from fem.search.critical import critical_coefficient, seismic_path
 from fem.search.dem_counterpart import associated_kc, non_associated_path
@@ -258,7 +259,8 @@ def test_a_path_comes_to_the_limit_load_found_at_once(flow):
     ground = section([[0.0, 6.0], [12.0, 6.0], [24.0, 0.0], [36.0, 0.0]], 6.0, soil(c=5e3, phi=30.0, psi=0.0))
     mesh, wish = generate(ground, MeshSettings(columns=18, rows=6)), FemSettings(flow=flow, direction="downhill")
     at_once = critical_limit_load(ground, mesh, wish, MPI.COMM_SELF)
-    start = at_rest(at_once.ground)
+    start = at_once.ground
+    bring_to_rest(start.problem, start.weight, start.constant, start.settings)
     path = seismic_path(start.problem, start.constant, start.load, 1, wish)
     for _ in range(40):
         path.advance()
