@@ -72,7 +72,8 @@ def _parts(annotation: Any) -> Iterator[Any]:
 
 
 def _pieces(field: FieldInfo) -> list[Any]:
-    return [*field.metadata, *_parts(field.annotation)]
+    pieces = [*field.metadata, *_parts(field.annotation)]
+    return [*pieces, *(limit for piece in pieces if isinstance(piece, FieldInfo) for limit in piece.metadata)]
 
 
 def _kind(field: FieldInfo) -> Kind | None:
@@ -119,7 +120,15 @@ def _allowed(field: FieldInfo) -> str:
     phrases += [f"at least {piece.min_length}" for piece in pieces if isinstance(piece, MinLen)]
     whole = "a whole number" if int in pieces else "a number" if float in pieces else "text" if str in pieces else ""
     entry = " ".join([whole, *dict.fromkeys(phrases)]).strip()
-    return _listed(field, entry) if whole.endswith("number") else entry
+    if not whole.endswith("number"):
+        return entry
+    if dict in map(get_origin, pieces):
+        return (
+            f"{entry}, or one for each stratum" if get_origin(field.annotation) is not dict else f"{entry} by stratum"
+        )
+    if not phrases and any(isinstance(piece, PlainValidator) for piece in field.metadata) and _listed(field, "") == "":
+        return "as described"
+    return _listed(field, entry)
 
 
 def _listed(field: FieldInfo, entry: str) -> str:

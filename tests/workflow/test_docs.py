@@ -84,6 +84,9 @@ def test_every_key_stands_in_the_reference_with_what_is_checked() -> None:
     assert values["strata", "youngs_modulus"].unit == "Pa"
     assert values["strata", "friction_angle"].allowed == 'from 0 to below 90 deg, such as "35 deg"'
     assert values["slide.cases", "stiffness"].allowed == "a number above 0 to 1"
+    assert values["earthquake", "peak_acceleration"].unit == "m/s^2"
+    assert values["earthquake", "peak_acceleration"].allowed.startswith('above 0 and below 50 m/s^2, such as "250 gal"')
+    assert values["site_response", "plasticity"].allowed == "a number from 0 to 200 by stratum"
 
 
 def test_every_file_of_a_run_stands_in_the_reference() -> None:

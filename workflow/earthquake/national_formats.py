@@ -16,7 +16,7 @@ Lines = Sequence[str]
 GEONET = re.compile(r"^\s*(un)?corrected accelerogram\b.*\bGNS Science", re.IGNORECASE)
 GEONET_COMPONENT = re.compile(r"^\s*Component\s+(\S+)", re.IGNORECASE)
 # Of a component's heading: lines of text, and ten lines of ten numbers, which begin on these lines (from 0).
-TEXT_LINES, GEONET_HEADING = 16, 26
+GEONET_HEADING = 26
 COUNTS, INSTRUMENT, TIMES, PEAKS = 19, 20, 22, 23
 IN_THE_TEXT = 12  # where the component stands
 # Stands for a sample that was not recorded, where the ends of several instruments differ.

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from meshes.section.motion_units import motion_unit, time_unit
 from tests.support import records
 from tests.support.records import CM, GRAVITY, WRITERS, bhrc, columns, geonet, motion, read_text, refused
-from workflow.earthquake.acceleration import read as acceleration
+from workflow.earthquake.acceleration import ACCELERATION
 
 STEPS = st.sampled_from([0.005, 0.01, 0.02])
 
@@ -118,7 +118,7 @@ def test_every_spelling_of_a_unit(unit: str, apart: str, seed: int, step: float)
     np.testing.assert_allclose(read_text(text).acceleration, values, atol=1e-6)
     bare = columns(time, values / UNITS[unit], f"time (s){apart}acc", apart)
     np.testing.assert_allclose(read_text(bare, unit=unit).acceleration, values, atol=1e-6)
-    assert acceleration(f"{0.2 / UNITS[unit]:.9f} {unit}") == pytest.approx(0.2, rel=1e-5)
+    assert ACCELERATION.read(f"{0.2 / UNITS[unit]:.9f} {unit}") == pytest.approx(0.2, rel=1e-5)
 
 
 def test_units_of_other_quantities_are_known_as_such() -> None:
@@ -131,7 +131,7 @@ def test_units_of_other_quantities_are_known_as_such() -> None:
         ("60 m/s^2", "out of range"), ("a lot", "not understood as a number"),
     ):  # fmt: skip
         with pytest.raises(ValueError, match=item):
-            acceleration(written)
+            ACCELERATION.read(written)
 
 
 @pytest.mark.parametrize("step", [0.005, 0.01])
@@ -263,7 +263,7 @@ def test_a_pulse_keeps_its_mean_and_says_so() -> None:
 @pytest.mark.parametrize(("written", "point"), [("0,25 g", "0.25 g"), ("245,2 gal", "245.2 gal")])
 def test_an_acceleration_with_a_decimal_comma_is_told(written: str, point: str) -> None:
     with pytest.raises(ValueError, match=f'has a decimal comma; write "{point}"'):
-        acceleration(written)
+        ACCELERATION.read(written)
 
 
 def test_peaks_are_doubted() -> None:
