@@ -7,7 +7,7 @@ a screen; matplotlib sets the axes, legend and notes.
 import os
 import re
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,12 +16,13 @@ import numpy as np
 from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, ListedColormap, to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.text import Text
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FixedFormatter, FuncFormatter, MaxNLocator
 from PIL import Image
 
 from meshes.section.cutting import soil_numbers
@@ -275,7 +276,7 @@ class Sheet:
 
 def save(figure: Figure, path: Path | str) -> None:
     """Write a figure as a PNG, with symbols, and with names in every script for which there is a font."""
-    for text in figure.findobj(Text):
+    for text in _texts(figure):
         words = text.get_text()
         if not words.isascii():
             families = fonts.families_for(words)
@@ -288,6 +289,20 @@ def save(figure: Figure, path: Path | str) -> None:
             text.set_parse_math(True)
             text.set_text(in_mathtext(words))
     figure.savefig(path, format="png", pil_kwargs={"compress_level": COMPRESSION})
+
+
+def _texts(artist: Artist) -> Iterator[Text]:
+    """Yield the texts in a figure but for the numbers at ticks, which matplotlib would make for it, and once more when
+    it draws them."""
+    if isinstance(artist, Text):
+        yield artist
+    for part in artist.get_children():
+        if isinstance(part, Axis):
+            yield part.label
+            if isinstance(part.get_major_formatter(), FixedFormatter | FuncFormatter):
+                yield from part.get_ticklabels()
+        else:
+            yield from _texts(part)
 
 
 def in_classes(limits: Sequence[float], colours: Sequence[str]) -> ScalarMappable:
