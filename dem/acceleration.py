@@ -12,7 +12,8 @@ class Acceleration:
     """Holds the external acceleration that acts on the full mass of all discs (m/s2), in the frame of the discs, linear
     between the times (s).
 
-    Before the first and after the last time it is constant. A seismic coefficient Kh is the constant Kh g.
+    Before the first and after the last time it is constant. A constant seismic coefficient Kh is the constant
+    acceleration Kh g.
     """
 
     times: np.ndarray = field(default_factory=lambda: np.zeros(1))

@@ -72,14 +72,16 @@ class DiscMaterials:
     turns: bool = True
 
     def check_numbers(self, layer: np.ndarray) -> None:
-        """Raise ValueError unless discs of these layers (n,) have constants. The number -1 stands for the boundary."""
+        """Raise ValueError unless there are constants for the layers (n,) of the discs. Layer number -1 marks the
+        boundary discs."""
         if layer.max() >= len(self.layers) or layer.min() < -1:
             raise ValueError(
-                f"discs: layer {layer.max()} of {len(self.layers)} layers (they count from 0, -1 is boundary)"
+                f"discs: layers {layer.min()} to {layer.max()}; expected 0 to {len(self.layers) - 1}, or -1 for "
+                "boundary discs"
             )
 
     def densities(self, layer: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return density and buoyant density (kg/m3) of discs of these layers (n,)."""
+        """Return density and buoyant density (kg/m3) of discs by their layers (n,)."""
         density = np.array([soil.density for soil in self.layers] + [self.layers[0].density])
         effective = np.array([soil.effective_density for soil in self.layers] + [0.0])
         return density[layer], effective[layer]

@@ -1,8 +1,8 @@
 """Places the discs of a section: packing, frame of reference and layers.
 
-There are two frames. In the frame of the section x points to the right and z up. In the frame of the discs u is
-parallel to their rows: for a "box" the u axis is parallel to the mean ground surface, and gravity is inclined; for
-lattice and random packings the two frames are the same.
+Positions are given in one of two frames of reference. In the frame of the section x points to the right and z up. In
+the frame of the discs u is parallel to their rows: for a "box" the u axis is parallel to the mean ground surface, and
+gravity is inclined; for lattice and random packings the two frames are the same.
 """
 
 from collections.abc import Sequence

@@ -290,7 +290,8 @@ class DiscModel(DiscState):
         """
         if radius.shape != self.radius.shape or not (radius > 0.0).all():
             raise ValueError(
-                f"discs: expected {len(self)} positive radii, the least of {radius.shape} is {radius.min()}"
+                f"discs: expected {len(self)} positive radii, not {radius.size} radii of which the smallest is "
+                f"{radius.min()}"
             )
         before = self._spring_forces()
         for values in (self.roll, self.vr, self.vr_half):

@@ -232,7 +232,7 @@ def brought_back(x: np.ndarray, z: np.ndarray, left: float, period: Period) -> t
 def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the centres (n, 2) of boundary discs outside the walls, `ABOVE` rows higher at the sides, and rigid lines.
 
-    Discs are a diameter apart or a little less. At convex corners the lines extend past each other.
+    Boundary discs are a diameter apart or a little less. At convex corners the lines extend past each other.
     """
     outline = _checked(outline)
     edge = np.roll(outline, -1, axis=0) - outline

@@ -246,15 +246,16 @@ def refuse_other_ground(mesh: QuadMesh, layers: Layering) -> None:
     worst = int(np.argmax(np.abs(areas - wanted)))
     if abs(areas[worst] - wanted[worst]) > SAME * wanted.sum():
         raise BadMeshError(
-            f'gmsh gave stratum "{mesh.strata[worst]}" {areas[worst]:.6g} m² for {wanted[worst]:.6g} m²; '
-            "try another size"
+            f'gmsh meshed {areas[worst]:.6g} m² of stratum "{mesh.strata[worst]}", whose area is '
+            f"{wanted[worst]:.6g} m²; try another size"
         )
     length = layers.perimeter()
     ends = mesh.points[np.concatenate(list(mesh.boundaries.values()))]
     around = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
     if abs(around - length) > SAME * length:
         raise BadMeshError(
-            f"gmsh left a gap in the mesh: its outline is {around:.6g} m long for {length:.6g} m; try another size"
+            f"gmsh left a gap in the mesh: the outline of the mesh is {around:.6g} m long, that of the section "
+            f"{length:.6g} m; try another size"
         )
 
 

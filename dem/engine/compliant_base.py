@@ -7,8 +7,8 @@ times Kh. Below the base of a section the ground continues. A horizontal force F
 
 relative to the motion that the base would have without the discs; ρ V_s is the impedance and L the length of the base.
 In the frame of the base, the additional acceleration -dv/dt acts on the discs. F follows from the momentum of the
-discs, and v follows F with the time constant `DELAY`. Positive is to the right, perpendicular to gravity. A constant Kh
-moves the base at a constant speed, which has no effect on the discs.
+discs, and v follows F with the time constant `DELAY`. Forces and velocities are positive to the right, perpendicular to
+gravity. A constant Kh moves the base at a constant speed, which has no effect on the discs.
 """
 
 from dataclasses import replace

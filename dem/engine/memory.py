@@ -25,7 +25,7 @@ def large_zeros(*shape: int) -> np.ndarray:
 
 
 class Room:
-    """Reuses memory, by name, for arrays of about the same size. The earlier contents are lost.
+    """Reuses memory, by name, for arrays of about the same size. The earlier contents of the memory are lost.
 
     `Room` serves arrays above `LARGEST`, which glibc otherwise returns to the system: for 300,000 discs a quarter of
     the time of a new neighbour list was spent on new pages.
@@ -54,7 +54,7 @@ def keep_freed_arrays(discs: int) -> None:
     A new page from the system costs as much time as a hundred doubles: without this setting, neighbour lists of 30,000
     discs take twice as long. With many discs the holes in the heap matter more (a third more memory for a million
     discs), and their arrays are returned to the system. The setting holds for the whole process, which may keep
-    `RETAINED` bytes more than it uses. Does nothing if the C library has no such setting.
+    `RETAINED` bytes more than it uses. The function does nothing if the C library has no such setting.
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
     if mallopt is not None:

@@ -14,7 +14,8 @@ class Pulses:
     """Runs discs in short sections. Inside the ``with`` block, positions and velocities of the model are current, but
     its contacts only after a call of `whole`.
 
-    Energies are not summed. The time step is a share of the stable step at the time when the neighbour list was made.
+    The energy balance is not computed in short sections. The time step is a share of the stable step at the time when
+    the neighbour list was made.
     """
 
     def __init__(self, model: DiscModel, share: float, threads: int = 1) -> None:

@@ -48,7 +48,8 @@ def fetch_add(typing_context: Any, array: Any, index: Any, value: Any) -> Any:
 
 @intrinsic
 def load(typing_context: Any, array: Any, index: Any) -> Any:
-    """Read an entry that other threads write. Everything that they wrote before it is visible afterwards."""
+    """Read an entry that other threads write. Everything that the other threads wrote before the entry is visible after
+    the read."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.load_atomic(_place(context, builder, signature, arguments), "acquire", 8)

@@ -70,7 +70,7 @@ def normal_force(over: float, vn: float, floor: float, spring: float, cn: float,
 
 @device_function(forceinline=True)
 def friction_limit(normal: float, mu: float) -> float:
-    """Return the largest tangential force (N) of an contact of discs with the law "paper": Coulomb friction, with the
+    """Return the largest tangential force (N) of a contact of discs with the law "paper": Coulomb friction, with the
     coefficient of Table 2.
     """
     limit = mu * normal

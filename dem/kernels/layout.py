@@ -115,7 +115,7 @@ class Layout(NamedTuple):
 
 @device_function(nogil=True, forceinline=True)
 def entry(disc: int, field: int) -> np.uint64:
-    """Return the place in `shared` of a field of a disc."""
+    """Return the index in the array `shared` at which a field of a disc is stored."""
     return np.uint64(disc) * np.uint64(SHARED) + field // np.uint64(LANES)
 
 

@@ -11,8 +11,9 @@ W(r_ij), the disc itself included, with the kernel C2 of Wendland (1995) as W. T
    along the line of centres with -V_i V_j (u_i/rho_i^2 + u_j/rho_j^2) dW/dr (Monaghan 1992), which resists pressure but
    not shear.
 2. Residual strength. An elastic-plastic bond between the centres resists both components of their relative motion; its
-resultant is at most c_ij = (pi/2) FITTED (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i = sum_j w r. Then sum_j c_ij r_ij does
-not depend on the packing, and ground that slips has the shear stress s. The stiffness of the bond is c_ij/(gamma r).
+resultant is at most c_ij = (pi/2) FITTED (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i = sum_j w r. With this limit sum_j c_ij
+r_ij does not depend on the packing, and ground that slips has the shear stress s. The stiffness of the bond is
+c_ij/(gamma r).
    Ground with a strain potential is soft at first: the force-displacement law is a straight line up to the potential,
    with a dashpot in parallel, and a steep one from there to the limit (`kernels.bond_law`). Part of a bond with ground
    that has not liquefied lies in that ground, which does not strain: its displacements are `STRAINED` of those of other

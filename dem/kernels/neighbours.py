@@ -1,10 +1,10 @@
 """Makes the neighbour list (kernel). A cell grid finds the pairs whose distance is below the sum of their radii plus a
 margin, the skin.
 
-The list is valid until some disc has moved half the skin. The list also contains every pair with a pore spring, intact
-or cracked, at any distance. A cracked spring resists again when its discs return to the length of the spring. If the
-cracked spring were removed from the list, the result would depend on the margin of the list. History variables of
-springs are copied to the new list.
+The neighbour list is valid until some disc has moved half the margin. The list also contains every pair with a pore
+spring, intact or cracked, at any distance. A cracked spring resists again when its discs return to the length of the
+spring. If the cracked spring were removed from the list, the result would depend on the margin of the list. History
+variables of springs are copied to the new list.
 """
 
 from typing import NamedTuple

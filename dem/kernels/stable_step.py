@@ -1,10 +1,10 @@
 """Computes the largest stable time step of any assembly of discs (kernel).
 
 For springs between pairs, K <= 2 diag(K_ii): the energy of a spring between i and j is at most twice the sum of what
-each end would store alone. So omega_max^2 <= 2 max_i lambda(K_ii / M_ii), with the 3 x 3 blocks of translation and
-**rotation** of one disc, and likewise for the dashpots. The stepping scheme is stable for a mode of frequency omega and
-damping c = 2 zeta omega as long as h^2 omega^2 + 4 h c <= 4 (its characteristic polynomial leaves the unit circle at
--1), and a step that is stable at the bound is stable for every mode.
+each end would store alone. Therefore omega_max^2 <= 2 max_i lambda(K_ii / M_ii), with the 3 x 3 blocks of translation
+and **rotation** of one disc, and likewise for the dashpots. The stepping scheme is stable for a mode of frequency omega
+and damping c = 2 zeta omega as long as h^2 omega^2 + 4 h c <= 4 (its characteristic polynomial leaves the unit circle
+at -1), and a step that is stable at the bound is stable for every mode.
 
 Every listed pair counts as touching, and every pore spring as compressed, so that the bound holds until the list is
 renewed, when it is computed again. Only cracked pairs that are too far apart to touch before the list is renewed are
@@ -31,7 +31,7 @@ BLOCKS = 16  # doubles of a disc: its two blocks, each in a cache line
 
 
 class Bodies(NamedTuple):
-    """Holds n discs.
+    """Holds the n discs for which the stable time step is computed.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Bodies(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Holds m listed pairs.
+    """Holds the m pairs of the neighbour list.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class LineContacts(NamedTuple):
 def add_block(
     blocks: np.ndarray, at: np.uint64, sign: float, way: tuple[float, float, float], normal: float, tangential: float
 ) -> None:
-    """Add a spring along a direction and a spring across it to the six entries of a block.
+    """Add a spring along a direction and a spring across it to the six entries of a block of the stiffness matrix.
 
     blocks: blocks of all discs; at: place at which the block begins; sign: -1 at the other end of the spring; way: unit
     direction, and the lever of the transverse spring, in radii; normal, tangential: stiffnesses (N/m).

@@ -312,10 +312,10 @@ def take_steps(
 
     team: the threads; clock: steps to take and the time; layout: discs and contacts; springs: constants; law: law of
     the contacts; loads: acceleration; entries: entries of the energy balance; reach: square of the displacement after
-    which a disc needs a new neighbour list (m2); shared, need: see `sharing.needs`; buffer: see `new_buffer`. With no
-    steps to take it computes the contacts in the present state and moves no disc. Returns (steps taken, time, reason):
-    MOVED if the neighbour list must be made anew before the next step, OVERLAP if two discs overlap by more than
-    allowed, DONE otherwise.
+    which a disc needs a new neighbour list (m2); shared, need: see `sharing.needs`; buffer: see `new_buffer`. If there
+    are no steps to take, the function computes the contacts in the present state and moves no disc. Returns (steps
+    taken, time, reason): MOVED if the neighbour list must be made anew before the next step, OVERLAP if two discs
+    overlap by more than allowed, DONE otherwise.
     """
     thread, threads, barrier = team.thread, team.threads, team.barrier
     slices = len(layout.chunk_start) - 1

@@ -1,8 +1,8 @@
 """Transposes records of a few doubles to rows of 64 and back, eight at a time, in registers.
 
 Eight contacts read records of eight partners in no regular order; a compiler that cannot analyse such indices copies
-them double by double. Here the record of each disc, and of each kind of pair, is read two doubles at a time, and
-written as two rows of eight. Values are only copied, so that results do not depend on the method.
+them double by double. The functions of this module read the record of each disc, and of each kind of pair, two doubles
+at a time, and write it as two rows of eight. Values are only copied, so that results do not depend on the method.
 """
 
 from typing import Any

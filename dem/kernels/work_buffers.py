@@ -38,7 +38,7 @@ def new_buffer() -> np.ndarray:
 
 @device_function(forceinline=True)
 def constant(row: int) -> np.uint64:
-    """Return the place of the row of a constant."""
+    """Return the index in the buffer at which the row of a constant begins."""
     return CONSTANT + np.uint64(row) * ROW
 
 

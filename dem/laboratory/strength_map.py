@@ -9,13 +9,14 @@ like an additional pressure a C / (2 r), which counts in kappa. Strength is half
 axial compression, since the continuum is perfectly plastic without a peak. The peak is that of the mean curve of all
 patches, since the peak of a single patch includes its largest jerk.
 
-There are two maps. Discs of soil with friction rotate, with rolling resistance (`springs.ROLLING`), so that rigid
-rotation of the ground needs no work. Discs without rotation have about the same biaxial strength and peak, but columns
-of them collapse to only two thirds of the run-out of sand. Discs of clay, whose contacts have tensile strength, do not
-rotate: with rotation they roll under tension, and a vertical face that is stable by limit analysis collapses.
+There are two strength maps. Discs of soil with friction rotate, with rolling resistance (`springs.ROLLING`), so that
+rigid rotation of the ground needs no work. Discs without rotation have about the same biaxial strength and peak, but
+columns of them collapse to only two thirds of the run-out of sand. Discs of clay, whose contacts have tensile strength,
+do not rotate: with rotation they roll under tension, and a vertical face that is stable by limit analysis collapses.
 
-Discs without contact friction still have a friction angle of some 8 degrees by their geometry. Clay has none: its
-contacts have a negative friction in addition to their cohesion, so that their strength falls as the normal force rises.
+Discs without contact friction still have a friction angle of some 8 degrees by their geometry. Clay has no friction
+angle: its contacts have a negative friction in addition to their cohesion, so that their strength falls as the normal
+force rises.
 
 The maps are computed by `python -m docs.strength_map`, and stored next to this file.
 """

@@ -62,7 +62,7 @@ class Calibration:
     search : Search
         The critical Kh with that factor.
     sensitivity : tuple of (parameter, factor, Search)
-        The critical Kh with each parameter halved and doubled; the parameter "" is the search without factor.
+        The critical Kh with each parameter halved and doubled; the name "" marks the search for uncalibrated discs.
     trials : tuple of (factor, Search)
         Every factor that was tried on the parameter, sorted by size, since the order of trials depends on which of
         several searches ends first.
@@ -101,7 +101,7 @@ def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> li
 
 
 def key_of(parameter: str, factor: float) -> Key:
-    """Return the key of a search: a factor of 1 belongs to no parameter."""
+    """Return the key of a search in the table of searches: a factor of 1 belongs to no parameter."""
     return (parameter, factor) if factor != 1.0 else ("", 1.0)
 
 

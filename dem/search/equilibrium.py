@@ -235,8 +235,8 @@ def damp_to_rest(model: DiscModel, ground: Ground, under: str) -> None:
 
 
 def advance_damped(model: DiscModel, seconds: float, last: float, threads: int = 1) -> tuple[float, float]:
-    """Continue with kinetic damping. last: kinetic energy at the end of the last call (J/m). Returns the final and the
-    largest kinetic energy.
+    """Run the discs further with kinetic damping. last: kinetic energy at the end of the last call (J/m). Returns the
+    final and the largest kinetic energy.
 
     model: model of the discs; seconds: model time; threads: threads of the engine.
     """

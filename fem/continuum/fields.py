@@ -102,7 +102,7 @@ def _shear(strain: np.ndarray) -> np.ndarray:
 
 def touched_sides(mesh: QuadMesh, state: FieldState) -> tuple[str, ...]:
     """Return the sides, "left" or "right", that move by more than a tenth of the largest displacement. With periodic
-    sides there is none, since the section repeats."""
+    sides no side is returned, since the section repeats."""
     if state.repeats:
         return ()
     moved = np.hypot(*state.displacement.T)

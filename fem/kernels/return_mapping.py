@@ -115,9 +115,9 @@ def _shear_tension_return(x1: float, x2: float, x3: float, rounding: float, tabl
 def _principal_return(x1: float, x2: float, x3: float, table: Floats, m: int) -> Returned:
     """Return the admissible principal stresses for the trial x1 >= x2 >= x3, and the code of the part of the surface.
 
-    The multipliers of both surfaces solve a complementarity problem whose matrix has positive minors: its
-    determinant is 4 G (lame + G) (1 - sin phi) (1 - sin psi). So there is one solution, and a return to one
-    surface that satisfies the other is that solution.
+    The multipliers of both surfaces solve a complementarity problem whose matrix has positive minors: its determinant
+    is 4 G (lame + G) (1 - sin phi) (1 - sin psi). There is therefore one solution, and a return to one surface that
+    satisfies the condition of the other surface is this solution.
     """
     sin, strength, T = table[m, SIN_PHI], table[m, STRENGTH], table[m, TENSION]
     rounding = ROUNDING * (max(abs(x1), abs(x3)) + strength)

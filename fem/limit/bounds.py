@@ -168,7 +168,7 @@ def kh_bounds(
     """
     strata = soils(section)
     if all(s.density_seismic == 0.0 for s in strata):
-        raise InputError(section.name, ["density_seismic is 0 in all strata, so that Kh has no force"])
+        raise InputError(section.name, ["density_seismic is 0 in all strata, so that Kh causes no force"])
     davis = flow_of(section.strata, fem.flow) != "associated" if settings.davis == "auto" else settings.davis
     with_davis = davis and not is_dilating_fully(strata)
     grounds = {

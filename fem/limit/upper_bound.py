@@ -1,8 +1,8 @@
 """Finds an upper bound: a mechanism of continuous, quadratic velocities that obey the associated flow rule everywhere.
 
-In a triangle with straight sides and six nodes the strain rate is linear. The flow rule is convex:
-it holds in the whole triangle if it holds at the corners, and the dissipation is at most a third of the area times the
-sum of its values at the corners. So the minimum is a strict upper bound (Makrodimopoulos & Martin 2007).
+In a triangle with straight sides and six nodes the strain rate is linear. The flow rule is convex: it holds in the
+whole triangle if it holds at the corners, and the dissipation is at most a third of the area times the sum of its
+values at the corners. The smallest load multiplier is therefore a strict upper bound (Makrodimopoulos & Martin 2007).
 """
 
 import math

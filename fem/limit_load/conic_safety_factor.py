@@ -81,7 +81,7 @@ class FactorStart:
 
 
 def _none() -> None:
-    """Return None, by which an unpickled start is replaced."""
+    """Return None, with which a copy of the start in another process is replaced."""
 
 
 @dataclass(frozen=True, eq=False)

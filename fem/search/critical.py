@@ -282,7 +282,7 @@ def seismic_path(
     """
     mass = problem.exchange.dot(load, _horizontal(problem, sign))
     if mass == 0.0:
-        raise InputError("section", ["density_seismic is 0 in all strata, so that Kh has no force"])
+        raise InputError("section", ["density_seismic is 0 in all strata, so that Kh causes no force"])
     control = load / mass
     problem.use_elastic_tangent()
     problem.factorise()

@@ -189,7 +189,10 @@ def _differentiated(time: np.ndarray, values: np.ndarray, times: int) -> np.ndar
     from scipy.interpolate import make_interp_spline
 
     if len(time) < 6 or np.any(np.diff(time) <= 0.0):
-        raise ValueError("holds velocity or displacement with fewer than six values, or with steps: not differentiated")
+        raise ValueError(
+            "holds velocity or displacement with fewer than six values, or with steps; expected a series that can be "
+            "differentiated to acceleration"
+        )
     return np.asarray(make_interp_spline(time, values, k=5).derivative(times)(time))
 
 

@@ -67,9 +67,8 @@ def si_midorikawa(magnitude: float, distance: float, depth: float, mechanism: Me
 
     b = 0.50 Mw + 0.0043 D + d + 0.61, c = 0.0055 10^(0.50 Mw), d = 0.00, 0.01, 0.22 for crustal, interplate and
     intraplate earthquakes; σ = 0.27. ``magnitude`` is the moment magnitude, ``distance`` X the shortest to the fault
-    plane, ``depth`` D that of the fault plane's middle. Larger of both horizontal components. Raises InputError
-    outside Mw 5.8-8.3, X up to 300 km, D up to 120 km.
-    ``mechanism``: crustal, interplate or intraplate.
+    plane, ``depth`` D that of the fault plane's middle. A is the larger of both horizontal components. Raises
+    InputError outside Mw 5.8-8.3, X up to 300 km, D up to 120 km. ``mechanism``: crustal, interplate or intraplate.
     """
     kilometres, deep = distance / 1000.0, depth / 1000.0
     relation = "Si & Midorikawa (1999)"

@@ -52,7 +52,8 @@ def mean_period(magnitude: float, distance: float | None = None, site: Site = "a
     """Return the mean period T_m (s): ln T_m = -1.00 + 0.18 (M - 6) + 0.0038 R + 0.27 on deep soil (Rathje et al.
     2004).
 
-    M counts up to 7.25. ``distance`` R to the fault is in m, 20 km if it is not known: T_m changes by 4 % in 10 km.
+    Larger magnitudes M than 7.25 count as 7.25. ``distance`` R to the fault is in m, 20 km if it is not known: T_m
+    changes by 4 % in 10 km.
     """
     kilometres = 20.0 if distance is None else distance / 1000.0
     return math.exp(-1.0 + 0.18 * (min(magnitude, 7.25) - 6.0) + 0.0038 * kilometres + SITES[site])

@@ -193,8 +193,8 @@ class EarthquakeSettings(Model):
         return self.equivalent() is None and not slide.accelerogram and loading == assumed_loading(self.magnitude)
 
     def equivalent(self) -> EquivalentKh | None:
-        """Return the equivalent cycles of Kh. With a record they are the cycles of the record, also if the peak is
-        given. None without a peak acceleration.
+        """Return the equivalent cycles of Kh. If there is a record, the cycles are those of the record, also if the
+        peak is given. The result is None if there is no peak acceleration.
         """
         try:
             motion = self.motion()

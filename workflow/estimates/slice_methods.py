@@ -52,7 +52,8 @@ def bishop_factor(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarr
 def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarray) -> np.ndarray:
     """Return the seismic coefficient at which circular slip surfaces have a factor of safety of 1, in closed form.
 
-    With F = 1 the forces of Bishop's simplified method are linear in Kh. NaN if the surface cannot slide.
+    With F = 1 the forces of Bishop's simplified method are linear in Kh. The coefficient is NaN if the surface cannot
+    slide.
 
     Parameters
     ----------

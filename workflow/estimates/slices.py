@@ -152,9 +152,10 @@ def loaded_by_crack(
 def _ground_forces(section: Section, x: np.ndarray, towards: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return loads on the ground above slices with corners at ``x``, per horizontal area, and their elevation (m).
 
-    The loads are still water and surcharges, and the changes of both by Kh = 1, each (surfaces, slices, 2) in Pa.
+    The loads are those of free water at rest and of surcharges, and the changes of both by Kh = 1, each (surfaces,
+    slices, 2) in Pa.
 
-    The inclination of the ground above a slice is taken from corner to corner, so that the thrust of still water is
+    The inclination of the ground above a slice is taken from corner to corner, so that the thrust of free water is
     exact over kinks and steps of the ground, too.
     """
     ground = section.layering.interfaces(x.ravel())[:, 0].reshape(x.shape)

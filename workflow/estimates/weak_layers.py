@@ -20,8 +20,8 @@ COLUMNS = 200  # vertical lines on which layers are looked at
 def thin_weak_layers(section: Section) -> tuple[str, ...]:
     """Return the soils of a section that slip circles cannot follow, from the top down.
 
-    Strengths are c + σ'v tan φ in the middle of a layer: with the soil of the layer, and with the soils above and below
-    it. The base counts as firm ground.
+    The strength c + σ'v tan φ in the middle of a layer is compared with the strengths that the soils above and below
+    would have there. The base counts as firm ground.
 
     Parameters
     ----------

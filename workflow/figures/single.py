@@ -61,7 +61,7 @@ FIELDS: Mapping[str, Field] = {
 def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
     """Draw one field of the states at one Kh. By default the field is the usual picture, and the states are all states.
 
-    Returns the files. Raises InputError if there is no such field or no state at that Kh.
+    The function returns the paths of the pictures. Raises InputError if there is no such field or no state at that Kh.
     """
     if field in discs.FIELDS:
         return _draw_discs(job, field, at)

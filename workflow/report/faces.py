@@ -253,7 +253,7 @@ def _meets(circle: CirclePart, surface: list[tuple[float, float]]) -> bool:
 
 
 def _overlap(line: tuple[tuple[float, float], ...], surface: list[tuple[float, float]]) -> bool:
-    """Return whether two slip surfaces lie over each other by more than half of the shorter one."""
+    """Return whether two slip surfaces overlap along x by more than half of the shorter surface."""
     if not line:
         return False
     shared = min(line[-1][0], surface[-1][0]) - max(line[0][0], surface[0][0])

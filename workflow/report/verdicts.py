@@ -96,7 +96,8 @@ def spared(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) ->
 
 
 def _sliding(results: Results) -> list[tuple[str, FacePart | SlicesAnswer]]:
-    """Return by name the faces that have slip circles, or the section if it has no structures; empty without slices."""
+    """Return the faces that have slip circles, by name, or the whole section if it has no structures; the result is
+    empty if no slip circles were computed."""
     if results.slices is None:
         return []
     faces: list[tuple[str, FacePart | SlicesAnswer]] = [

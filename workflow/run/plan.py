@@ -18,7 +18,7 @@ OTHER_VERSION = "computed by another version of noshiro"
 
 @dataclass(frozen=True)
 class Choice:
-    """Holds which stages may run.
+    """Holds the choice of stages that a command may run.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Choice:
 
     @classmethod
     def up_to(cls, stages: Sequence[Stage], name: str, force: bool = False, also: Sequence[str] = ()) -> Self:
-        """Return a stage (run again with ``force``), the stages in ``also``, and the stages that these need.
+        """Choose a stage (run again with ``force``), the stages in ``also``, and the stages that these need.
 
         ``stages``: all stages in the order of their execution; ``name``: name of the stage.
         """
@@ -65,7 +65,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Decision:
-    """Holds the decision about a stage.
+    """Holds the decision whether a stage runs, is reused, is drawn again or is skipped, with the reason.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
 
 
 def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
-    """Return the fingerprints of all inputs of a stage. For the report they include the outcomes of the other
+    """Return the fingerprints of all inputs of a stage. The inputs of the report include the outcomes of the other
     stages."""
     prints = inputs(stage, job)
     if stage.of_all:
@@ -126,7 +126,7 @@ def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
 
 
 def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool) -> Decision:
-    """Decide about a stage; ``news``: whether results of a stage before it will change."""
+    """Decide whether a stage runs; ``news``: whether results of a stage before it will change."""
     why = changes(stage, made_from(stage, job, record), record)
     if stage.name not in choice.chosen:
         return Decision(stage, "off" if why else "reuse", why)

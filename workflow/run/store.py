@@ -110,7 +110,7 @@ class Store:
             raise InputError(str(path), [f"cannot be read: {error}; delete it and run again"]) from None
 
     def has(self, name: str) -> bool:
-        """Return whether a file is there."""
+        """Return whether a file of the folder exists."""
         return (self.folder / name).is_file()
 
     def matching(self, patterns: Sequence[str]) -> list[str]:
@@ -131,7 +131,7 @@ class Store:
         return [name for name, mark in self.marks(patterns).items() if before.get(name) != mark]
 
     def remove(self, patterns: Sequence[str]) -> None:
-        """Remove the files that match; folders stay. Raises InputError if one cannot be removed."""
+        """Remove the files that match some patterns; folders stay. Raises InputError if one cannot be removed."""
         for name in self.matching(patterns):
             try:
                 (self.folder / name).unlink()

@@ -42,7 +42,7 @@ class ElementValue:
 
 @dataclass(frozen=True, eq=False)
 class FaceTask:
-    """Holds one quantity of one face.
+    """Identifies the critical Kh or the factor of safety of one face, which is to be computed.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class UnchangedTask:
 
 
 def work(job: Job) -> None:
-    """Compute both quantities of all faces; writes fem/faces.json."""
+    """Compute the critical Kh and the factor of safety of all faces; writes fem/faces.json."""
     config = job.config
     fem, slices = FemAnswer.read(job.store), SlicesAnswer.read(job.store)
     parts = {(face.structure, face.towards): face for face in slices.faces}
@@ -113,8 +113,8 @@ def work(job: Job) -> None:
 
 
 def _unchanged(job: Job, fem: FemAnswer, sides: Sequence[int]) -> dict[tuple[Quantity, int], ElementValue | str]:
-    """Return both quantities of the section without strong zones towards ``sides``. Critical Kh and factor of safety
-    are each computed once, or taken from the stage `fem` if its flow rule is ψ = φ.
+    """Return critical Kh and factor of safety of the section without strong zones towards ``sides``. Critical Kh and
+    factor of safety are each computed once, or taken from the stage `fem` if its flow rule is ψ = φ.
     """
     values: dict[tuple[Quantity, int], ElementValue | str] = dict(_of_elements(job.config, fem))
     wanted: list[tuple[Quantity, int]] = [("critical Kh", side) for side in dict.fromkeys(sides)]

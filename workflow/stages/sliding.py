@@ -48,7 +48,8 @@ class PlannedSlide:
         return f"dem/slide_{self.springs}_{self.number}"
 
     def effect(self, config: Config) -> Hashable:
-        """Return all inputs of this slide that may differ within a run. Two slides with equal inputs are the same."""
+        """Return all inputs of this slide that may differ within a run. Two slides with equal inputs have equal
+        results, so that only one is computed."""
         case = None if self.case is None else effect_of(self.case, config.section, self.strata, self.start.law)
         return self.springs, case
 
@@ -59,8 +60,8 @@ def first_alike(config: Config, tasks: Sequence[PlannedSlide]) -> dict[PlannedSl
 
 
 def task(config: Config, springs: str, number: int, start: DiscModel, ground: Ground) -> PlannedSlide:
-    """Return the task of a case, from some discs at rest. The case is given by its number in the input, or is `ALONE`
-    for Kh without liquefaction.
+    """Return the input of the slide of a case, which starts from given discs at rest. The case is given by its number
+    in the input, or is `ALONE` for Kh without liquefaction.
 
     ``config``: config of the run; ``springs``: set of the discs; ``start``: discs at rest; ``ground``: the ground in
     which the discs lie.

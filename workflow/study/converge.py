@@ -60,9 +60,9 @@ def fit(sizes: Sequence[float], values: Sequence[float], error: float = 0.0, lea
     """Extrapolate values over three sizes, largest first, with a constant ratio.
 
     Richardson's extrapolation with the order of the three values (P. J. Roache, J. Fluids Eng. 116 (1994) 405-413). If
-    they scatter, or the order is not plausible, a straight line is fitted by least squares, and the error is at least
-    the largest distance of a value from this line. ``error``: half width of the 95 % interval of the last value.
-    ``least``: smallest number to which relative errors refer.
+    the three values scatter, or the order is not plausible, a straight line is fitted by least squares, and the error
+    is at least the largest distance of a value from this line. ``error``: half width of the 95 % interval of the last
+    value. ``least``: smallest number to which relative errors refer.
     """
 
     def share(value: float, whole: float) -> float:
@@ -124,7 +124,8 @@ def run(
 
 
 def _series(over: str, sizes: Sequence[float], rows: Sequence[TaskOutcome[Numbers]], within: float) -> Iterator[Series]:
-    """Yield every number of the slides over some sizes; empty if a run has no answer."""
+    """Yield every result of the slides as a series over the sizes of discs or time steps; nothing if a run has no
+    answer."""
     answers = [row.answer for row in rows if row.answer is not None]
     if len(answers) < len(rows):
         return

@@ -102,8 +102,8 @@ def normalised(point: ConeTest) -> tuple[float, float]:
 def equivalent_count(resistance: float) -> float:
     """Return the (N1)60 of sand of the same relative density: D_R = √(N/46) = 0.478 q^0.264 - 1.063, q = qc1N.
 
-    Both relations are those of Idriss & Boulanger (2008). The consequences of liquefaction are computed from this
-    count.
+    Both relations of D_R are those of Idriss & Boulanger (2008). The consequences of liquefaction are computed from
+    this (N1)60.
     """
     return 46.0 * max(0.0, 0.478 * resistance**0.264 - 1.063) ** 2
 

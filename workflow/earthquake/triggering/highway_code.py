@@ -1,7 +1,9 @@
-"""Assesses triggering by the Specifications for Highway Bridges, Part V, of the Japan Road Association, in three forms.
+"""Assesses triggering by the Specifications for Highway Bridges, Part V, of the Japan Road Association, in three
+editions.
 
-The form of 1990 gives the F_L of the paper. The form of 2012 is that of 1996 and 2002, too. The form of 2017 has
-another correction for fines. Stresses are in kPa, grain sizes in mm, fines in percent.
+The edition of 1990 gives the F_L of the paper on section S-13. The editions of 1996 and 2002 have the same equations as
+that of 2012. The edition of 2017 has another correction for fines. Stresses are in kPa, grain sizes in mm, fines in
+percent.
 """
 
 import math
@@ -17,8 +19,8 @@ MotionType = Literal["I", "II"]
 
 
 def stress_ratio(point: BlowCount, shaking: SurfaceMotion) -> float:
-    """Return the shear stress ratio L = r_d k σv/σ'v with r_d = 1 - 0.015 z, all forms; k is the peak acceleration at
-    the surface over g."""
+    """Return the shear stress ratio L = r_d k σv/σ'v with r_d = 1 - 0.015 z, in all editions; k is the peak
+    acceleration at the surface over g."""
     return (1.0 - 0.015 * point.depth) * shaking.peak * point.total / point.effective
 
 
@@ -95,14 +97,14 @@ def motion_factor(resistance: float, motion: MotionType) -> float:
 
 
 def assess_1990(point: BlowCount, shaking: SurfaceMotion) -> Resistance:
-    """Return F_L at a test by the form of 1990. Raises ValueError without a mean grain size."""
+    """Return F_L at a test by the edition of 1990. Raises ValueError without a mean grain size."""
     return Resistance(normalised(point), None, stress_ratio(point, shaking), max(0.0, resistance_1990(point)))
 
 
 def assess_later(
     point: BlowCount, shaking: SurfaceMotion, form: Literal["2012", "2017"], motion: MotionType
 ) -> Resistance:
-    """Return F_L at a test by the form of 2012 or 2017: c_W R_L over L.
+    """Return F_L at a test by the edition of 2012 or 2017: c_W R_L over L.
 
     ``point``: blow count; ``shaking``: acceleration and magnitude; ``motion``: type 1 or 2 of the code.
     """

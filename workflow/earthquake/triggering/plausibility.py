@@ -1,4 +1,4 @@
-"""Finds implausible numbers of earthquake and borings. Most of them have a wrong unit."""
+"""Finds implausible numbers of earthquake and borings. Most implausible numbers have a wrong unit."""
 
 from collections.abc import Iterator
 
