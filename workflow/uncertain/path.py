@@ -92,9 +92,7 @@ def _moved(before: Any, distribution: Distribution, value: Any) -> Any:
     if isinstance(before, list):
         return [_moved(inside, distribution, value) for inside in before]
     if before is None:
-        raise ValueError(
-            "is not set in the section file; expected a number, which the distribution changes"
-        )
+        raise ValueError("is not set in the section file; expected a number, which the distribution changes")
     number, unit = measured(before)
     if distribution.does == "factor":
         number *= float(value)
