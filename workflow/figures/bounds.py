@@ -1,9 +1,11 @@
 """Draws pictures of the strict bounds: the mechanism of the upper bound, the stress of the lower bound, and the
 triangles."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pyvista as pv
 from matplotlib.patches import Patch
 
 from fem.continuum.load_ends import soil_of_strip
@@ -12,9 +14,9 @@ from fem.limit.bounds import KhBounds
 from fem.limit.bracket import Mechanism, StressField
 from meshes.section.cutting import soil_of, without_film
 from meshes.section.section import Section
+from meshes.triangles import TriMesh
 from workflow.config import Config
-from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, soil_colours, spread
-from workflow.figures.cells import GROUND, draw_edges, draw_outline, paint_cells, paint_classes
+from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colours, spread
 from workflow.figures.ground import foot
 from workflow.results.answer import FORCE
 from workflow.run.store import Store
@@ -78,15 +80,18 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
     seen = (tips[:, 0] > window.left) & (mesh.points[every, 0] < window.right)
     window = window.with_room_for(tips[seen])
 
+    def arrows(plotter: pv.Plotter) -> None:
+        grid = _grid(mesh)
+        plotter.add_mesh(grid, color="#efece4", lighting=False)
+        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
+        points = pv.PolyData(np.column_stack([mesh.points[every], np.full(len(every), 0.01)]))
+        points["v"] = np.column_stack([velocity[every] * stretch, np.zeros(len(every))])
+        tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
+        plotter.add_mesh(points.glyph(orient="v", scale="v", factor=1.0, geom=tip), color=ARROWS, lighting=False)
+
     title = f"{config.section.heading}: upper bound, Kh = {mechanism.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion] * 3, foot(config.section), legend_rows=3)
-    axes = sheet.frame(0, window, "velocities of the mechanism; their magnitude is arbitrary")
-    paint_cells(axes, mesh.points, mesh.cells, GROUND)
-    draw_outline(axes, mesh.points, mesh.cells, INK, 0.5)
-    axes.quiver(
-        *mesh.points[every].T, *(stretch * velocity[every]).T, color=ARROWS, angles="xy", scale_units="xy", scale=1.0,
-        width=0.0016, minlength=0.6,
-    )  # fmt: skip
+    sheet.show(0, render(window, arrows), window, "velocities of the mechanism; their magnitude is arbitrary")
     views = (
         (shear / max(float(shear.max()), 1e-300), "largest shear rate"),
         (
@@ -95,9 +100,7 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
         ),
     )
     for view, (values, what) in enumerate(views, start=1):
-        axes = sheet.frame(view, window, what)
-        paint_classes(axes, mesh.points, mesh.cells, values, DISSIPATION, DISSIPATION_COLOURS)
-        draw_outline(axes, mesh.points, mesh.cells, INK, 0.25)
+        sheet.show(view, render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS)), window, what)
     label = "shear rate and dissipation per area, over the largest value (-)"
     sheet.colour_bar(in_classes(DISSIPATION, DISSIPATION_COLOURS), label, DISSIPATION)
     sheet.note(conditions(config, bounds, mechanism))
@@ -108,9 +111,8 @@ def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window:
     mesh = stress.problem.mesh_in_metres
     title = f"{config.section.heading}: lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(config.section), legend_rows=3)
-    axes = sheet.frame(0, window, "mobilised strength, at the worst corner of each triangle")
-    paint_classes(axes, mesh.points, mesh.cells, yield_use(stress), YIELD, YIELD_COLOURS)
-    draw_outline(axes, mesh.points, mesh.cells, INK, 0.25)
+    image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
+    sheet.show(0, image, window, "mobilised strength, at the worst corner of each triangle")
     sheet.colour_bar(in_classes(YIELD, YIELD_COLOURS), "radius of Mohr's circle over the largest possible (-)", YIELD)
     sheet.note(conditions(config, bounds, stress))
     return sheet
@@ -127,10 +129,37 @@ def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
         Patch(facecolor=colour, edgecolor=INK, linewidth=0.6, label=f" {soil}") for soil, colour in soils.items()
     ]
     columns = max(legend_columns(handles), 2)
+
+    def draw(plotter: pv.Plotter) -> None:
+        grid = _grid(mesh)
+        grid.cell_data["stratum"] = mesh.stratum
+        plotter.add_mesh(
+            grid, scalars="stratum", cmap=colours, clim=(-0.5, len(colours) - 0.5), lighting=False, show_edges=True,
+            edge_color=INK, edge_opacity=0.6, line_width=0.5, show_scalar_bar=False,
+        )  # fmt: skip
+
     title = f"{len(mesh.cells)} triangles of the bounds"
     sheet = Sheet(title, [window.proportion], foot(section), legend_rows=-(-len(handles) // columns))
     sheet.legend(handles, columns)
-    axes = sheet.frame(0, window, "small triangles where the bounds differ")
-    paint_cells(axes, mesh.points, mesh.cells, np.array(colours)[mesh.stratum])
-    draw_edges(axes, mesh.points, mesh.cells, INK, 0.25, 0.6)
+    sheet.show(0, render(window, draw), window, "small triangles where the bounds differ")
     return sheet
+
+
+def _grid(mesh: TriMesh) -> pv.UnstructuredGrid:
+    points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
+    return pv.UnstructuredGrid({pv.CellType.TRIANGLE: mesh.cells.astype(np.int64)}, points)
+
+
+def _classes(
+    mesh: TriMesh, values: np.ndarray, limits: Sequence[float], colours: Sequence[str]
+) -> Callable[[pv.Plotter], None]:
+    def draw(plotter: pv.Plotter) -> None:
+        grid = _grid(mesh)
+        grid.cell_data["class"] = np.digitize(values, limits[1:-1])
+        plotter.add_mesh(
+            grid, scalars="class", cmap=list(colours), clim=(-0.5, len(colours) - 0.5), lighting=False,
+            show_scalar_bar=False,
+        )  # fmt: skip
+        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=1)
+
+    return draw

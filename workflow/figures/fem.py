@@ -1,27 +1,28 @@
 """Draws pictures of the finite element analysis: displacement and mobilised strength at each Kh, and the path of Kh."""
 
-from typing import assert_never
+from typing import NamedTuple, assert_never
 
 import numpy as np
+import pyvista as pv
 from matplotlib.lines import Line2D
 
 from fem.continuum.fields import FieldState
 from fem.continuum.strength import flow_of
+from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from workflow.config import Config
-from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, spread
-from workflow.figures.cells import GROUND, draw_edges, draw_outline, paint_cells, paint_classes
+from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
 from workflow.figures.ground import Overlay, draw_section, foot
 from workflow.results.answer import FORCE
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.fem_states import FemResults
+from workflow.results.mesh_grids import unstructured
 from workflow.run.store import Store
 
 # Mobilised over available shear strength: pale where there is much in hand, red at failure.
 SAFETY_BOUNDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
 SAFETY_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 SLIP = "#111111"
-EDGES, MOST_CELLS = "#8a8578", 5000  # edges of more cells would hide the colours
 ARROWS = 36  # across the section
 SAFETY = "figures/fem_safety.png"
 DASHES = ((0, ()), (0, (5, 2)), (0, (2, 2)), (0, (1, 2)))
@@ -31,11 +32,15 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
     """Draw fem_kh_*.png for every requested state, fem_plateau.png, fem_curve.png, and fem_safety.png with the slip
     surfaces of factors of safety; remove older ones.
     """
+    drawn: dict[int, Views] = {}
     names = ["figures/fem_curve.png"]
     for state in results.states:
+        same = id(state.displacement)  # what is past equilibrium shows the plateau's state
+        if same not in drawn:
+            drawn[same] = _views(results.mesh, state)
         names.append(picture_of(state))
         with store.writing(names[-1]) as path:
-            _state_sheet(config, results, state).save(path)
+            _state_sheet(config, results, state, drawn[same]).save(path)
     with store.writing(names[0]) as path:
         _curve_sheet(config, results.answer).save(path)
     if slips := _slips(results.answer):
@@ -65,7 +70,7 @@ def draw_state(config: Config, results: FemResults, state: FieldState, store: St
     """
     name = picture_of(state)
     with store.writing(name) as path:
-        _state_sheet(config, results, state).save(path)
+        _state_sheet(config, results, state, _views(results.mesh, state)).save(path)
     return name
 
 
@@ -101,29 +106,58 @@ def _dilations(section: Section) -> str:
     return "°, ".join(f"{angle:g}" for angle in angles) + "°"
 
 
-def _state_sheet(config: Config, results: FemResults, state: FieldState) -> Sheet:
-    points, cells, slip = results.mesh.points, results.mesh.cells, results.slip_surface(state)
+class Views(NamedTuple):
+    """Holds the rendered views of a state, the places of its arrows, and their scale."""
+
+    outline: np.ndarray
+    every: np.ndarray
+    safety: np.ndarray
+    stretch: float
+    largest: float
+    window: Window
+
+
+def _views(mesh: QuadMesh, state: FieldState) -> Views:
+    grid = unstructured(mesh)
     largest = float(np.hypot(*state.displacement.T).max())
-    stretch = nice_number(0.06 * float(np.ptp(points[:, 0])) / largest) if largest > 0.0 else 1.0
-    every = spread(points, Window.around(points), ARROWS)
-    arrows = stretch * state.displacement[every]
-    window = Window.around(np.vstack([points, points[every] + arrows]))
+    stretch = nice_number(0.06 * float(np.ptp(mesh.points[:, 0])) / largest) if largest > 0.0 else 1.0
+    every = spread(mesh.points, Window.around(mesh.points), ARROWS)
+    tips = mesh.points[every] + stretch * state.displacement[every]
+    window = Window.around(np.vstack([mesh.points, tips]))
+
+    def outline(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(grid, color="#efece4", lighting=False)
+        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
+
+    def safety(plotter: pv.Plotter) -> None:
+        grid.cell_data["safety"] = np.digitize(state.mobilised, SAFETY_BOUNDS[1:-1])
+        plotter.add_mesh(
+            grid, scalars="safety", cmap=list(SAFETY_COLOURS), clim=(-0.5, len(SAFETY_COLOURS) - 0.5),
+            lighting=False, show_scalar_bar=False,
+            show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
+        )  # fmt: skip
+
+    return Views(render(window, outline), every, render(window, safety), stretch, largest, window)
+
+
+def _state_sheet(config: Config, results: FemResults, state: FieldState, views: Views) -> Sheet:
+    window, slip = views.window, results.slip_surface(state)
     label = state.label
     if results.answer.ended == "limit load":
         label = label.replace("plateau", "end of the path")
     title = f"{config.section.heading}: FEM, {label}"
     sheet = Sheet(title, [window.proportion, window.proportion], foot(config.section), legend_rows=3)
-    shown = f"displacement since gravity, drawn {stretch:g} times as long; largest {largest:.3g} m"
-    first = sheet.frame(0, window, shown)
-    paint_cells(first, points, cells, GROUND)
-    draw_outline(first, points, cells, INK, 0.5)
-    x, z = points[every].T
-    u, v = arrows.T
+    shown = f"displacement since gravity, drawn {views.stretch:g} times as long; largest {views.largest:.3g} m"
+    first = sheet.show(0, views.outline, window, shown)
+    x, z = results.mesh.points[views.every].T
+    u, v = views.stretch * state.displacement[views.every].T
     first.quiver(x, z, u, v, color=CONTINUUM, angles="xy", scale_units="xy", scale=1.0, width=0.0016, minlength=0.6)
-    axes = sheet.frame(1, window, "mobilised strength τ / (c + N tan φ) on the worst plane")
-    paint_classes(axes, points, cells, state.mobilised, SAFETY_BOUNDS, SAFETY_COLOURS)
-    if len(cells) < MOST_CELLS:
-        draw_edges(axes, points, cells, EDGES, 0.25)
+    axes = sheet.show(
+        1,
+        views.safety,
+        window,
+        "mobilised strength τ / (c + N tan φ) on the worst plane",
+    )
     if len(slip):
         axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
     scale = "mobilised / available shear strength (-); 1: failure"

@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -31,9 +31,12 @@ from workflow.figures.canvas import (
     Sheet,
     Window,
     legend_columns,
+    render,
     soil_colours,
 )
-from workflow.figures.cells import draw_edges, paint_cells
+
+if TYPE_CHECKING:
+    import pyvista as pv
 
 HATCH = "...."
 SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
@@ -134,24 +137,32 @@ def draw_section(
 
 def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
     """Draw the quadrilaterals, coloured by stratum, with their quality."""
+    from workflow.results.mesh_grids import unstructured
+
     window = Window.around(mesh.points)
-    colours = np.array(soil_colours(mesh.strata))[mesh.stratum]
+    grid = unstructured(mesh)
+    colours = soil_colours(mesh.strata)
     quality = mesh.quality()
     title = f"{section.heading}: mesh of {quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes ({mesh.method})"
     subtitle = (
         f"smallest scaled Jacobian {quality.smallest_scaled_jacobian:.3f}, angles from {quality.smallest_angle:.0f}° "
         f"to {quality.largest_angle:.0f}°, largest aspect ratio {quality.largest_aspect_ratio:.2f}"
     )
-    line_width = float(np.clip(15.0 / np.sqrt(quality.quadrilaterals), 0.2, 0.5))
+    line_width = float(np.clip(60.0 / np.sqrt(quality.quadrilaterals), 0.4, 2.0))
     # Where cells are but a few pixels, full lines would hide the colours.
     pixels = WIDTH * float(np.sqrt(mesh.stratum_areas().sum() / len(mesh.cells))) / (window.right - window.left)
     opacity = float(np.clip(pixels / 8.0, 0.15, 1.0))
+
+    def draw(plotter: "pv.Plotter") -> None:
+        plotter.add_mesh(
+            grid, scalars="stratum", cmap=colours, clim=(-0.5, len(colours) - 0.5), lighting=False,
+            show_edges=True, edge_color=INK, edge_opacity=opacity, line_width=line_width, show_scalar_bar=False,
+        )  # fmt: skip
+
     sheet = _sheet(section, title, window, _legend_of(section, water=False))
     for view, much in enumerate(window.exaggerations()):
         text = f"{_heights(much)}; {subtitle}" if view == 0 else _heights(much)
-        axes = sheet.frame(view, window, text, much)
-        paint_cells(axes, mesh.points, mesh.cells, colours)
-        draw_edges(axes, mesh.points, mesh.cells, INK, line_width, opacity)
+        sheet.show(view, render(window, draw, exaggeration=much), window, text, much)
     sheet.save(path)
 
 

@@ -4,6 +4,7 @@ import textwrap
 from pathlib import Path
 
 import numpy as np
+import pyvista as pv
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
@@ -12,7 +13,7 @@ from meshes.pore_loads import corner_pressure
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.triangles import triangulate
-from workflow.figures.canvas import INK, WATER, Sheet, Window
+from workflow.figures.canvas import INK, WATER, Sheet, Window, render
 from workflow.figures.ground import borders, draw_loads, foot, pressure_of, room_for_loads
 
 # Edges of the triangles over the height of the section: pore pressure is linear almost everywhere.
@@ -28,17 +29,19 @@ def draw_weights(section: Section, path: Path) -> None:
     window = _window(section)
     height = float(np.ptp(section.outline()[:, 1]))
     mesh = triangulate(section, FINE * height)
+    corners = mesh.points[mesh.cells].reshape(-1, 2)
+    points = np.column_stack([corners, np.zeros(len(corners))])
+    cells = np.arange(len(corners)).reshape(-1, 3)
+    grid = pv.PolyData(points, faces=np.column_stack([np.full(len(cells), 3), cells]).ravel())
     weights = GRAVITY * np.array([s.density_ordinary for s in section.strata]) / 1e3
-    corners = {
-        "weight": np.repeat(weights[mesh.stratum], 3),
-        "pressure": corner_pressure(mesh, section.water_pressure.at_rest).ravel() / 1e3,
-    }
+    grid["weight"] = np.repeat(weights[mesh.stratum], 3)
+    grid["pressure"] = corner_pressure(mesh, section.water_pressure.at_rest).ravel() / 1e3
     views = ["weight", *(["pressure"] if section.water_pressure.present else [])]
     title = f"{section.heading}: unit weight" + (" and pore pressure" if len(views) > 1 else "")
     heights = [SHARE * much * window.proportion for much in window.exaggerations()[-1:]] * len(views)
     sheet = Sheet(title, heights, "\n".join(text for text in (_said(section), foot(section)) if text))
     for number, name in enumerate(views):
-        _show(sheet, number, section, window, mesh.points[mesh.cells].reshape(-1, 2), corners[name], name)
+        _show(sheet, number, section, window, grid, name)
     sheet.save(path)
 
 
@@ -49,21 +52,20 @@ def _window(section: Section) -> Window:
     return Window.around(np.vstack([points, room_for_loads(section)]), 0.03)
 
 
-def _show(
-    sheet: Sheet, view: int, section: Section, window: Window, corners: np.ndarray, values: np.ndarray, name: str
-) -> None:
-    most = float(values.max())
-    limits = (0.0, most) if name == "pressure" else (0.8 * float(values.min()), most + 0.05)  # room for its tick
+def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.PolyData, name: str) -> None:
+    most = float(grid[name].max())
+    limits = (0.0, most) if name == "pressure" else (0.8 * float(grid[name].min()), most + 0.05)  # room for its tick
     colours = PRESSURES if name == "pressure" else WEIGHTS
     exaggeration = window.exaggerations()[-1]
+
+    def draw(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(grid, scalars=name, cmap=colours, clim=limits, lighting=False, show_scalar_bar=False)
 
     words = "unit weight on which gravity acts (kN/m³)" if name == "weight" else "pore pressure at rest (kPa)"
     much = "" if exaggeration == 1 else f", heights exaggerated {exaggeration} times"
     left, low, wide, high = sheet.views[view].get_position().bounds
     sheet.views[view].set_position((left, low, SHARE * wide, high))
-    axes = sheet.frame(view, window, words + much, exaggeration)
-    triangles = np.arange(len(corners)).reshape(-1, 3)
-    axes.tripcolor(*corners.T, values, triangles=triangles, cmap=colours, clim=limits, shading="gouraud")
+    axes = sheet.show(view, render(window, draw, exaggeration=exaggeration), window, words + much, exaggeration)
     axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=0.5))
     if (water := section.water_points()) is not None:
         axes.plot(*water.T, color=WATER, linewidth=1.2, linestyle=(0, (6, 3)))
@@ -81,7 +83,7 @@ def _show(
         axes.tricontour(
             *flow.grid.points.T, flow.grid.cells[wet], flow.head, EQUIPOTENTIALS, colors=INK, linewidths=0.6
         )
-    ticks = None if name == "pressure" else _ticks(values, APART * (limits[1] - limits[0]))
+    ticks = None if name == "pressure" else _ticks(grid["weight"], APART * (limits[1] - limits[0]))
     scale = axes.inset_axes((1.012, 0.0, 0.015, 1.0))
     sheet.figure.colorbar(ScalarMappable(Normalize(*limits), colours), cax=scale, ticks=ticks)
     scale.tick_params(labelsize=7, colors=INK, length=2)
