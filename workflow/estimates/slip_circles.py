@@ -193,7 +193,8 @@ class _CircleSearch:
         return np.stack([first[ordered], last[ordered], bulge[ordered]], axis=1)
 
     def _best(self, circles: np.ndarray, number: int) -> np.ndarray:
-        """Return the circles with the least values, each on ``number`` slices, the least first."""
+        """Return the circles in the order of their factor of safety or critical Kh, each on ``number`` slices, the
+        smallest first."""
         batch = CHUNK * SLICES // number
         value = np.concatenate([self._values(circles[k : k + batch], number) for k in range(0, len(circles), batch)])
         order = np.argsort(np.where(np.isfinite(value), value, np.inf), kind="stable")

@@ -115,7 +115,7 @@ class SectionLabel(Part):
 
     @classmethod
     def of(cls, section: Section) -> Self:
-        """Return the label of a section."""
+        """Return name, fingerprint and reconstruction flag of a section."""
         return cls(name=section.name, sha256=section.sha256(), reconstruction=section.reconstruction)
 
 

@@ -127,7 +127,7 @@ class Store:
         return {name: (stat.st_ino, stat.st_mtime_ns) for name, stat in stats.items()}
 
     def written(self, patterns: Sequence[str], before: Mapping[str, object]) -> list[str]:
-        """Return the names of the files that match and were written after their marks were taken."""
+        """Return the names of the matching files that were written since `marks` returned ``before``."""
         return [name for name, mark in self.marks(patterns).items() if before.get(name) != mark]
 
     def remove(self, patterns: Sequence[str]) -> None:

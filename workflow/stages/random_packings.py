@@ -42,7 +42,7 @@ class RandomPackingsWanted:
 
     @classmethod
     def of(cls, config: Config, store: Store, numbers: Sequence[int]) -> "RandomPackingsWanted":
-        """Return the wanted packings of a run whose discs are calibrated."""
+        """Return the random packings that the settings of a run with calibrated discs request."""
         continuum = continuum_for(config, store)
         return cls(config, store, continuum, tuple(numbers), _own_seed(config, CalibrationAnswer.read(store)))
 
