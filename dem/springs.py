@@ -112,7 +112,9 @@ class LayerSprings:
         if not 0.0 <= self.faded <= 1.0:
             raise ValueError(f"layer {self.name}: faded must lie between 0 and 1, but is {self.faded}")
         if not (self.alpha >= 1.0 and self.beta > 1.0):
-            raise ValueError(f"layer {self.name}: alpha (reach) must be at least 1, and beta (stretch at cracking) above 1")
+            raise ValueError(
+                f"layer {self.name}: alpha (reach) must be at least 1, and beta (stretch at cracking) above 1"
+            )
 
     def liquefied(self, stiffness: float, damping: float = 0.1, friction: float = 0.0) -> "LayerSprings":
         """Return the layer after liquefaction (Sec. 4(3) of the paper): factors on contact springs, dashpots and
