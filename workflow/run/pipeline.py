@@ -70,9 +70,12 @@ class Run:
 
     Attributes
     ----------
-    job: stages, config and folder. record: outcomes of the stages. log: log.txt. listener: notified of stages and
-    progress. failures: errors of stages without an answer, by name, and of the stages that need them. pending: stages
-    and pictures that run concurrently with this process.
+    job : stages, config and folder
+    record : outcomes of the stages
+    log : log.txt
+    listener : notified of stages and progress
+    failures : errors of stages without an answer, by name, and of the stages that need them
+    pending : stages and pictures that run concurrently with this process
     """
 
     job: Job
