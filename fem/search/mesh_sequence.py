@@ -29,6 +29,8 @@ LEAST_GAIN = 0.25
 # A finer mesh bears less. Where it bears more, cells of the one before were cut by something that these follow, and so
 # many times what the two tell may be left.
 RISEN = 3.0
+# So many meshes have the largest number of cells: a second one may follow the mechanism better, a third hardly does.
+MOST_LARGEST = 2
 # A change is told as a share of kc, or of this Kh where kc is smaller.
 SMALLEST_KH = 0.05
 # What may be left of the error, as a share of kc, where it is asked whether a direction can matter: that of a first
@@ -196,7 +198,7 @@ class MeshSequence(Generic[F]):
         self.mesh: QuadMesh | None = first
         self._wish, self._rounds = wish, list[MeshRound]()
         self._last: tuple[F, QuadMesh] | None = None
-        self._reason = ""
+        self._reason, self._largest = "", 0
 
     def take(self, answer: F | NoAnswerError, remade: Callable[[QuadMesh, np.ndarray, int], QuadMesh]) -> None:
         """Store the answer on the mesh, or the reason if it has none, and make the next mesh if one is needed.
@@ -214,8 +216,8 @@ class MeshSequence(Generic[F]):
         self._rounds.append(self._round(answer.value, len(mesh.cells)))
         cells = len(mesh.cells)
         wanted = max(math.ceil((MORE_CELLS if len(self._rounds) > 1 else 1.0) * cells), FEWEST_CELLS)
-        if wanted > self._wish.max_cells >= FEWER_CELLS * cells:
-            wanted = self._wish.max_cells
+        if wanted > self._wish.max_cells >= FEWER_CELLS * cells and self._largest < MOST_LARGEST:
+            wanted, self._largest = self._wish.max_cells, self._largest + 1
         self._reason = _reason_to_stop(self._rounds, answer, wanted, self._wish)
         if not self._reason:
             assert answer.mechanism is not None
@@ -243,6 +245,9 @@ class MeshSequence(Generic[F]):
         before, size = self._rounds[-1], max(abs(value), SMALLEST_KH)
         left = left_of_error(before, cells, value)
         rest = (left if left >= 0.0 else -RISEN * left) / size
+        if value > min(mesh.value for mesh in self._rounds) and math.isfinite(before.rest):
+            # After a rise, an answer that stays above an earlier one has at least the error of before, on more cells.
+            rest = max(rest, before.rest * before.cells / cells)
         tells = left >= 0.0 or cells >= (1.0 + LEAST_GAIN) * before.cells
         return MeshRound(cells, value, abs(value - before.value) / size, rest, tells)
 

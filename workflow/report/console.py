@@ -28,14 +28,14 @@ from workflow.report.texts import Texts
 from workflow.report.triggering import triggering_sentences
 from workflow.report.verdicts import verdict_paragraph
 from workflow.report.warnings import sides_warning, split
-from workflow.results.accuracy import accuracy, of_meshes
+from workflow.results.accuracy import accuracy, exceeds, of_meshes
 from workflow.results.answer import FORCE, SectionLabel
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.faces import FacesAnswer
-from workflow.results.governing import CONTRADICTED
+from workflow.results.governing import governing_factor
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.results import Results
@@ -77,7 +77,7 @@ def fem_sentences(
     """
     error = accuracy(results, answer) if results is not None else of_meshes(answer)
     interval = f" The range {error.method} is {between([error.low, error.high])}." if error is not None else ""
-    if error is not None and answer.has_kc and answer.kc > CONTRADICTED * error.high:
+    if error is not None and answer.has_kc and exceeds(answer.kc, error.high):
         above = 100.0 * (answer.kc / error.high - 1.0)
         interval += f" The finite elements lie {above:.1f} % above this interval: use its upper end."
     how = ""
@@ -94,7 +94,8 @@ def fem_sentences(
         yield from meshes_sentences(answer)
     yield from own_dilation_sentences(answer)
     yield from comparison_sentences(answer)
-    yield from (safety_sentence(factor, answer, every) for factor in answer.safety_factors)
+    for factor in answer.safety_factors:
+        yield safety_sentence(factor, answer, every) + (_above_bound(factor, results) if results is not None else "")
     for warning in (*answer.warnings, *(results.warnings_by_bounds() if results is not None else ())):
         yield f"{'Contradiction' if warning.contradiction else 'Warning'}: {warning.what} To do: {warning.remedy}."
     for _, text in sides_warning(answer, section):
@@ -127,6 +128,15 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
         what = "The edge of a layer without cohesion" if edges else "A cohesionless face"
         phrase += f" {what} fails before (shallow failure), at a factor of {factor.shallow_failure:.3f}."
     return phrase
+
+
+def _above_bound(factor: FactorOfSafety, results: Results) -> str:
+    """Return a sentence, after a blank, on a factor of safety that exceeds its strict upper bound; empty otherwise."""
+    upper = governing_factor(results, factor)
+    if upper == factor.factor:
+        return ""
+    above = 100.0 * (factor.factor / upper - 1.0)
+    return f" The finite elements lie {above:.1f} % above the strict upper bound, {upper:.3f}: use this bound."
 
 
 def meshes_sentences(answer: FemAnswer) -> Iterator[str]:

@@ -16,10 +16,10 @@ from workflow.report.residual import residual_verdict
 from workflow.report.slide_headline import slide_headline
 from workflow.report.texts import Texts
 from workflow.report.verdicts import spared
-from workflow.results.accuracy import METHODS, Accuracy, accuracy, proven_by
+from workflow.results.accuracy import METHODS, Accuracy, accuracy, proven_by, strict_factor
 from workflow.results.answer import FORCE
 from workflow.results.continuum import FactorOfSafety, FemAnswer
-from workflow.results.governing import GoverningKh, governing_kh
+from workflow.results.governing import GoverningKh, governing_factor, governing_kh
 from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
 
@@ -207,14 +207,21 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
             "Without shaking the section stands with its strength divided by {factor}.", factor=f"{factor.factor:.2f}"
         )
         return HeadlinePart(name=name, value=f"> {factor.factor:.2f}", interval="", conclusion=phrase)
+    governing = governing_factor(results, factor)
     word = "Without shaking the section stands, with a factor of safety of {factor} ({flow})."
-    if factor.factor < 1.0:
+    if governing < 1.0:
         word = "Without shaking the section does not stand: its factor of safety is {factor} ({flow})."
-    phrase = _(word, factor=f"{factor.factor:.2f}", flow=_(FLOW[fem.flow]))
+    phrase = _(word, factor=f"{governing:.2f}", flow=_(FLOW[fem.flow]))
+    if governing < factor.factor:
+        phrase += " " + _(
+            "The finite elements give {excess} % more, but the section fails at the strict upper bound at the latest, "
+            "so that the upper bound counts.",
+            excess=f"{100.0 * (factor.factor / governing - 1.0):.1f}",
+        )
     if factor.davis is not None:
         phrase += " " + _("With Davis reduced strength the factor of safety is {factor}.", factor=f"{factor.davis:.2f}")
     interval = _of_safety(results, fem, factor, _)
-    value = f"{factor.factor:.2f}" if interval else "–"  # a number whose error nobody knows is no headline
+    value = f"{governing:.2f}" if interval else "–"  # a number whose error nobody knows is no headline
     unknown = _("numerical error not known: one mesh, no strict bounds")
     return HeadlinePart(name=name, value=value, interval=interval or unknown, conclusion=phrase)
 
@@ -224,12 +231,10 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
     the error of its mesh, else by the distance of the critical Kh of the same mesh from its strict bounds. The interval
     is empty if none of these is known.
     """
-    bounds = results.bounds
-    if bounds is not None and bounds.sides == fem.settings.sides and fem.flow == "associated":
-        for strict in bounds.safety:
-            if strict.kh == factor.kh and strict.lower is not None and strict.upper is not None:
-                low, high = f"{strict.lower:.2f}", f"{strict.upper:.2f}"
-                return _from_to(low, high, proven_by(strict.shallow_failure is not None), _)
+    strict = strict_factor(results, fem, factor)
+    if strict is not None:
+        low, high = f"{strict.lower:.2f}", f"{strict.upper:.2f}"
+        return _from_to(low, high, proven_by(strict.shallow_failure is not None), _)
     if factor.rest is not None:
         low = f"{factor.factor * (1.0 - factor.rest):.2f}"
         return _from_to(low, f"{factor.factor:.2f}", METHODS[0], _)

@@ -12,6 +12,7 @@ from workflow.report.numbers import listed
 from workflow.report.structures import FaceRow, face_rows
 from workflow.report.summary_text import at_rest
 from workflow.results.answer import Line
+from workflow.results.governing import governing_factor, governing_kh
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, FacePart, SlicesAnswer
 from workflow.results.verdicts import Criterion, VerdictPart
@@ -68,15 +69,19 @@ def _factors(results: Results, kh: float) -> Iterator[Interval]:
     fem = results.fem
     for group in fem.safety_factors if fem is not None else ():
         if group.kh == kh and _is_of_section(results, group.slip_surface):
-            yield "the section by finite elements", group.factor, max(group.factor, group.upper), ""
+            least = governing_factor(results, group)
+            most = max(group.factor, group.upper) if least == group.factor else least
+            yield "the section by finite elements", least, most, ""
 
 
 def _critical(results: Results) -> Iterator[Interval]:
     for of, face in _sliding(results):
         critical = face.critical
         yield from _by_slices(of, critical if isinstance(critical, tuple) else () if critical is None else (critical,))
-    if results.kc is not None and results.fem is not None and _is_of_section(results, results.slip_surface):
-        yield "the section by finite elements", results.kc, max(results.kc, results.fem.kc_upper), ""
+    governing, fem = governing_kh(results), results.fem
+    if governing is not None and fem is not None and _is_of_section(results, results.slip_surface):
+        most = max(governing.value, fem.kc_upper) if governing.by_elements else governing.value
+        yield "the section by finite elements", governing.value, most, ""
 
 
 def _is_of_section(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> bool:

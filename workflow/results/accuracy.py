@@ -4,13 +4,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
-from workflow.results.continuum import FemAnswer
+from workflow.results.bounds import SafetyPart
+from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.results import Results
 
 # Two meshes whose answers differ by a larger share cannot show that the sequence converges.
 COARSE = 0.1
 # What is left of the error of a sequence that has not converged, in times of what its last meshes tell.
 WIDER = 2.0
+# A critical Kh or a factor of safety exceeds an upper bound if it does so by half of the last digit that is told, and
+# by this share of the bound.
+DIGIT, SHARE = 0.0005, 0.0005
 # What an interval can follow from.
 METHODS = (
     "by the sequence of meshes", "by strict bounds", "by strict bounds of failures below the cohesionless faces",
@@ -58,6 +62,23 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
     if meshes is None or not meshes.sure or meshes.low > high or meshes.high < low:
         return Accuracy(low, high, bounds, True)
     return Accuracy(max(low, meshes.low), min(high, meshes.high), f"{bounds} and {meshes.method[3:]}", True)
+
+
+def exceeds(value: float, upper: float) -> bool:
+    """Return whether a critical Kh or a factor of safety lies above an ``upper`` bound by more than rounding."""
+    return value > upper + max(DIGIT, SHARE * abs(upper))
+
+
+def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety) -> SafetyPart | None:
+    """Return the strict bounds of a factor of safety, for the same Kh, sides and flow rule; None without both bounds.
+
+    ``factor`` is a factor of safety of the finite elements ``fem``.
+    """
+    bounds = results.bounds
+    if bounds is None or bounds.sides != fem.settings.sides or fem.flow != "associated":
+        return None
+    both = (part for part in bounds.safety if part.lower is not None and part.upper is not None)
+    return next((part for part in both if part.kh == factor.kh), None)
 
 
 def proven_by(strengthened: bool) -> str:

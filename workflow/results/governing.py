@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 from dem.settings import SlideMethod
 from workflow.estimates.slide_error import SlideError, slide_error
-from workflow.results.accuracy import Accuracy, accuracy
+from workflow.results.accuracy import Accuracy, accuracy, exceeds, strict_factor
 from workflow.results.cases import CaseAnswer
+from workflow.results.continuum import FactorOfSafety
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
-CONTRADICTED = 1.005  # times the upper end of its interval: a larger critical Kh is contradicted by strict bounds
 CLOSE_BOUNDS = 0.95  # of the upper bound: a lower one above it gives the critical Kh better than coarse elements
 
 
@@ -50,9 +50,18 @@ def governing_kh(results: Results) -> GoverningKh | None:
     if kc is None or fem is None:
         return None
     interval = accuracy(results, fem)
-    if interval is None or kc <= CONTRADICTED * interval.high:
+    if interval is None or not exceeds(kc, interval.high):
         return GoverningKh(kc, interval=interval)
     return GoverningKh(interval.high, False, interval.low < CLOSE_BOUNDS * interval.high, interval)
+
+
+def governing_factor(results: Results, factor: FactorOfSafety) -> float:
+    """Return the factor of safety that counts: that of the finite elements, or the strict upper bound if the finite
+    elements exceed it."""
+    strict = strict_factor(results, results.fem, factor) if results.fem is not None else None
+    if strict is None or strict.upper is None or not exceeds(factor.factor, strict.upper):
+        return factor.factor
+    return strict.upper
 
 
 @dataclass(frozen=True)

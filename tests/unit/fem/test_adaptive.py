@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -97,6 +97,37 @@ def test_a_rise_on_about_as_many_cells_tells_no_error() -> None:
     assert [item.tells for item in adaptive_result.rounds[:3]] == [True, False, True]
     assert adaptive_result.converged
     assert adaptive_result.result.value < 0.0886
+
+
+@pytest.mark.parametrize(
+    ("values", "converged"), [([1.1210, 1.1237, 1.1245, 1.12449], False), ([1.1210, 1.1237, 1.1120, 1.1115], True)]
+)
+def test_an_answer_that_rose_and_stays_above_earlier_ones_keeps_its_error(values: list[float], converged: bool) -> None:
+    """Inclined soft band (Zolfaghari et al.): 1.1245 on two meshes of 1742 and 1843 cells, told with an error of 0.0 %,
+    above the strict upper bound of 1.113."""
+    section, wanted = Section.parse(slope()), MeshSettings(method="free", size=0.8)
+    sequence: MeshSequence[Any] = MeshSequence(generate(section, wanted), Wish(0.005, 9000))
+    for value in values:
+        assert sequence.mesh is not None
+        strain = np.ones(len(sequence.mesh.cells))
+        answer = SimpleNamespace(value=value, reason="", mechanism=SimpleNamespace(plastic_shear_strain=strain))
+        sequence.take(cast(Any, answer), lambda mesh, _, cells: mesh)  # as many cells each time
+    assert sequence.result.converged == converged
+
+
+def test_no_more_than_two_meshes_have_the_largest_number_of_cells() -> None:
+    mesh = generate(Section.parse(slope()), MeshSettings(method="free", size=0.8))
+    values = iter(0.3 - 0.01 * step for step in range(20))
+
+    def solve(mesh: QuadMesh) -> Any:
+        mechanism = SimpleNamespace(plastic_shear_strain=np.ones(len(mesh.cells)))
+        return SimpleNamespace(value=next(values), reason="", mechanism=mechanism)
+
+    most = 2 * len(mesh.cells) - 1
+    solution = solve_adaptively(mesh, lambda last, *_: last, solve, Wish(0.001, most))
+    assert len(solution.rounds) == 4, "the first, the first adapted one, two of the largest number"
+    assert not solution.converged
+    assert f"{most} are allowed" in solution.reason
 
 
 def test_it_ends_at_the_limit_of_cells_and_says_so() -> None:

@@ -9,9 +9,11 @@ from tests.support.answers import bounds, fem, results
 from tests.support.dem_fixture import case
 from tests.support.sections import analysed, slope
 from workflow.estimates.slide_error import SlideError
+from workflow.report.console import fem_sentences
 from workflow.report.first_page import headlines
 from workflow.report.texts import Texts
 from workflow.results import governing
+from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety
 
@@ -31,6 +33,25 @@ def test_a_factor_of_safety_is_in_the_headline_only_with_its_error() -> None:
     assert messages.interval == "computed on one mesh, whose critical Kh has an error of at most 3 % by strict bounds"
     meshes = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"rest": 0.01}),)})
     assert headlines(results(run, fem=meshes), Texts())[1].interval == "8.75 to 8.84 by the sequence of meshes"
+
+
+@pytest.mark.parametrize("above", [0.0004, 0.006])
+def test_a_headline_never_lies_above_the_strict_upper_bound(above: float) -> None:
+    """Dams with cohesionless shells: elements 1.430, upper bound 1.424, told as 1.43 beside 1.42."""
+    run = analysed(slope())
+    factor = FactorOfSafety(
+        kh=0.0, factor=1.424 + above, upper=1.43, verdict="plateau", reason="", curve=(), shallow_failure=None
+    )
+    answer = fem(run, 0.2 + above).model_copy(update={"safety_factors": (factor,)})
+    part = SafetyPart(kh=0.0, lower=1.297, upper=1.424, cells=100)
+    strict = bounds(run, 0.199, 0.2).model_copy(update={"safety": (part,)})
+    judged = results(run, fem=answer, bounds=strict)
+    kh, safety, *_ = headlines(judged, Texts())
+    assert (kh.value, safety.value, safety.interval) == ("0.200", "1.42", "1.30 to 1.42 by strict bounds")
+    messages = ["so that the upper bound counts" in part.conclusion for part in (kh, safety)]
+    assert messages == [above > 0.001] * 2
+    console = " ".join(fem_sentences(answer, run.section, False, judged))
+    assert ("0.4 % above the strict upper bound, 1.424: use this bound" in console) == (above > 0.001)
 
 
 @pytest.mark.parametrize(
