@@ -16,6 +16,7 @@ import numpy as np
 from meshes.section.cutting import BELOW_WATER, shown_name, whole_soil
 from meshes.section.dense_lines import needed_x
 from meshes.section.layering import Layering
+from meshes.tip_changes import TipChange, sentences_on_tips
 
 # Wedges blunter than this (deg) are left as they are.
 SHARP = 20.0
@@ -49,20 +50,20 @@ BEND, OUTLINE = 1.0 / 20.0, 5.0
 def stepped(
     layers: Layering, least: float, names: list[str], strengths: np.ndarray | None = None
 ) -> tuple[Layering, list[str]]:
-    """Cut off the sharp tips of strata where they are ``least`` (m) thick. Return the layers, and a sentence for each
-    tip.
+    """Cut off the sharp tips of strata where they are ``least`` (m) thick. Return the layers, and a sentence for the
+    tips of each soil.
 
     Tips are cut nearer to their ends if they contain too much of their stratum, or if the stratum is nowhere as thick
     as ``least``. ``strengths``: cohesion (Pa) of every stratum, and the growth of its strength with effective stress
     (-), (strata, 2); without them no tip is made thicker.
     """
-    all_notices: list[str] = []
+    all_notices: list[TipChange | str] = []
     while len(all_notices) < MOST_STEPS:  # what is cut off one stratum may be a tip of its neighbour
         layers, notices = _stepped_once(layers, least, names, strengths)
         all_notices += notices
         if not notices:
             break
-    return _without_empty_ends(layers), list(dict.fromkeys(all_notices))
+    return _without_empty_ends(layers), sentences_on_tips(list(dict.fromkeys(all_notices)))
 
 
 def _part(names: list[str], k: int) -> str:
@@ -72,9 +73,9 @@ def _part(names: list[str], k: int) -> str:
 
 def _stepped_once(
     layers: Layering, least: float, names: list[str], strengths: np.ndarray | None
-) -> tuple[Layering, list[str]]:
+) -> tuple[Layering, list[TipChange | str]]:
     """End the tips of every stratum in a vertical step once, from the top down. Return the layers and notices."""
-    notices: list[str] = []
+    notices: list[TipChange | str] = []
     soils = [whole_soil(name) for name in names]
 
     def longest(k: int) -> float:
@@ -95,8 +96,7 @@ def _stepped_once(
                 at = float(layers.x[joined[0]] if tip[1] < 0 else layers.x[joined[-1] + 1])
                 thick, area = _step_at(layers, k, *tip, at)
             stretch = min(at, x_tip), max(at, x_tip)
-            what = "the section" if k is None else _part(names, k)
-            tells = f"mesh: {what} thins out to nothing at x = {x_tip:.4g} m; in the mesh it ends"
+            what, soil = ("the section", "") if k is None else (_part(names, k), shown_name(soils[k]))
             if (
                 k is not None
                 and _is_outcrop(layers, k, x_tip, soils, least)
@@ -104,10 +104,10 @@ def _stepped_once(
             ):
                 more = thicker.areas()[k] - layers.areas()[k]
                 layers = thicker
-                notices.append(f"{tells} there in a step of {thick:.2g} m, with {more:.2g} m² more")
+                notices.append(TipChange(what, soil, x_tip, thick, x_tip, more))
                 continue
             layers = _without(layers, k, *stretch, joined)
-            notices.append(f"{tells} in a step of {thick:.2g} m at x = {at:.4g} m, without the last {area:.2g} m²")
+            notices.append(TipChange(what, soil, x_tip, thick, at, -area))
         for start, end in [] if k is None else _crumbs(layers, k, least):
             area = layers.areas()[k]
             layers = _without(layers, k, start, end, _of_seam(layers, k, start, end, soils, least))

@@ -57,7 +57,7 @@ def test_check_tells_what_is_not_as_it_was_written(tmp_path: Path, capsys: pytes
     assert run("check", path, "--out", tmp_path / "out") == 0
     text = " ".join(capsys.readouterr().out.split())
     assert 'Warning: geometry: stratum "upper" is 0.2 mm thick at x = 40 m: less than 10 mm is neglected.' in text
-    assert 'Note: mesh: stratum "upper" thins out to nothing at x = 40 m; in the mesh it ends in a step' in text
+    assert 'Note: mesh: stratum "upper" thins out to nothing at 2 tips, x = 40 m; in the mesh the tips end' in text
     assert "Note: beyond: ground, layers and water continue for 30 m past x = 0 and 100 m, level." in text
     assert text.rindex("Warning:") < text.index("Note:"), "what may ask for something comes first"
     assert "The section is sound." in text

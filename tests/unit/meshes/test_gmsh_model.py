@@ -104,7 +104,7 @@ def test_ground_in_the_wrong_stratum_and_a_slit_are_refused() -> None:
     mesh = generate(section, free(section))
     refuse_other_ground(mesh, layers)
     mistaken = np.where(np.arange(len(mesh.stratum)) == 0, mesh.stratum[0] + 1, mesh.stratum)
-    with pytest.raises(BadMeshError, match="gmsh gave stratum"):
+    with pytest.raises(BadMeshError, match="gmsh meshed"):
         refuse_other_ground(replace(mesh, stratum=mistaken), layers)
     slit = np.vstack([mesh.boundaries["base"], mesh.cells[:1, :2]])
     with pytest.raises(BadMeshError, match="a gap in the mesh"):

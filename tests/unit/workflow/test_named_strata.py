@@ -92,7 +92,8 @@ def test_notices_name_strata_as_the_file_does() -> None:
     assert len(config.section.strata) == 4
     text = " ".join(config.notices)
     assert 'strata 2 "clay" below water: the cohesion varies' in text
-    assert 'stratum "sand" below water thins out' in text
+    assert 'mesh: stratum "sand" thins out to nothing at 2 tips, x = 0, 13.33 m; in the mesh the tips end' in text
+    assert 'stratum "clay" above water thins out' in text
     assert ", below water" not in text
     assert "strata 3" not in text
 

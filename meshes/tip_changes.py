@@ -1,0 +1,66 @@
+"""States how a free mesh changes the tips of strata that thin out to nothing, in one sentence for each soil."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class TipChange:
+    """Describes the change of a tip of a stratum.
+
+    Attributes
+    ----------
+    part : str
+        The part of the ground whose tip changes, in words.
+    soil : str
+        Its soil, as messages name it; empty for the whole section.
+    x : float
+        Place of the tip (m).
+    step : float
+        Height of the step in which the tip ends (m).
+    at : float
+        Place of the step (m).
+    gain : float
+        Area that the part of the ground gets (m²); negative if it loses its tip.
+    """
+
+    part: str
+    soil: str
+    x: float
+    step: float
+    at: float
+    gain: float
+
+    @property
+    def words(self) -> str:
+        """Return a sentence on the tip."""
+        words = f"mesh: {self.part} thins out to nothing at x = {self.x:.4g} m; in the mesh it ends"
+        if self.gain >= 0.0:
+            return f"{words} there in a step of {self.step:.2g} m, with {self.gain:.2g} m² more"
+        return f"{words} in a step of {self.step:.2g} m at x = {self.at:.4g} m, without the last {-self.gain:.2g} m²"
+
+
+def sentences_on_tips(changes: Sequence[TipChange | str]) -> list[str]:
+    """Return one sentence on all tips of a soil, in the place of its first tip, and the other ``changes``, which are
+    sentences, as they are."""
+    of_soil: dict[str, list[TipChange]] = {}
+    for change in changes:
+        if isinstance(change, TipChange):
+            of_soil.setdefault(change.soil, []).append(change)
+    sentences = (change if isinstance(change, str) else _sentence(of_soil[change.soil]) for change in changes)
+    return list(dict.fromkeys(sentences))
+
+
+def _sentence(tips: Sequence[TipChange]) -> str:
+    """Return a sentence on the tips of one soil."""
+    if len(tips) == 1:
+        return tips[0].words
+    what = f"stratum {tips[0].soil}" if tips[0].soil else "the section"
+    places = ", ".join(sorted({f"{tip.x:.4g}" for tip in tips}, key=float))
+    steps = " to ".join(sorted({f"{end([tip.step for tip in tips]):.2g}" for end in (min, max)}, key=float))
+    lost, gained = (sum(max(sign * tip.gain, 0.0) for tip in tips) for sign in (-1.0, 1.0))
+    areas = [f"lose {lost:.2g} m²"] * bool(lost > 0.0) + [f"gain {gained:.2g} m²"] * bool(gained > 0.0)
+    return (
+        f"mesh: {what} thins out to nothing at {len(tips)} tips, x = {places} m; in the mesh the tips end in steps of "
+        f"{steps} m and {' and '.join(areas) or 'keep their area'}"
+    )
