@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from docs.verify.slides.point_columns import FLOOR, PointColumn, front, lattice
 from fem.mpm import (
     BackgroundGrid,
     MaterialPointEngine,
@@ -25,13 +26,6 @@ from tests.support.sections import layer
 from workflow.config import Config
 
 UNIT_WEIGHT = 18e3  # N/m³
-FLOOR = 3  # rows of nodes at rest
-
-
-def lattice(width: float, height: float, spacing: float) -> np.ndarray:
-    """Places (n, 2) of points in rows, from (0, 0) on."""
-    x, z = (np.arange(round(size / spacing)) * spacing + 0.5 * spacing for size in (width, height))
-    return np.stack(np.meshgrid(x, z, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
 @dataclass(frozen=True)
@@ -147,55 +141,6 @@ class EndlessSlope:
         return float(np.mean(slide.slide[-1])) * upright
 
 
-def column(
-    half_width: float, height: float, cohesion: float, friction: float, cell: float, reach: float,
-    decay: float = np.inf, young: float | None = None,
-) -> MaterialPointEngine:  # fmt: skip
-    """A column of ground on rough firm ground, free at both sides, under its weight from the beginning."""
-    firm = 3.0 * cell
-    soil_places = lattice(2.0 * half_width, height, 0.5 * cell) - np.array([half_width, 0.0])
-    below = lattice(2.0 * reach, firm, 0.5 * cell) - np.array([reach, firm])
-    places = np.vstack([soil_places, below])
-    stratum = np.where(np.arange(len(places)) < len(soil_places), 0, -1)
-    density = UNIT_WEIGHT / GRAVITY
-    young = young or max(200.0 * UNIT_WEIGHT * height, 300.0 * cohesion)
-    poisson = 0.3 if friction > 0.0 else 0.45
-    layer_strength = np.where(stratum == 0, cohesion, 1e15)
-    phi = np.where(stratum == 0, friction, 0.0)
-    soil = PointSoil(density, young, poisson, layer_strength, phi)
-    half = int(reach / cell) + 4
-    places = places + np.array([half * cell, (FLOOR - 1) * cell + firm])
-    points = MaterialPoints.of(places, np.full(len(places), 0.25 * cell**2), soil, stratum)
-    depth = np.where(stratum == 0, height + (FLOOR - 1) * cell + firm - places[:, 1], 0.0)
-    points.stress[:, 1] = -UNIT_WEIGHT * depth
-    points.stress[:, 0] = points.stress[:, 1] * poisson / (1.0 - poisson)
-    if friction == 0.0:  # the floor over which it will run, too: knot spans halfway in it
-        points.set_strength(cohesion, 0.0, where=(stratum < 0) & (places[:, 1] > (FLOOR - 1.5) * cell + firm))
-    grid = BackgroundGrid.empty(cell, 2 * half + 1, int(height / cell) + 2 * FLOOR + 8, floor=FLOOR)
-    return MaterialPointEngine(points, grid, decay=decay)
-
-
-def front(engine: MaterialPointEngine) -> float:
-    """How far from the middle (m) the deposit reaches without a gap: columns of cells a quarter of a point high."""
-    cell, heights = engine.grid.cell, _thickness(engine)
-    empty = np.flatnonzero(heights < 0.125 * cell)
-    return float(cell * (empty[0] if len(empty) else len(heights)))
-
-
-def toe(engine: MaterialPointEngine, thickness: float) -> float:
-    """How far from the middle (m) the deposit is as thick (m) as this in some column of cells, gaps or not."""
-    return float(engine.grid.cell * (np.flatnonzero(_thickness(engine) >= thickness)[-1] + 1))
-
-
-def _thickness(engine: MaterialPointEngine) -> np.ndarray:
-    """Thickness (k,) of the deposit (m) in the columns of cells from the middle on, the mean of both sides."""
-    points, cell = engine.points, engine.grid.cell
-    middle = (engine.grid.shape[0] // 2) * cell
-    own_part = points.stratum == 0
-    cells = (np.abs(points.x[own_part, 0] - middle) / cell).astype(int)
-    return np.bincount(cells, weights=points.state[own_part, 0]) / (2.0 * cell)
-
-
 @dataclass(frozen=True)
 class RunOut:
     """How far clay has run, over its height: its front, and what 99 % of it lie within."""
@@ -208,17 +153,14 @@ def slump(weight_over_strength: float, cells: int, steps: int) -> RunOut:
     """A block of clay 30 m high and twice as wide to either side, ``cells`` high, which becomes heavy in ``steps``."""
     height = 30.0
     strength = UNIT_WEIGHT * height / weight_over_strength
-    engine = column(
-        2.0 * height, height, strength, 0.0, height / cells, 5.0 * height, decay=10.0 if steps > 1 else 1.0,
-        young=300.0 * strength,
-    )  # fmt: skip
-    unit = np.sqrt(height / GRAVITY)
-    shares = np.geomspace(min(1.0, 3.0 / weight_over_strength), 1.0, steps) if steps > 1 else np.ones(1)
-    engine.points.stress[:] *= shares[0]
-    for share in shares:
-        engine.gravity = (0.0, -GRAVITY * share)
-        engine.run(unit / np.sqrt(share))
-    engine.run((8.0 if steps > 1 else 24.0) * unit)
+    column = PointColumn(
+        2.0 * height, height, strength, 0.0, height / cells, 5.0 * height, UNIT_WEIGHT, 300.0 * strength
+    )
+    if steps > 1:
+        engine = column.let_go_slowly(weight_over_strength, steps)
+    else:
+        engine = column.engine(DECAYS[1])
+        engine.run(25.0 * column.unit)
     away = np.abs(engine.points.x[engine.points.stratum == 0, 0] - (engine.grid.shape[0] // 2) * engine.grid.cell)
     return RunOut(front(engine) / height - 2.0, float(np.quantile(away, 0.99)) / height - 2.0)
 

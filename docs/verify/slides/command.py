@@ -1,6 +1,6 @@
 """The command `python -m docs.verify --slides`."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +9,10 @@ from rich.markup import escape
 
 from docs.verify.collection import Row, run
 from docs.verify.slides.case import FOLDER, SlideCase, read_cases
+from docs.verify.slides.points import by_points
 from docs.verify.slides.predict import predict
 from docs.verify.slides.record import SlideAnswer
-from docs.verify.slides.verdict import SlideVerdict, judge
+from docs.verify.slides.verdict import SlideVerdict, judge, judge_points
 
 SlideRow = Row[SlideCase, SlideAnswer, SlideVerdict]
 
@@ -21,9 +22,15 @@ def verify_slides(
 ) -> list[dict[str, Any]]:
     """Predict known slides and judge them; tells each, and returns the rows as JSON can hold them."""
     place = folder or FOLDER
-    find = None if judge_only else lambda case, _: predict(case, packings)
+    find = None if judge_only else lambda case, _: _by_both(case, packings)
     rows = run(place, read_cases(place, names), SlideAnswer, judge, find, lambda row: _tell(out, row))
     return [_as_dict(row) for row in rows]
+
+
+def _by_both(case: SlideCase, packings: int | None) -> SlideAnswer:
+    """What discs predict in some packings, and what material points do; no points where discs find nothing."""
+    answer = predict(case, packings)
+    return answer if answer.failure else replace(answer, points=by_points(case))
 
 
 def sentence(verdict: SlideVerdict) -> str:
@@ -65,5 +72,8 @@ def _tell(out: Console, row: SlideRow) -> None:
         f"{row.verdict.word:<15} {row.case.name:<30} measured {measured}, predicted {values}; {sentence(row.verdict)}"
     )
     out.print(escape(line.rstrip("; ")), soft_wrap=True)
+    if answer is not None and (points := judge_points(row.case, answer)) is not None:
+        tail = f"predicted {number(answer.points or 0.0)}; {sentence(points)}".rstrip("; ")
+        out.print(escape(f"{points.word:<15} {'by material points':<30} {tail}"), soft_wrap=True)
     if answer is not None and answer.failure:
         out.print(escape(f"                {answer.failure}"), soft_wrap=True)

@@ -5,7 +5,8 @@ from functools import lru_cache
 import numpy as np
 
 from dem.settings import SlideSettings
-from docs.verify.slides.case import Ground, SlideCase, UniformSlope
+from docs.verify.slides.case import Column, Ground, SlideCase, UniformSlope
+from docs.verify.slides.point_columns import run_out_of_column
 from docs.verify.slides.shaking import shaking_of_slope
 from docs.verify.slides.sliding import Sliding, number_of
 from fem.mpm import PointSlide, PointSlider, SlideProgramme, ground_of
@@ -32,9 +33,11 @@ def by_points(case: SlideCase) -> float | None:
     Returns
     -------
     float or None
-        None for a column, for the front of a flow, and for a section that does not name points among its methods.
+        None for the front of a flow, and for a section that does not name points among its methods.
     """
     config, wanted = case.config, case.known.problem
+    if isinstance(wanted, Column):
+        return round(run_out_of_column(wanted), 4)
     if isinstance(wanted, UniformSlope):
         return round(_along_uniform_slope(case, wanted), 4)
     if config is None or not isinstance(wanted, Ground) or "mpm" not in config.slide.methods or wanted.at == "front":

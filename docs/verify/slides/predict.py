@@ -18,7 +18,6 @@ from dem.slides.slide import Slide
 from dem.slides.until_rest import run_until_rest
 from docs.verify.slides import uniform_slope
 from docs.verify.slides.case import Column, Ground, SlideCase, UniformSlope
-from docs.verify.slides.points import by_points
 from docs.verify.slides.record import Line, SlideAnswer
 from docs.verify.slides.shaking import shaking_of_slope
 from docs.verify.slides.sliding import Sliding, number_of
@@ -59,7 +58,7 @@ def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
     values, loose, rested, before, after = zip(*predictions, strict=True)
     return SlideAnswer(
         case.name, tuple(round(float(v), 4) for v in values), tuple(round(float(v), 4) for v in loose), rested,
-        before[0], after[0], seconds, points=by_points(case),
+        before[0], after[0], seconds,
     )  # fmt: skip
 
 

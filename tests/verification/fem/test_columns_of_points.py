@@ -3,16 +3,17 @@
 import numpy as np
 import pytest
 
+from docs.verify.slides.point_columns import PointColumn, front, toe
 from fem.kernels import material_points as kernel
 from fem.mpm.slide import DECAYS
-from tests.support.material_points import column, front, slump, toe
+from tests.support.material_points import UNIT_WEIGHT, slump
 
 
 @pytest.mark.parametrize(("stability", "stands"), [(3.5, True), (4.5, False)])
 def test_vertical_cut_stands_below_its_stability_number(stability: float, stands: bool) -> None:
     """γ H / s_u = 3.78 (Kammoun et al. 2010): 3.5 stands, 4.5 fails."""
     height = 10.0
-    engine = column(15.0, height, 18e3 * height / stability, 0.0, 1.0, 24.0, decay=1.0)
+    engine = PointColumn(15.0, height, UNIT_WEIGHT * height / stability, 0.0, 1.0, 24.0).engine(1.0)
     engine.run(5.0)
     ground = engine.points.stratum == 0
     sheared = engine.points.state[ground, kernel.SHEARED]
@@ -23,7 +24,7 @@ def test_vertical_cut_stands_below_its_stability_number(stability: float, stands
 @pytest.mark.parametrize(("aspect", "low", "high"), [(1.0, 1.0, 1.45), (2.0, 2.4, 3.0)])
 def test_dry_columns_run_out_as_in_a_channel(aspect: float, low: float, high: float) -> None:
     """(L - L0)/L0 of sand of 33°: 1.2 a below 1.8, 1.9 a^(2/3) above 2.8 (Lube et al. 2005); band of authors at 2."""
-    engine = column(1.0, aspect, 0.0, np.radians(33.0), 0.05, 1.0 + 3.4 * aspect)
+    engine = PointColumn(1.0, aspect, 0.0, np.radians(33.0), 0.05, 1.0 + 3.4 * aspect).engine(np.inf)
     engine.run(4.0)
     assert low <= front(engine) - 1.0 <= high
 
@@ -34,7 +35,7 @@ def test_a_low_dry_column_runs_out_as_in_a_channel(cell: float) -> None:
     """(L - L0)/L0 = 0.71 for a = 0.5 by another continuum, 1.2 a = 0.6 by experiments (Lube et al. 2005), where the
     deposit is L0/40 thick, by the transfer of slides. APIC loses 20 % of the energy in the coarse cells: 0.45."""
     half_width = 30.0
-    engine = column(half_width, 15.0, 0.0, np.radians(33.0), cell, 81.0, decay=DECAYS[0])
+    engine = PointColumn(half_width, 15.0, 0.0, np.radians(33.0), cell, 81.0).engine(DECAYS[0])
     engine.run(4.0 * np.sqrt(half_width))
     run_out = toe(engine, half_width / 40.0) / half_width - 1.0
     assert run_out == pytest.approx(0.71, rel=0.15)
@@ -59,7 +60,7 @@ def test_clay_let_go_at_once_runs_out_as_by_another_transfer() -> None:
 @pytest.mark.parametrize("decay", DECAYS)
 def test_ground_without_strength_creates_no_energy(decay: float) -> None:
     """A column that nothing holds bursts: it has what weight gave it, but for some that transfers lose."""
-    engine = column(4.0, 4.0, 1.0, 0.0, 0.5, 20.0, decay=decay)
+    engine = PointColumn(4.0, 4.0, 1.0, 0.0, 0.5, 20.0).engine(decay)
     engine.points.set_strength(1.0, 0.0, 1.0, engine.points.stratum == 0)
     engine.run(0.6)
     energy = engine.energy
