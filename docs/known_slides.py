@@ -51,9 +51,10 @@ ground as the discs do, and as the strain potential does in closed form, layer b
 residual strength lets a bank flow by its weight, which moved by less than a metre in the field: most of all at
 Wildlife, whose sand lies below 2.5 m of silt and reaches below the bed of the river. Level ground ends at smooth sides
 for points and at the walls of a box for discs: both hold the ground farthest behind a face, and what is asked for lies
-25 to 180 m from there. Behind quays the rubble decides: on a quay of Kobe with liquefied sand behind it, elements find
-a factor of safety of 1.02 to 1.09 with ψ = φ, and 0.78 with ψ = 0. Discs dilate, and hold it; points do not, and let
-it go."""
+25 to 180 m from there. Behind quays the rubble decides. A wall that is pushed into discs of sand meets the passive
+wedge of ψ = φ (`tests/verification/dem/test_passive_wall.py`), material points have ψ = 0, and so a quay that hardly
+stands is kept by discs and let go by points. Dry columns and clay let go at once run farther by points than by discs:
+their grid hardly damps what it resolves."""
 
 
 def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:
