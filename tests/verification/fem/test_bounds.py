@@ -170,7 +170,7 @@ def test_davis_substitute_of_s13():
 @slow
 @pytest.mark.parametrize("sides", ["fixed", "free-field"])
 def test_finite_elements_with_associated_flow_converge_into_the_bracket(sides):
-    """Reduced cells, 1x and 2x: 0.3585, 0.3557 (fixed), 0.2845, 0.2826 (free-field). They come from above, with the size
+    """Reduced cells, 1x and 2x: 0.3585, 0.3557 (fixed), 0.2845, 0.2826 (free-field). They come from above with the size
     of the cells, so that it is their limit that lies in the bracket."""
     from mpi4py import MPI
 
