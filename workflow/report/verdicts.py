@@ -11,6 +11,7 @@ from workflow.report.crests import crest_parts, water_at_crest
 from workflow.report.numbers import listed
 from workflow.report.structures import FaceRow, face_rows
 from workflow.report.summary_text import at_rest
+from workflow.results.accuracy import exceeds
 from workflow.results.answer import Line
 from workflow.results.governing import governing_factor, governing_kh
 from workflow.results.results import Results
@@ -66,6 +67,8 @@ def _judged(
 def _factors(results: Results, kh: float) -> Iterator[Interval]:
     for of, face in _sliding(results):
         yield from _by_slices(of, [circle for group in face.factors if group.kh == kh for circle in group.circles])
+        if kh == 0.0:
+            yield from _by_elements(results, of, face, "factor of safety")
     fem = results.fem
     for group in fem.safety_factors if fem is not None else ():
         if group.kh == kh and _is_of_section(results, group.slip_surface):
@@ -78,6 +81,7 @@ def _critical(results: Results) -> Iterator[Interval]:
     for of, face in _sliding(results):
         critical = face.critical
         yield from _by_slices(of, critical if isinstance(critical, tuple) else () if critical is None else (critical,))
+        yield from _by_elements(results, of, face, "critical Kh")
     governing, fem = governing_kh(results), results.fem
     if governing is not None and fem is not None and _is_of_section(results, results.slip_surface):
         most = max(governing.value, fem.kc_upper) if governing.by_elements else governing.value
@@ -119,6 +123,17 @@ def _by_slices(of: str, circles: Sequence[CirclePart]) -> Iterator[Interval]:
     least = min(circles, key=lambda circle: circle.bishop)
     both = [least.bishop, *([] if least.spencer is None else [least.spencer])]
     yield f"{of}, by slices", min(both), max(both), ""
+
+
+def _by_elements(results: Results, of: str, face: FacePart | SlicesAnswer, criterion: Criterion) -> Iterator[Interval]:
+    """Yield the result of a face by finite elements, or its strict upper bound if the elements exceed the bound."""
+    if results.faces is None or not isinstance(face, FacePart):
+        return
+    strength = results.faces.of(face.structure, face.towards)
+    value = None if strength is None else strength.critical if criterion == "critical Kh" else strength.safety
+    if value is not None and value.reaches_crest:
+        least = value.value if value.upper is None or not exceeds(value.value, value.upper) else value.upper
+        yield f"{of}, by finite elements", least, least, ""
 
 
 def _displacements(results: Results) -> Iterator[Interval]:

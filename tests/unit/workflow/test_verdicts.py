@@ -18,6 +18,7 @@ from workflow.report.texts import Texts
 from workflow.report.verdicts import verdict_paragraph, verdicts
 from workflow.results.answer import SectionLabel, line
 from workflow.results.cases import CaseAnswer, CasesAnswer
+from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue
 from workflow.results.slices import CirclePart, FacePart, FactorCircles, SlicesAnswer
 
 
@@ -202,3 +203,21 @@ def test_what_still_moves_or_was_not_computed_is_not_decided() -> None:
     assert {(part.verdict, part.reason) for part in nothing} == {("not decided", "no slide was computed")}
     assert not verdicts(results(levee()))
     assert list(verdict_paragraph([])) == []
+
+
+@pytest.mark.parametrize(("upper", "verdict"), [(None, "satisfied"), (1.29, "not satisfied")])
+def test_a_criterion_counts_the_elements_of_a_face_and_their_upper_bound(upper: float | None, verdict: str) -> None:
+    """Circles of 1.65 satisfied a criterion of 1.3 beside elements of another number, which no verdict had."""
+    config = levee(criteria={"factor_of_safety": {"limit": 1.3}})
+    slices, value = by_slices(config), FaceValue(value=1.31, upper=upper)
+    strengths = FacesAnswer(
+        section=SectionLabel.of(config.section),
+        faces=(FaceStrength(structure="embankment at x = 69 m", towards="left", critical=None, safety=value),),
+    )
+    parts = verdicts(results(config, slices=slices, faces=strengths))
+    [part] = [part for part in parts if part.of.endswith("by finite elements")]
+    assert part.of == "embankment at x = 69 m, towards the left, by finite elements"
+    assert (part.low, part.high) == (upper or 1.31, upper or 1.31)
+    assert part.verdict == verdict
+    other = [part for part in parts if part.of.endswith("by slices")]
+    assert {part.verdict for part in other} == {"satisfied"}
