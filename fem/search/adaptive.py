@@ -26,6 +26,7 @@ from fem.search.mesh_sequence import (
     Wish,
     nothing,
 )
+from fem.search.slip_surface import slip_surface
 from fem.search.strength_reduction import SafetyFactor, limit_load_safety_factor
 from fem.settings import FACTOR_SHARE, LEAST_KH, FemSettings
 from meshes.adaptation import adapted
@@ -40,6 +41,9 @@ from meshes.strips import with_finer_strips
 
 # A first mesh of more than so many times ``FEWEST_CELLS`` is worth one of that few, which tells where its answer lies.
 MANY_TIMES = 4
+# The largest guess of a factor of safety, and how far a guess is taken above what is expected: Newton's method comes
+# down to the factor in one or two steps, while from below it goes far beyond it first.
+LARGEST_GUESS, ABOVE = 4.0, 1.2
 # Why there is no critical Kh above 0.
 FAILS_BY_ITSELF = "the ground fails under its own weight"
 
@@ -86,6 +90,39 @@ def next_mesh(
 def strong_below(section: Section, faces: Sequence[ShallowFailure], settings: FemSettings) -> Section | None:
     """Return the section with the ground below ``faces`` strengthened; None without faces."""
     return strengthened(section, faces, settings) if faces else None
+
+
+def adapted_to(
+    like: AdaptiveResult[LimitLoadResult], faces: Sequence[ShallowFailure]
+) -> AdaptiveResult[LimitLoadResult] | None:
+    """Return the first limit load on a mesh that is adapted to its mechanism; None if there is no such mesh, or if
+    other ``faces`` than these are strengthened on it, whose strips the mesh follows.
+    """
+    first = next(iter([*like.earlier, *([like] if len(like.rounds) > 1 else [])]), None)
+    if first is None or first.result.mechanism is None:
+        return None
+    strong, wanted = (
+        {(face.stratum, face.start, face.end) for face in part} for part in (first.result.ground.faces, faces)
+    )
+    return first if strong == wanted else None
+
+
+def factor_like(limit: AdaptiveResult[LimitLoadResult], kh: float) -> float:
+    """Return about the factor of safety at ``kh`` of ground whose limit load is known: that of a block on the chord of
+    the slip surface; 1 without a slip surface that descends.
+
+    At its critical Kh a block on a plane at β needs the friction tan(β + atan Kh) whole, at another Kh a share of it.
+    """
+    assert limit.result.mechanism is not None
+    line = slip_surface(limit.mesh, limit.result.mechanism)
+    if not len(line):
+        return 1.0
+    run, fall = line[-1, 0] - line[0, 0], line[0, 1] - line[-1, 1]
+    slope = math.atan2(fall if limit.result.ground.load[0::2].sum() >= 0.0 else -fall, run)
+    needed, present = slope + math.atan(limit.result.kc), slope + math.atan(kh)
+    if slope <= 0.0 or needed >= 0.45 * math.pi:
+        return 1.0
+    return min(ABOVE * math.tan(needed) / math.tan(present), LARGEST_GUESS)
 
 
 def _nobody(_: str) -> None:
@@ -236,12 +273,21 @@ class AdaptiveSearch:
             compared, base = ordered(compared, base)
         return base, compared
 
-    def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
-        """Find the factor of safety at ``kh``; raise the errors of ``limit_load_safety_factor`` on the first mesh."""
-        guess = self._rough_safety(settings, kh)
-        remade = partial(self._next, faces=faces_at(self.section, settings, kh), settings=settings)
+    def safety(
+        self, settings: FemSettings, kh: float, like: AdaptiveResult[LimitLoadResult] | None = None
+    ) -> AdaptiveResult[SafetyFactor]:
+        """Find the factor of safety at ``kh``; raise the errors of ``limit_load_safety_factor`` on the first mesh.
+
+        Where the critical Kh was computed (``like``), the first mesh is the first one that was adapted to its
+        mechanism, and the initial guess follows from it.
+        """
+        faces = faces_at(self.section, settings, kh)
+        similar = adapted_to(like, faces) if like is not None else None
+        guess = self._rough_safety(settings, kh) if similar is None else factor_like(similar, kh)
+        remade = partial(self._next, faces=faces, settings=settings)
         wish = Wish(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
-        sequence = MeshSequence[SafetyFactor](self.first, wish)
+        first, fits = (self.first, None) if similar is None else (similar.mesh, similar.is_as_fine_along)
+        sequence = MeshSequence[SafetyFactor](first, wish, fits)
         while (mesh := sequence.mesh) is not None:
             self.tell(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")
             answer: SafetyFactor | NoAnswerError
@@ -254,25 +300,28 @@ class AdaptiveSearch:
         return sequence.result
 
     def safety_by_other_rule(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
-        """Find the factor of safety by the flow rule of ``other`` settings on the mesh of ``base``. If the mesh of
-        ``base`` does not resolve the mechanism, another mesh with as many cells is made that resolves it, and the
-        smaller factor counts. Davis's estimate is not above the factor with ψ = φ, since ground of higher strength
-        resists every load that weaker ground resists.
+        """Find the factor of safety by the flow rule of ``other`` settings: the factor of ``base`` times the ratio of
+        both factors on one mesh, in which errors of the mesh cancel. This is the mesh before the last one if the
+        sequence of ``base`` converged, else its last mesh. If the mesh does not resolve the mechanism, another mesh
+        with as many cells is made that resolves it, and the smaller factor counts. Davis's estimate is not above the
+        factor with ψ = φ, since ground of higher strength resists every load that weaker ground resists.
 
         Raises what ``limit_load_safety_factor`` does.
         """
+        shared = base.earlier[-1] if base.converged and base.earlier else base
         same = limit_load_safety_factor(
-            self.section, base.mesh, other, kh, self.comm, base.result.factor, base.result.start
+            self.section, shared.mesh, other, kh, self.comm, shared.result.factor, shared.result.start
         )
-        factor = same.factor
-        if same.mechanism is not None and not base.resolves(same.mechanism):
+        factor, adapts = same.factor, len(base.rounds) > 1
+        if adapts and same.mechanism is not None and not shared.is_as_fine_along(same.mechanism):
             strain = same.mechanism.plastic_shear_strain
             try:
                 faces = faces_at(self.section, other, kh)
-                mesh = self._next(base.mesh, strain, len(base.mesh.cells), faces, other)
+                mesh = self._next(shared.mesh, strain, len(shared.mesh.cells), faces, other)
                 factor = min(factor, limit_load_safety_factor(self.section, mesh, other, kh, self.comm, factor).factor)
             except NoAnswerError:
                 pass
+        factor *= base.result.factor / shared.result.factor
         return (max if other.flow == "associated" else min)(factor, base.result.factor)
 
     def _rough_faces(self, first: QuadMesh, settings: FemSettings) -> list[ShallowFailure] | None:

@@ -189,7 +189,7 @@ class _Search:
         is computed again on this mesh.
         """
         one_way = settings.changed(direction=adapted.result.direction)
-        safety = self.begin_safety(one_way) if safety is None else safety
+        safety = self.begin_safety(one_way, adapted) if safety is None else safety
         limits = self.executor.submit(partial(self.limit_loads_by_both_rules, adapted, one_way))
         third = self.executor.submit(lambda: self.by_own_dilation(*limits.result(), one_way))
         listener = self.path_listener("Kh")
@@ -213,9 +213,10 @@ class _Search:
         safety = self.begin_safety(one_way) if safety is None else safety
         return _together(critical, mesh, None, opposite, other_flow, safety)
 
-    def begin_safety(self, settings: FemSettings) -> list[Safety]:
-        """Start the searches for the factors of safety at the Kh of the settings."""
-        return [self.executor.submit(partial(self.or_warning, settings, kh)) for kh in settings.safety_factor_at]
+    def begin_safety(self, settings: FemSettings, like: AdaptiveResult[LimitLoadResult] | None = None) -> list[Safety]:
+        """Start the searches for the factors of safety at the Kh of the settings, on meshes ``like`` those of the
+        critical Kh if it is known."""
+        return [self.executor.submit(partial(self.or_warning, settings, kh, like)) for kh in settings.safety_factor_at]
 
     def path_listener(self, what: str) -> Callable[[EquilibriumPath], None]:
         """Return a listener to the progress of a path."""
@@ -294,11 +295,14 @@ class _Search:
         )
         return AdaptiveResult(result, mesh)
 
-    def safety(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor]:
-        """Return the factor of safety on adapted meshes, or on the first mesh if the flow is not associated."""
+    def safety(
+        self, settings: FemSettings, kh: float, like: AdaptiveResult[LimitLoadResult] | None = None
+    ) -> AdaptiveResult[SafetyFactor]:
+        """Return the factor of safety on adapted meshes, or on the first mesh if the flow is not associated. Meshes
+        begin ``like`` those of the critical Kh if it is known."""
         if is_associated(self.section.strata, settings.flow):
             try:
-                return self.with_other_factor(self.on_meshes().safety(settings, kh), settings, kh)
+                return self.with_other_factor(self.on_meshes().safety(settings, kh, like), settings, kh)
             except UnstableError:
                 raise
             except NoAnswerError:  # the solver left none: a path has to do
@@ -355,10 +359,13 @@ class _Search:
         remedy = 'with fem.flow = "associated" the ground stands, and has a critical Kh' if full > 1.0 else remedy
         return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}", remedy)
 
-    def or_warning(self, settings: FemSettings, kh: float) -> AdaptiveResult[SafetyFactor] | ResultWarning:
-        """Return the factor of safety at ``kh``, or a warning with the reason why it could not be computed."""
+    def or_warning(
+        self, settings: FemSettings, kh: float, like: AdaptiveResult[LimitLoadResult] | None = None
+    ) -> AdaptiveResult[SafetyFactor] | ResultWarning:
+        """Return the factor of safety at ``kh`` as ``safety`` does, or a warning with the reason why it could not be
+        computed."""
         try:
-            return self.safety(settings, kh)
+            return self.safety(settings, kh, like)
         except NoAnswerError as error:
             why = f"There is no factor of safety at Kh = {kh:g}: {error}."
             return ResultWarning(why, "use a smaller Kh", False)

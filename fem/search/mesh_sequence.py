@@ -101,6 +101,8 @@ class AdaptiveResult(Generic[F]):
         Reason why there was no further mesh.
     other : AdaptiveResult or None
         The result for the opposite direction, where both directions were analysed.
+    earlier : list of AdaptiveResult
+        The answers on the meshes before that are adapted to a mechanism, each alone, coarsest first.
     """
 
     result: F
@@ -109,6 +111,7 @@ class AdaptiveResult(Generic[F]):
     converged: bool = False
     reason: str = ""
     other: "AdaptiveResult[F] | None" = None
+    earlier: "list[AdaptiveResult[F]]" = field(default_factory=list)
 
     @property
     def limit(self) -> float:
@@ -127,9 +130,14 @@ class AdaptiveResult(Generic[F]):
 
     def resolves(self, other: FieldState) -> bool:
         """Return whether the cells of ``mesh`` are as small along another mechanism as along the mechanism of
+        ``mesh``; True for a mesh that is adapted to no mechanism."""
+        return len(self.rounds) < 2 or self.is_as_fine_along(other)
+
+    def is_as_fine_along(self, other: FieldState) -> bool:
+        """Return whether the cells of ``mesh`` are as small along another mechanism as along the mechanism of
         ``mesh``."""
         mechanism = self.result.mechanism
-        return len(self.rounds) < 2 or (mechanism is not None and self._band(other) <= ALIKE * self._band(mechanism))
+        return mechanism is not None and self._band(other) <= ALIKE * self._band(mechanism)
 
     def _band(self, mechanism: FieldState) -> float:
         """Return the mean size (m) of the cells, weighted by the shear displacement of a mechanism across them."""
@@ -187,6 +195,9 @@ class MeshSequence(Generic[F]):
         The first mesh.
     wish
         Accuracy and largest number of cells.
+    fits
+        Function that returns whether the first mesh is adapted to a mechanism; without it the first mesh is adapted to
+        none.
 
     Attributes
     ----------
@@ -194,9 +205,10 @@ class MeshSequence(Generic[F]):
         The mesh on which the next answer is to be computed, for `take`; None at the end.
     """
 
-    def __init__(self, first: QuadMesh, wish: Wish) -> None:
+    def __init__(self, first: QuadMesh, wish: Wish, fits: Callable[[FieldState], bool] | None = None) -> None:
         self.mesh: QuadMesh | None = first
         self._wish, self._rounds = wish, list[MeshRound]()
+        self._fits, self._is_adapted, self._earlier = fits, False, list[AdaptiveResult[F]]()
         self._last: tuple[F, QuadMesh] | None = None
         self._reason, self._largest = "", 0
 
@@ -212,10 +224,16 @@ class MeshSequence(Generic[F]):
             return self._end(answer)
         if self._rounds and answer.mechanism is None:
             return self._end(NoAnswerError(answer.reason, ""))
+        if self._last is not None and self._is_adapted:
+            self._earlier.append(AdaptiveResult(*self._last))
         self._last = answer, mesh
         self._rounds.append(self._round(answer.value, len(mesh.cells)))
+        mechanism = answer.mechanism
+        self._is_adapted = len(self._rounds) > 1 or (
+            self._fits is not None and mechanism is not None and self._fits(mechanism)
+        )
         cells = len(mesh.cells)
-        wanted = max(math.ceil((MORE_CELLS if len(self._rounds) > 1 else 1.0) * cells), FEWEST_CELLS)
+        wanted = max(math.ceil((MORE_CELLS if self._is_adapted else 1.0) * cells), FEWEST_CELLS)
         if wanted > self._wish.max_cells >= FEWER_CELLS * cells and self._largest < MOST_LARGEST:
             wanted, self._largest = self._wish.max_cells, self._largest + 1
         self._reason = _reason_to_stop(self._rounds, answer, wanted, self._wish)
@@ -231,7 +249,9 @@ class MeshSequence(Generic[F]):
     def result(self) -> AdaptiveResult[F]:
         """Return the last answer, and the sequence that led to it."""
         assert self._last is not None
-        return AdaptiveResult(*self._last, self._rounds, self._wish.is_met(self._rounds[-1]), self._reason)
+        return AdaptiveResult(
+            *self._last, self._rounds, self._wish.is_met(self._rounds[-1]), self._reason, earlier=self._earlier
+        )
 
     def _end(self, error: NoAnswerError) -> None:
         if self._last is None:

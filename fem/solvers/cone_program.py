@@ -143,10 +143,10 @@ NEAR = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Warm:
-    """Holds a starting point, and the stiffness matrix with its order of elimination, for programs with the same
-    ``rates``."""
+    """Holds a starting point (or none), and the stiffness matrix with its order of elimination, for programs with the
+    same ``rates``."""
 
-    place: Place
+    place: Place | None
     matrix: CornerMatrix
     form: Standard
 
@@ -282,7 +282,7 @@ def _by_interior_point(
         cost = INTERIOR_SECONDS * (matrix.entries / INTERIOR_ENTRIES) ** INTERIOR_EXPONENT
         most = iterations_within(most_work, cost, interior_point.MOST_ITERATIONS)
         iterations, spent = 0, False
-        for place in (warm.place, None) if warm else (None,):
+        for place in (warm.place, None) if warm and warm.place else (None,):
             solution = interior_point.interior_solution(
                 form, magnified, tolerance, matrix, check_cancelled, place, most
             )

@@ -12,7 +12,7 @@ import pytest
 from fem.continuum.shallow_failure import shallow_failures
 from fem.errors import UnstableError
 from fem.search.adaptive import next_mesh, strong_below
-from fem.search.mesh_sequence import AdaptiveResult, MeshRound, MeshSequence, Wish
+from fem.search.mesh_sequence import FEWEST_CELLS, AdaptiveResult, MeshRound, MeshSequence, Wish
 from fem.settings import FemSettings
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
@@ -62,6 +62,19 @@ def solved(
     section, wanted = Section.parse(slope()), MeshSettings(method="free")
     remade = partial(next_mesh, section, wanted)
     return solve_adaptively(generate(section, wanted), remade, solver, Wish(accuracy, max_cells, lambda: other))
+
+
+@pytest.mark.parametrize(("fits", "times"), [(True, 2.0), (False, 1.0)])
+def test_a_first_mesh_that_fits_the_mechanism_is_refined_at_once(fits: bool, times: float) -> None:
+    """So the factor of safety begins on the mesh of the critical Kh: two meshes instead of three."""
+    section, wanted = Section.parse(slope()), MeshSettings(method="free", size=1.5)
+    first, cells_requested = generate(section, wanted), []
+    sequence: MeshSequence[Any] = MeshSequence(first, Wish(0.001, 5000), lambda _: fits)
+    sequence.take(Solver(error=5.0)(first), lambda mesh, strain, cells: cells_requested.append(cells) or mesh)
+    assert len(first.cells) > FEWEST_CELLS
+    assert cells_requested == [times * len(first.cells)]
+    sequence.take(Solver(error=5.0)(first), lambda mesh, strain, cells: mesh)
+    assert len(sequence.result.earlier) == fits
 
 
 def test_it_goes_on_until_the_answer_no_longer_changes() -> None:
