@@ -20,7 +20,8 @@ from meshes.quality import areas
 # The first mesh made for a mechanism has as many cells as the one before, every later one this many times as many: what
 # cells gain by lying where the mechanism is tells nothing of what more of them gain, and is had for their number.
 MORE_CELLS = 2.0
-# or fewer, if these are as many as are allowed, but not fewer than so many times.
+# or fewer, if these are as many as are allowed, but not fewer than so many times; the first mesh after one that was
+# already adapted to a similar mechanism has so many times as many.
 FEWER_CELLS = 1.25
 # The first adapted mesh has at least this many: fewer cannot follow a band.
 FEWEST_CELLS = 500
@@ -233,7 +234,8 @@ class MeshSequence(Generic[F]):
             self._fits is not None and mechanism is not None and self._fits(mechanism)
         )
         cells = len(mesh.cells)
-        wanted = max(math.ceil((MORE_CELLS if self._is_adapted else 1.0) * cells), FEWEST_CELLS)
+        more = MORE_CELLS if len(self._rounds) > 1 else FEWER_CELLS if self._is_adapted else 1.0
+        wanted = max(math.ceil(more * cells), FEWEST_CELLS)
         if wanted > self._wish.max_cells >= FEWER_CELLS * cells and self._largest < MOST_LARGEST:
             wanted, self._largest = self._wish.max_cells, self._largest + 1
         self._reason = _reason_to_stop(self._rounds, answer, wanted, self._wish)
