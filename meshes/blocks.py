@@ -65,7 +65,7 @@ def share_out(total: int, weights: Sequence[float] | np.ndarray) -> np.ndarray:
     """
     weights = np.asarray(weights, dtype=float)
     if total < len(weights):
-        raise ValueError(f"{total} cannot be divided among {len(weights)}")
+        raise ValueError(f"{total} items cannot be divided among {len(weights)} weights: each weight needs one item")
     share = weights / weights.sum() * total
     count = np.maximum(np.floor(share).astype(int), 1)
     while count.sum() < total:

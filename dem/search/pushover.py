@@ -4,8 +4,8 @@ requires is measured.
 Under displacement control the curve continues beyond the largest Kh, like the equilibrium path of the FEM model. The
 curves of discs and FEM model are Kh over the mass-weighted mean displacement in the direction of the seismic force (m).
 Both curves are compared at the same displacement, since neither has a limit load in a box: loose ground hardens as it
-is compressed. The critical Kh of the discs is the largest Kh, averaged over a fifth of the displacement, up to
-`DemSettings.ductility` times the yield displacement of the FEM model. Discs require a larger strain than an
+is compressed. The critical Kh of the discs is the largest moving average of Kh, over a fifth of the displacement that
+counts: `DemSettings.ductility` times the yield displacement of the FEM model. Discs require a larger strain than an
 elastic-plastic body with the same E to reach the same strength: `settings.GROWTH` describes how it was measured.
 
 The place of failure is visible only later: at their critical Kh discs still harden, and shear everywhere. The test

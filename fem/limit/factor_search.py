@@ -359,7 +359,7 @@ class FactorSearch:
         return root_of(self.points(side), self.slope, math.log(STEP))
 
     def points(self, side: BoundSide) -> list[tuple[float, float]]:
-        """Return pairs of the logarithm of the factor and the excess of a bound, for trials on these triangles."""
+        """Return ln F and the excess of the bound (see ``over``) of every trial on the present triangles."""
         bounds = [(trial.factor, getattr(trial, side)) for trial in self.here]
         points = [(math.log(factor), self.over(bound)) for factor, bound in bounds if bound is not None]
         return sorted(point for point in points if abs(point[1]) < FAR)

@@ -149,8 +149,9 @@ def _corrected(program: cone_program.ConeProgram, rates: np.ndarray, dilates: np
     """Return velocities without volume change where φ = 0 and no tension cut-off acts, scaled so that the live load
     does unit work.
 
-    The correction may violate the flow rule at the corners (k,) of ``dilates``: they are then corrected by half their
-    margin, with the linearised rule, until none violates it.
+    ``dilates`` (k,) marks the corners that dilate. Where the correction violates the flow rule at such a corner, the
+    velocities are corrected again with the linearised flow rule, until the volumetric rate exceeds that of the flow
+    rule by half the margin of the program, ``strain_margin``.
     """
     clay = np.flatnonzero(~dilates)
     volume = program.strain[3 * clay] + program.strain[3 * clay + 1]

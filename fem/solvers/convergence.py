@@ -38,9 +38,24 @@ Place = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Iterate:
-    """Holds unknowns, multipliers and slacks, both objectives, the gap as a share of the multiplier, and the relative
-    residual of the equations; at the end also a starting point for another program on the same mesh, and whether the
-    multiplier is below the floor.
+    """Holds an iterate of a cone program.
+
+    Attributes
+    ----------
+    y, z, s : ndarray
+        Unknowns, multipliers and slacks.
+    primal, dual : float
+        Both objectives.
+    gap : float
+        Gap between both objectives, as a share of the load multiplier.
+    residual : float
+        Relative residual of the equations.
+    iterations : int
+        Number of iterations until this one.
+    warm : Place or None
+        Starting point for the next program on the same mesh; known at the end.
+    below_floor : bool
+        Whether the load multiplier fell below `Tolerance.floor`; known at the end.
     """
 
     y: np.ndarray

@@ -84,7 +84,7 @@ def test_grains_that_roll_down_are_told_and_the_slope_as_a_whole_is_bounded(
     assert answer["upper"] > face["kh"] == pytest.approx(0.1482, abs=1e-4)
     text = " ".join(capsys.readouterr().out.split())
     assert 'Shallow failure of the face of "sand" from x = 10 to 20 m at Kh = 0.148' in text
-    assert "Bounds of failures below such faces, the faces given a cohesion, with ψ = φ" in text
+    assert "Bounds of failures below the cohesionless faces (the faces given a cohesion) with ψ = φ" in text
     assert "Strict bounds" not in text  # they are none of the ground as it is given
 
 

@@ -53,8 +53,8 @@ CAPTIONS = (
         r"curves",
         "both",
         "Kh over displacement of the continuum and of the discs. Bands: brackets of the critical Kh. The critical Kh "
-        "of soil discs, which harden and have no plateau, is the largest Kh, averaged over a fifth of the "
-        "displacement, up to the vertical line.",
+        "of soil discs, which harden and have no plateau, is the largest moving average of Kh up to the "
+        "vertical line, over a fifth of the displacement there.",
         True,
     ),
     Caption(

@@ -185,8 +185,8 @@ def proven(faces: bool, load_ends: bool) -> str:
     """Return the name of bounds: of the ground as it is, or of ground with strengthened cohesionless ``faces`` or
     strengthened bare ground at ``load_ends``."""
     strengthened = [what for what, is_so in (("the faces", faces), ("the ends of loads", load_ends)) if is_so]
-    failures = "Bounds of failures below such faces" if faces else "Bounds"
-    return f"{failures}, {' and '.join(strengthened)} given a cohesion," if strengthened else "Strict bounds"
+    failures = "Bounds of failures below the cohesionless faces" if faces else "Bounds"
+    return f"{failures} ({' and '.join(strengthened)} given a cohesion)" if strengthened else "Strict bounds"
 
 
 def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
@@ -218,7 +218,7 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     if answer.verdict != "bracketed":
         yield answer.reason
     for factor in answer.safety:
-        yield f"{proven(factor.shallow_failure is not None, ends)} of the factor of safety, ψ = φ: {factor.words}."
+        yield f"{proven(factor.shallow_failure is not None, ends)} for the factor of safety, ψ = φ: {factor.words}."
         if factor.reason:
             yield factor.reason
     if answer.substitute:

@@ -74,8 +74,11 @@ class SearchShare:
     ALMOST = 0.9  # of a search that takes longer than the others did
 
     def __init__(self, searches: int, usual: int = 8) -> None:
-        """Set up the share; searches: expected number of searches; usual: expected trials of a search, before one has
-        ended."""
+        """Start at a share of zero.
+
+        searches: expected number of searches; usual: number of trials that a search is expected to take until the first
+        search has finished.
+        """
         self.searches, self.usual = searches, usual
         self.trials, self.done, self.before = 0, 0, 0
 
