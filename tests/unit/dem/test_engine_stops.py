@@ -129,7 +129,12 @@ def test_impossible_settings_are_refused(settings: dict, words: str) -> None:
 
 @pytest.mark.parametrize(
     ("change", "words"),
-    [({"radius": 0.0}, "radius"), ({"layer": 3}, "layers 3 to 3; expected 0 to 0"), ({"skin": 0.0}, "skin"), ({"x": [np.nan]}, "finite")],
+    [
+        ({"radius": 0.0}, "radius"),
+        ({"layer": 3}, "layers 3 to 3"),
+        ({"skin": 0.0}, "skin"),
+        ({"x": [np.nan]}, "finite"),
+    ],
 )
 def test_impossible_discs_are_refused(change: dict, words: str) -> None:
     config = {"x": [0.0], "z": [0.0], "radius": RADIUS, "layer": 0, "skin": None} | change
