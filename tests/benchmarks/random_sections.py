@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fem.limit.bounds import KhBounds, kh_bounds
-from fem.settings import BoundsSettings, FemSettings
+from fem.settings import LEAST_KH, BoundsSettings, FemSettings
 from tests.support.random_sections import NUMBERS, random_section
 
 # What counts as closed in time: the relative gap, and seconds of computing on all cores together.
@@ -23,8 +23,8 @@ class Entry:
 
     @property
     def good(self) -> bool:
-        """Whether the gap was closed in time."""
-        return self.bounds.gap <= CLOSED and self.seconds <= SECONDS
+        """Whether the gap was closed in time, as a share of the critical Kh or of `LEAST_KH` if that is larger."""
+        return self.bounds.ended == "gap" and self.seconds <= SECONDS
 
 
 def bounds_of_all(gap: float = CLOSED, sides: str = "fixed") -> Iterator[Entry]:
@@ -50,7 +50,10 @@ def main(gap: str = str(CLOSED), sides: str = "fixed") -> None:
             flush=True,
         )
         good += entry.good
-    print(f"{good} of {len(NUMBERS)} closed to {100 * CLOSED:g} % in {SECONDS:g} s of computing.")
+    print(
+        f"{good} of {len(NUMBERS)} closed to {100 * float(gap):g} % of Kh, or of {LEAST_KH:g} if that is larger, in "
+        f"{SECONDS:g} s of computing."
+    )
 
 
 if __name__ == "__main__":
