@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from docs.verify.slides.case import Column
+from docs.verify.slides.predict import STANDS, STEPS
 from fem.mpm import BackgroundGrid, MaterialPointEngine, MaterialPoints, PointSoil
 from fem.mpm.slide import DECAYS
 from meshes.section.quantity import GRAVITY
@@ -17,8 +18,6 @@ FLOOR = 3  # rows of nodes at rest
 CELLS = 20  # in the height of a column, or in its width if that is less
 STIFF_SAND, STIFF_CLAY = 200.0, 300.0  # Young's modulus over the weight on the floor, and over s_u
 SAND, CLAY = 0.3, 0.45  # Poisson's ratio
-STANDS = 3.0  # γH/s_u at which a slow loss of strength begins; columns stand below 3.83
-STEPS = 24  # in which gravity grows to its full value in a slow loss of strength, as under discs
 SETTLES = 8.0  # sqrt(H/g) after these steps
 RUNS = 12.0  # sqrt(H/g) in which a column that is let go at once comes to rest
 
