@@ -2,10 +2,11 @@
 triangles."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 import pyvista as pv
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.patches import Patch
 
 from fem.continuum.load_ends import soil_of_strip
@@ -17,7 +18,7 @@ from meshes.section.section import Section
 from meshes.triangles import TriMesh
 from workflow.config import Config
 from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colours, spread
-from workflow.figures.ground import foot
+from workflow.figures.ground import borders, foot
 from workflow.results.answer import FORCE
 from workflow.run.store import Store
 
@@ -27,9 +28,10 @@ DISSIPATION_COLOURS = ("#f7f5ee", "#e9e4cf", "#e6d5a0", "#eab464", "#e3863c", "#
 YIELD = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
 YIELD_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 ARROWS = "#1f6fb2"
-# A mechanism whose points with this share of its largest velocity lie within such a share of the width is shown alone,
-# with so much around it.
-MOVES, NARROW, AROUND = 0.02, 0.3, 0.5
+# The points of a mechanism with this share of its largest velocity are what fails. A failure is shown alone, with this
+# share of its width on either side and of its height below it, if the picture is narrower than this share of the
+# section, and at most so high over its width.
+MOVES, MARGIN, DEPTH, NARROW, HIGH = 0.02, 0.5, 0.3, 0.6, 0.35
 
 
 def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
@@ -71,14 +73,11 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
     velocity[mesh.cells] = mechanism.velocity[:, :3]
     speed = np.hypot(*velocity.T)
     fastest = float(speed.max())
-    near = Window.around(mesh.points[speed > MOVES * fastest], AROUND)
-    if near.right - near.left < NARROW * (window.right - window.left):  # all of a small failure would be a few pixels
-        window = replace(near, bottom=near.bottom - 0.3 * (near.top - near.bottom))
+    window = failure_window(mesh.points[speed > MOVES * fastest], window)
     stretch = 0.05 * (window.right - window.left) / fastest
     every = spread(mesh.points, window)
-    tips = mesh.points[every] + stretch * velocity[every]
-    seen = (tips[:, 0] > window.left) & (mesh.points[every, 0] < window.right)
-    window = window.with_room_for(tips[seen])
+    every = every[window.holds(mesh.points[every])]
+    window = window.with_room_for(mesh.points[every] + stretch * velocity[every])
 
     def arrows(plotter: pv.Plotter) -> None:
         grid = _grid(mesh)
@@ -91,7 +90,8 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
 
     title = f"{config.section.heading}: upper bound, Kh = {mechanism.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion] * 3, foot(config.section), legend_rows=3)
-    sheet.show(0, render(window, arrows), window, "velocities of the mechanism; their magnitude is arbitrary")
+    title = "velocities of the mechanism; their magnitude is arbitrary"
+    _draw_borders(sheet.show(0, render(window, arrows), window, title), config.section)
     views = (
         (shear / max(float(shear.max()), 1e-300), "largest shear rate"),
         (
@@ -100,11 +100,27 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
         ),
     )
     for view, (values, what) in enumerate(views, start=1):
-        sheet.show(view, render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS)), window, what)
+        image = render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS))
+        _draw_borders(sheet.show(view, image, window, what), config.section)
     label = "shear rate and dissipation per area, over the largest value (-)"
     sheet.colour_bar(in_classes(DISSIPATION, DISSIPATION_COLOURS), label, DISSIPATION)
     sheet.note(conditions(config, bounds, mechanism))
     return sheet
+
+
+def failure_window(moving: np.ndarray, section: Window) -> Window:
+    """Return the window of the picture of a mechanism: the failure and its surroundings if they are narrow, since all
+    of the section would leave a few pixels for them, otherwise the section.
+
+    ``moving``: points (n, 2) that fail (m); ``section``: window of the section.
+    """
+    near = Window.around(moving, MARGIN)
+    bottom = near.bottom - DEPTH * (near.top - near.bottom)
+    wider = 0.5 * max(0.0, (near.top - bottom) / HIGH - (near.right - near.left))
+    left, right = max(section.left, near.left - wider), min(section.right, near.right + wider)
+    if right - left > NARROW * (section.right - section.left):
+        return section
+    return Window(left, right, max(section.bottom, bottom), min(section.top, near.top))
 
 
 def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window: Window) -> Sheet:
@@ -112,7 +128,8 @@ def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window:
     title = f"{config.section.heading}: lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(config.section), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
-    sheet.show(0, image, window, "mobilised strength, at the worst corner of each triangle")
+    title = "mobilised strength, at the worst corner of each triangle"
+    _draw_borders(sheet.show(0, image, window, title), config.section)
     sheet.colour_bar(in_classes(YIELD, YIELD_COLOURS), "radius of Mohr's circle over the largest possible (-)", YIELD)
     sheet.note(conditions(config, bounds, stress))
     return sheet
@@ -143,6 +160,11 @@ def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
     sheet.legend(handles, columns)
     sheet.show(0, render(window, draw), window, "small triangles where the bounds differ")
     return sheet
+
+
+def _draw_borders(axes: Axes, section: Section) -> None:
+    """Draw the borders of the strata, thin, so that a reader sees in which of them the ground fails."""
+    axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=0.5, alpha=0.7))
 
 
 def _grid(mesh: TriMesh) -> pv.UnstructuredGrid:

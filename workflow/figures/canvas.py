@@ -104,6 +104,11 @@ class Window:
             min(self.left, left - gap), max(self.right, right + gap), min(self.bottom, bottom), max(self.top, top)
         )
 
+    def holds(self, points: np.ndarray) -> np.ndarray:
+        """Return which points (n, 2) in m lie in the window (n,)."""
+        x, z = points.T
+        return (self.left <= x) & (x <= self.right) & (self.bottom <= z) & (z <= self.top)
+
     @property
     def proportion(self) -> float:
         """Return the height over width."""
