@@ -15,6 +15,7 @@ from workflow.estimates.structures import structures_of
 from workflow.report.structures import FaceRow, face_rows
 from workflow.results.cases import MovedSurface
 from workflow.results.faces import FacesAnswer, FaceValue
+from workflow.results.governing import governing_value
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart
 
@@ -34,9 +35,16 @@ class MethodValues:
     circles: float | None = None
     davis_circles: float | None = None
 
+    @property
+    def governing(self) -> float | None:
+        """Return the value with ψ = φ that counts: that of the finite elements, or their strict upper bound if they
+        exceed it; None without finite elements."""
+        return None if self.elements is None else governing_value(self.elements, self.upper)
+
     def pair(self, by: Literal["elements", "circles"], digits: int) -> tuple[str, str]:
-        """Return the value with ψ = φ and the value with Davis's strength as texts; empty if there is none."""
-        values = (self.elements, self.davis) if by == "elements" else (self.circles, self.davis_circles)
+        """Return the value with ψ = φ that counts, and the value with Davis's strength, as texts; empty if there is
+        none."""
+        values = (self.governing, self.davis) if by == "elements" else (self.circles, self.davis_circles)
         full, low = ("" if value is None else f"{value:.{digits}f}" for value in values)
         return full, low
 
@@ -287,6 +295,7 @@ def note_sentences(results: Results) -> Iterator[str]:
                 )
         for reason in face.reasons:
             yield f"{of[0].upper()}{of[1:]}: no {reason.rstrip('.')}."
+    yield from _above_bounds(face_lines(results))
     if answer is None:
         reason = results.missing.get("faces", "")
         stage = next((stage for stage in results.stages if stage.name == "faces"), None)
@@ -294,6 +303,17 @@ def note_sentences(results: Results) -> Iterator[str]:
         yield f"Left out: finite elements and bounds of each face ({why})."
     elif not config.bounds.safety_factor:
         yield "Left out for their cost: strict bounds of factors of safety (bounds.safety_factor = true)."
+
+
+def _above_bounds(lines: list[FaceLine]) -> Iterator[str]:
+    """Yield a sentence on every value by finite elements whose strict upper bound is smaller, and counts."""
+    for line in lines:
+        for what, values, digits in (("Critical Kh", line.critical, 3), ("Factor of safety", line.safety, 2)):
+            if values.elements is not None and values.elements != values.governing:
+                yield (
+                    f"{what} of {line.name}, {line.side}: the finite elements give {values.elements:.{digits}f}, above "
+                    "the strict upper bound, which counts."
+                )
 
 
 def faces_sentences(answer: FacesAnswer) -> Iterator[str]:
@@ -307,7 +327,10 @@ def faces_sentences(answer: FacesAnswer) -> Iterator[str]:
             bounds = "" if value.lower is None or value.upper is None else (
                 f", strict bounds {value.lower:.{digits}f} to {value.upper:.{digits}f}"
             )  # fmt: skip
-            phrases.append(f"{name} {value.value:.{digits}f} with ψ = φ{low}{bounds}")
+            kh, more = governing_value(value.value, value.upper), ""
+            if kh != value.value:
+                more = f" (the upper bound counts: the finite elements give {value.value:.{digits}f})"
+            phrases.append(f"{name} {kh:.{digits}f} with ψ = φ{low}{bounds}{more}")
         reasons = [reason.rstrip(".") for reason in face.reasons]
         words = "; ".join([*phrases, *reasons]) or "no failure includes the crest"
         yield f"{face.structure}, towards the {face.towards}: {words}."

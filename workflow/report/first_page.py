@@ -108,7 +108,7 @@ def _with_crests(
         return headline
     x = [point[0] for point in surface]
     phrase, values = "", [
-        value for line in face_lines(results) if line.of_structure and (value := getattr(line, quantity).elements)
+        value for line in face_lines(results) if line.of_structure and (value := getattr(line, quantity).governing)
     ]  # fmt: skip
     if quantity == "critical":
         phrase = " " + _(
@@ -129,21 +129,21 @@ def _with_crests(
 def _first_face(results: Results, _: Texts) -> str:
     """Return a sentence, after a blank, on the face of a structure that fails first by finite elements; empty without
     any."""
-    lines = [(line.critical.elements, line) for line in face_lines(results) if line.of_structure]
+    lines = [(line.critical.governing, line) for line in face_lines(results) if line.of_structure]
     known = [(kc, line) for kc, line in lines if kc is not None]
     if not known:
         return ""
     kc, line = min(known, key=lambda pair: pair[0])
-    low = line.critical.davis
+    low, factor = line.critical.davis, line.safety.governing
     values = {"structure": line.name, "side": _.sentence(line.side), "kc": coefficient(kc)}
-    if low is None or line.safety.elements is None:
+    if low is None or factor is None:
         return " " + _("Of the crests, {structure} slides first ({side}), at Kh = {kc}.", **values)
     return " " + _(
         "Of the crests, {structure} slides first ({side}), at Kh = {kc} ({davis} with Davis reduced strength); without "
         "shaking its factor of safety is {factor}.",
         **values,
         davis=coefficient(low),
-        factor=f"{line.safety.elements:.2f}",
+        factor=f"{factor:.2f}",
     )
 
 
@@ -231,7 +231,7 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
     the error of its mesh, else by the distance of the critical Kh of the same mesh from its strict bounds. The interval
     is empty if none of these is known.
     """
-    strict = strict_factor(results, fem, factor)
+    strict = strict_factor(results, fem, factor, fem.flow)
     if strict is not None:
         low, high = f"{strict.lower:.2f}", f"{strict.upper:.2f}"
         return _from_to(low, high, proven_by(strict.shallow_failure is not None), _)

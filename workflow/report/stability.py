@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.continuum.shallow_failure import joined, shallow_failures
-from fem.continuum.strength import strength_of
+from fem.continuum.strength import Flow, strength_of
 from meshes.section.section import Section
 from workflow.estimates.estimate import depth_below_ground
 from workflow.estimates.structures import structures_of
@@ -14,7 +14,9 @@ from workflow.report.first_page import FLOW, SIDES
 from workflow.report.numbers import coefficient, number
 from workflow.report.slices import factor_on_surface
 from workflow.report.texts import Texts
-from workflow.results.continuum import FemAnswer
+from workflow.results.accuracy import exceeds, strict_factor, strict_kh
+from workflow.results.bounds import SafetyPart
+from workflow.results.continuum import FemAnswer, OtherWay
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart
 
@@ -38,19 +40,23 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
     fem, name = results.fem, _("critical Kh, finite elements")
     if fem is None:
         return
+    sides = _(SIDES[fem.settings.sides])
     if results.kc is not None:
         most = _("at most {kc} on this mesh", kc=coefficient(fem.kc_upper)) if _more(fem.kc_upper, fem.kc) else ""
-        yield StabilityRow(name, coefficient(fem.kc), most, f"{_(SIDES[fem.settings.sides])}, {_(FLOW[fem.flow])}")
-    for other, flow in ((fem.davis, "davis"), (fem.associated, "associated")):
+        above = _above(fem.kc, strict_kh(results, fem, fem.flow, fem.direction), _)
+        yield StabilityRow(name, coefficient(fem.kc), most, f"{sides}, {_(FLOW[fem.flow])}{above}")
+    others: tuple[tuple[OtherWay | None, Flow], ...] = ((fem.davis, "davis"), (fem.associated, "associated"))
+    for other, flow in others:
         if other is not None and other.verdict in ("plateau", "peak"):
-            yield StabilityRow(name, coefficient(other.kc), "", f"{_(SIDES[fem.settings.sides])}, {_(FLOW[flow])}")
+            above = _above(other.kc, strict_kh(results, fem, flow, other.direction), _)
+            yield StabilityRow(name, coefficient(other.kc), "", f"{sides}, {_(FLOW[flow])}{above}")
     third = fem.own_dilation
     if third is not None and third.kc is not None:
         interval = _("{low} to {high}", low=number(third.low, 3), high=number(third.high, 3))
         angles = _("ψ as given") if any(fem.dilation_deg.values()) else _("ψ = 0")
         how = _("{angles}; depends on element and mesh by 5 to 15 %", angles=angles)
         about = _("about {kc}", kc=coefficient(third.kc))
-        yield StabilityRow(name, about, interval, f"{_(SIDES[fem.settings.sides])}, {how}")
+        yield StabilityRow(name, about, interval, f"{sides}, {how}")
     other = fem.opposite
     if other is not None:
         value = f"> {coefficient(other.kc)}" if other.verdict == "no failure" else coefficient(other.kc)
@@ -59,7 +65,8 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
             force = _("seismic force to the {side}", side=_("left" if fem.towards == "right" else "right"))
         else:
             force = _("seismic force upslope") if other.direction == "uphill" else _("seismic force downslope")
-        yield StabilityRow(name, value, "", force + cut)
+        above = _above(other.kc, strict_kh(results, fem, fem.flow, other.direction), _)
+        yield StabilityRow(name, value, "", force + cut + above)
     for shallow_failure in fem.shallow_failures:
         if shallow_failure.is_edge(fem.settings.least_depth):
             continue
@@ -67,13 +74,37 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
                   start=f"{shallow_failure.start_x_m:g}", end=f"{shallow_failure.end_x_m:g}")  # fmt: skip
         yield StabilityRow(name, coefficient(max(shallow_failure.kh, 0.0)), "", f"{where}, {_(FLOW[fem.flow])}")
     yield from _shallow_by_davis(results, fem, name, _)
+    yield from _factors(results, fem, _)
+
+
+def _factors(results: Results, fem: FemAnswer, _: Texts) -> Iterator[StabilityRow]:
+    """Yield the factors of safety by finite elements, by the flow rule of the analysis and by the other one."""
     for factor in fem.safety_factors:
         of = _("factor of safety at Kh = {kh}, finite elements", kh=f"{factor.kh:g}")
         value = f"> {factor.factor:.2f}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
-        yield StabilityRow(of, value, "", _(FLOW[fem.flow]))
-        compared, flow = (factor.davis, "davis") if factor.davis is not None else (factor.associated, "associated")
-        if compared is not None:
-            yield StabilityRow(of, f"{compared:.2f}", "", _(FLOW[flow]))
+        strict = strict_factor(results, fem, factor, fem.flow)
+        yield StabilityRow(of, value, "", _(FLOW[fem.flow]) + _above_factor(factor.factor, strict, _))
+        if factor.davis is not None:
+            yield StabilityRow(of, f"{factor.davis:.2f}", "", _(FLOW["davis"]))
+        elif factor.associated is not None:
+            above = _above_factor(factor.associated, strict_factor(results, fem, factor, "associated"), _)
+            yield StabilityRow(of, f"{factor.associated:.2f}", "", _(FLOW["associated"]) + above)
+
+
+def _above(kc: float, strict: tuple[float, float] | None, _: Texts) -> str:
+    """Return, for the conditions of a critical Kh by finite elements, that its strict upper bound is smaller and
+    counts; empty otherwise."""
+    if strict is None or not exceeds(kc, strict[1]):
+        return ""
+    return _("; above the strict upper bound of {upper}, which counts", upper=coefficient(strict[1]))
+
+
+def _above_factor(factor: float, strict: SafetyPart | None, _: Texts) -> str:
+    """Return, for the conditions of a factor of safety by finite elements, that its strict upper bound is smaller and
+    counts; empty otherwise."""
+    if strict is None or strict.upper is None or not exceeds(factor, strict.upper):
+        return ""
+    return _("; above the strict upper bound of {upper}, which counts", upper=f"{strict.upper:.2f}")
 
 
 def _shallow_by_davis(results: Results, fem: FemAnswer, name: str, _: Texts) -> Iterator[StabilityRow]:

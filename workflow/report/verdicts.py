@@ -11,9 +11,8 @@ from workflow.report.crests import crest_parts, water_at_crest
 from workflow.report.numbers import listed
 from workflow.report.structures import FaceRow, face_rows
 from workflow.report.summary_text import at_rest
-from workflow.results.accuracy import exceeds
 from workflow.results.answer import Line
-from workflow.results.governing import governing_factor, governing_kh
+from workflow.results.governing import governing_factor, governing_kh, governing_value
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, FacePart, SlicesAnswer
 from workflow.results.verdicts import Criterion, VerdictPart
@@ -132,7 +131,7 @@ def _by_elements(results: Results, of: str, face: FacePart | SlicesAnswer, crite
     strength = results.faces.of(face.structure, face.towards)
     value = None if strength is None else strength.critical if criterion == "critical Kh" else strength.safety
     if value is not None and value.reaches_crest:
-        least = value.value if value.upper is None or not exceeds(value.value, value.upper) else value.upper
+        least = governing_value(value.value, value.upper)
         yield f"{of}, by finite elements", least, least, ""
 
 

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
+from fem.continuum.loads import Direction
+from fem.continuum.strength import Flow
 from workflow.results.bounds import SafetyPart
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.results import Results
@@ -54,7 +56,7 @@ class Accuracy:
 
 def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
     """Return the interval by meshes and bounds; None if there is only one mesh and no bounds of its flow rule."""
-    meshes, strict = of_meshes(fem, _halved(results)), _strict(results, fem)
+    meshes, strict = of_meshes(fem, _halved(results)), strict_kh(results, fem, fem.flow, fem.direction)
     if strict is None:
         return meshes
     low, high = strict
@@ -69,13 +71,13 @@ def exceeds(value: float, upper: float) -> bool:
     return value > upper + max(DIGIT, SHARE * abs(upper))
 
 
-def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety) -> SafetyPart | None:
+def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety, flow: Flow) -> SafetyPart | None:
     """Return the strict bounds of a factor of safety, for the same Kh, sides and flow rule; None without both bounds.
 
-    ``factor`` is a factor of safety of the finite elements ``fem``.
+    ``factor`` is a factor of safety of the finite elements ``fem``; ``flow`` is its flow rule.
     """
     bounds = results.bounds
-    if bounds is None or bounds.sides != fem.settings.sides or fem.flow != "associated":
+    if bounds is None or bounds.sides != fem.settings.sides or flow != "associated":
         return None
     both = (part for part in bounds.safety if part.lower is not None and part.upper is not None)
     return next((part for part in both if part.kh == factor.kh), None)
@@ -125,20 +127,21 @@ def _halved(results: Results) -> float | None:
     return next((variant.kc for variant in variants if variant.name == "mesh" and variant.kc_without is None), None)
 
 
-def _strict(results: Results, fem: FemAnswer) -> tuple[float, float] | None:
-    """Return the strict lower and upper bound of the same sides, direction and flow rule."""
+def strict_kh(results: Results, fem: FemAnswer, flow: Flow, direction: Direction) -> tuple[float, float] | None:
+    """Return the strict lower and upper bound of a critical Kh for the same sides as in the finite elements ``fem``,
+    by flow rule and direction of the seismic force; None without both bounds."""
     bounds = results.bounds
     if bounds is None or bounds.sides != fem.settings.sides:
         return None
-    match fem.flow:
+    match flow:
         case "associated":
-            bracket = bounds.towards(fem.direction)
+            bracket = bounds.towards(direction)
         case "davis":
-            bracket = bounds.substitute.towards(fem.direction) if bounds.substitute is not None else None
+            bracket = bounds.substitute.towards(direction) if bounds.substitute is not None else None
         case "section":
             bracket = None
         case _:
-            assert_never(fem.flow)
+            assert_never(flow)
     if bracket is None or bracket.lower is None or bracket.upper is None:
         return None
     return bracket.lower, bracket.upper

@@ -58,10 +58,15 @@ def governing_kh(results: Results) -> GoverningKh | None:
 def governing_factor(results: Results, factor: FactorOfSafety) -> float:
     """Return the factor of safety that counts: that of the finite elements, or the strict upper bound if the finite
     elements exceed it."""
-    strict = strict_factor(results, results.fem, factor) if results.fem is not None else None
-    if strict is None or strict.upper is None or not exceeds(factor.factor, strict.upper):
-        return factor.factor
-    return strict.upper
+    fem = results.fem
+    strict = strict_factor(results, fem, factor, fem.flow) if fem is not None else None
+    return governing_value(factor.factor, None if strict is None else strict.upper)
+
+
+def governing_value(value: float, upper: float | None) -> float:
+    """Return the critical Kh or factor of safety that counts: the ``value`` of the finite elements, or its strict upper
+    bound, if there is one and the finite elements exceed it."""
+    return value if upper is None or not exceeds(value, upper) else upper
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,15 @@ from workflow.report.first_page import headlines
 from workflow.report.flow_rule import how_to_get_own_dilation, own_dilation_sentences
 from workflow.report.stability import stability_rows
 from workflow.report.texts import Texts
-from workflow.results.continuum import OtherWay, OwnDilationPart, ResultWarning, ShallowFailurePart, VariantsAnswer
+from workflow.results.bounds import SafetyPart
+from workflow.results.continuum import (
+    FactorOfSafety,
+    OtherWay,
+    OwnDilationPart,
+    ResultWarning,
+    ShallowFailurePart,
+    VariantsAnswer,
+)
 from workflow.results.results import Results
 from workflow.run.record import Entry
 from workflow.run.store import Store
@@ -96,6 +104,26 @@ def test_what_stands_beside_the_critical_kh(run: Config) -> None:
     assert warned(results(run, fem=answer))[0] == "A finer mesh gives 0.20. Refine it."
     stands = fem(run).model_copy(update={"opposite": other.model_copy(update={"verdict": "no failure", "kc": 1.5})})
     assert "> 1.500" in [row.value for row in stability_rows(results(run, fem=stands), Texts())]
+
+
+def test_table_says_which_value_of_the_finite_elements_gives_way_to_its_strict_bound(run: Config) -> None:
+    """The headline told 0.235 and the table 0.237 without a word."""
+    factor = FactorOfSafety(
+        kh=0.0, factor=1.15, upper=1.15, verdict="plateau", reason="", curve=(), shallow_failure=None
+    )
+    strict = bounds(run, 0.234, 0.235).model_copy(
+        update={"safety": (SafetyPart(kh=0.0, lower=1.07, upper=1.09, cells=100),)}
+    )
+    answer = fem(run, 0.237).model_copy(update={"safety_factors": (factor,)})
+    above = results(run, fem=answer, bounds=strict)
+    rows = {row.value: row.conditions for row in stability_rows(above, Texts())}
+    assert headlines(above, Texts())[0].value == "0.235"
+    assert rows["0.237"].endswith("; above the strict upper bound of 0.235, which counts")
+    assert rows["1.15"].endswith("; above the strict upper bound of 1.09, which counts")
+    below = answer.model_copy(update={"kc": 0.2345, "safety_factors": (factor.model_copy(update={"factor": 1.08}),)})
+    assert not any(
+        "which counts" in row.conditions for row in stability_rows(results(run, fem=below, bounds=strict), Texts())
+    )
 
 
 def test_a_third_number_is_about_so_much_and_one_that_did_not_settle_says_why(run: Config) -> None:

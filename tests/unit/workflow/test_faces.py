@@ -154,3 +154,22 @@ def test_the_command_prints_every_face() -> None:
         "strict bounds 0.140 to 0.149; factor of safety 1.65 with ψ = φ, 1.55 with Davis reduced strength."
     )
     assert right.endswith("critical Kh 0.253 with ψ = φ; factor of safety: no.")
+
+
+def test_a_face_of_finite_elements_above_their_strict_bound_has_the_value_of_the_bound() -> None:
+    """The table of faces had 0.148 beside bounds of 0.140 to 0.144 and called it the answer."""
+    left, right = answer().faces
+    assert left.critical is not None
+    critical = left.critical.model_copy(update={"upper": 0.144})
+    above = answer().model_copy(update={"faces": (left.model_copy(update={"critical": critical}), right)})
+    config = levee()
+    answers = results(config, slices=by_slices(config), faces=above)
+    assert face_lines(answers)[0].critical.pair("elements", 3) == ("0.144", "0.102")
+    assert (
+        "Critical Kh of embankment at x = 69 m, riverward, left: the finite elements give 0.148, above the strict "
+        "upper bound, which counts."
+    ) in list(note_sentences(answers))
+    assert next(faces_sentences(above)).startswith(
+        "embankment at x = 69 m, towards the left: critical Kh 0.144 with ψ = φ, 0.102 with Davis reduced strength, "
+        "strict bounds 0.140 to 0.144 (the upper bound counts: the finite elements give 0.148); factor"
+    )
