@@ -301,7 +301,7 @@ class SlideSettings(Model):
         description=(
             "length (m) by which a surface at rest moves in 5 s at most. The surface of discs may "
             "oscillate by three times this length. The surface of material points moves by less than this "
-            "length, or 0.2 % of the slide, in two intervals of 5 s in a row"
+            "length, or 1 % of the slide, in two intervals of 5 s in a row, and its largest slide by less than 0.2 %"
         ),
     )
     duration: float = Field(default=60.0, gt=0.0, description="largest simulated duration of a slide (s)")

@@ -54,7 +54,6 @@ ALONE = 20.0  # s for which that is looked at
 LOOK = 0.5  # s between two rows of the history
 KEEP = 2.0  # s of the clock between two checkpoints: no more is computed again after a stop
 
-
 OnLook = Callable[[DiscModel, Row, bool], None]
 
 
@@ -78,8 +77,9 @@ class Slider:
     shaking
         A record of the base instead of Kh. Without a record, the settings decide whether Kh is constant or cyclic.
     free_sides
-        Whether the ground continues beyond the sides, see `dem.slides.free_sides`; otherwise it lies in a box. Discs of
-        the paper lie in a box.
+        Whether the ground continues beyond the sides (`dem.slides.free_sides`), or lies in a box, as the paper's discs.
+    by_weight
+        Whether a long slide is computed once more without shaking, to find out whether it is a flow failure.
     """
 
     def __init__(
@@ -92,12 +92,13 @@ class Slider:
         folder: Path | None = None,
         shaking: Shaking | None = None,
         free_sides: bool = False,
+        by_weight: bool = True,
     ) -> None:
         drained = 0.0 if case is None else case.volumetric_strain
         self.sides = FreeSides(start, ground, strata if free_sides and start.law == "soil" else [], drained)
         if self.sides.strips:
             start = self.sides.release(start)
-        self.ground, self.settings, self.case, self.strata = ground, settings, case, strata
+        self.ground, self.settings, self.case, self.strata, self.by_weight = ground, settings, case, strata, by_weight
         self.start, self.folder = start, folder
         self.surface = Surface.of(start, ground)
         self.step = settings.step_of(start.law)
@@ -297,7 +298,7 @@ class Slider:
         slide, model, start = self.slide, self.model, self.start
         height = float(np.ptp(start.z[~start.fixed]))
         far = max((row.slide_max_m for row in slide.rows), default=0.0)
-        driven = self.case is not None and self.settings.kh > 0.0 and far > FAR * height
+        driven = self.by_weight and self.case is not None and self.settings.kh > 0.0 and far > FAR * height
         notes = self._flow() if driven else []
         walls = self.sides.stopped(model)
         sides = [side for side in both_sides(model, start, self.ground) if side.name in walls]

@@ -132,7 +132,11 @@ def packed(packing: PackingTask, tell: Tell) -> Packed:
     start = calibrator.settled_with(parameter, seed.value)
     tasks = [task(config, f"seed{packing.seed}", number, start, calibrator.ground) for number in packing.numbers]
     alike = first_alike(config, tasks)
-    slides = {each: slid(SlideTask(config, store, each), lambda _: None) for each in dict.fromkeys(alike.values())}
+    # whether a case is a flow failure is told by the packing of the run alone
+    slides = {
+        each: slid(SlideTask(config, store, each, by_weight=False), lambda _: None)
+        for each in dict.fromkeys(alike.values())
+    }
     return seed, {each.number: slides[alike[each]] for each in tasks}
 
 

@@ -72,12 +72,14 @@ def task(config: Config, springs: str, number: int, start: DiscModel, ground: Gr
 
 @dataclass(frozen=True, eq=False)
 class SlideTask:
-    """Holds a slide to be computed: input and folder of the run, and whether its frames are stored."""
+    """Holds a slide to be computed: input and folder of the run, whether its frames are stored, and whether a long
+    slide is computed once more without shaking (``by_weight``)."""
 
     config: Config
     store: Store
     task: PlannedSlide
     frames: bool = False
+    by_weight: bool = True
 
 
 def slid(run: SlideTask, tell: Tell) -> Slide:
@@ -94,7 +96,7 @@ def slid(run: SlideTask, tell: Tell) -> Slide:
     shaking = shaking_of(config, task.strata)
     slider = Slider(
         task.start, task.ground, task.strata, task.case, config.slide, folder, shaking,
-        free_sides=config.sides_of_slides == "free-field",
+        free_sides=config.sides_of_slides == "free-field", by_weight=run.by_weight,
     )  # fmt: skip
     name = case_name(task.springs, task.number)
 

@@ -136,6 +136,19 @@ def test_a_flow_failure_is_judged_by_what_weight_alone_does(
     assert (slider.slide.flows, slider.slide.slide_by_weight_m) == (message, by_weight)
 
 
+@pytest.mark.parametrize("by_weight", [True, False])
+def test_a_slide_of_a_random_packing_is_not_repeated_without_shaking(
+    by_weight: bool, start: DiscModel, ground: Ground, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only the packing of the run says whether a case is a flow failure: the scatter of packings is that of slides."""
+    slider = Slider(start, ground, [1], Case(stiffness=0.1), SlideSettings(), by_weight=by_weight)
+    slider.slide.rows = [SimpleNamespace(slide_max_m=47.0, time_s=60.0)]
+    requested: list[bool] = []
+    monkeypatch.setattr(Slider, "_flow", lambda _: requested.append(True) or [])
+    slider._notes()
+    assert requested == [True] * by_weight
+
+
 def test_a_thin_layer_is_told_with_the_radius_that_it_wants(start: DiscModel, ground: Ground) -> None:
     assert thin_layers(start, ground, [0]) == []
     thin = start.copy()
