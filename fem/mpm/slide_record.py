@@ -10,6 +10,11 @@ WINDOW, WINDOWS = 5.0, 3  # s, and number, of windows in which the surface must 
 STILL_SHARE, CREEP_SHARE = 2e-3, 1e-2
 
 
+def earliest_rest(rest_from: float) -> float:
+    """Return the earliest time (s) at which a surface that may come to rest from ``rest_from`` (s) on is at rest."""
+    return rest_from + WINDOWS * WINDOW
+
+
 @dataclass
 class PointSlide:
     """Holds the record of a slide over time; lengths in m, positive downslope and downwards.
@@ -69,7 +74,7 @@ class PointSlide:
             Time from which the ground may come to rest (s).
         """
         times = np.array(self.times)
-        if times[-1] - max(rest_from, times[0]) < WINDOWS * WINDOW - 1e-9:
+        if times[-1] < earliest_rest(max(rest_from, times[0])) - 1e-9:
             return False
         window, slide = ((times[-1] - times) / WINDOW).astype(int), np.array(self.slide)
 

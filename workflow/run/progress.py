@@ -32,8 +32,9 @@ class TimeLeft:
     """Estimates the remaining time of a stage, which never rises. The time is extrapolated from the finished share at
     constant speed. Work is reported in pieces: during a piece the share is constant, and the remaining time counts
     down. If a piece takes longer than expected, the remaining time is constant, as a lower bound, until the piece is
-    finished. Before a share of `EARLY` is finished, the slow start (compilation, meshes) would give far too long times,
-    and no time is shown.
+    finished. Waiting for a processor, compilation and meshes would give far too long times: the speed is that since the
+    first report of a share between 0 and `EARLY`, if there is one, and before `EARLY` more is finished no time is
+    shown.
     """
 
     EARLY = 0.03
@@ -43,11 +44,17 @@ class TimeLeft:
 
     def __init__(self, start: float) -> None:
         self.start, self.share, self.end = start, 0.0, math.inf
+        self.before: float | None = None  # share that was finished at the start
         self.shown = math.inf
 
     def seconds(self, now: float, share: float | None) -> float | None:
         """Return the remaining time (s) at a time ``now`` (s) when a share of the work is finished; None if unknown."""
-        if share is None or not self.EARLY <= share <= 1.0:
+        if share is None:
+            return None
+        if self.before is None and share > 0.0:
+            self.before = share if share < self.EARLY else 0.0
+            self.start = now if self.before else self.start
+        if not self.EARLY + (self.before or 0.0) <= share <= 1.0:
             return None
         plain = self._plain(now, share)
         if share > self.share:
@@ -64,7 +71,7 @@ class TimeLeft:
         return f"{bound}{duration(left)} left"
 
     def _plain(self, now: float, share: float) -> float:
-        return (now - self.start) * (1.0 - share) / share
+        return (now - self.start) * (1.0 - share) / (share - (self.before or 0.0))
 
 
 class SearchShare:

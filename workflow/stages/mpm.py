@@ -29,6 +29,7 @@ THIN = 0.9  # of a cell: a slide below a thinner crust was off by a factor of up
 CELLS_STEP = 100  # to a multiple of which the cells that a crust wants are rounded up
 COARSE = 2  # times larger cells, with which the errors by their size and by the decay of velocities are found
 TINY = 1e-6  # s: sums of steps are off by less
+ALMOST = 0.95  # share of a slide, as its progress tells, from when on it may come to rest
 AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
 
 
@@ -178,6 +179,7 @@ def slide_of_points(config: Config, number: int) -> "PointSlide":
 def _slid(run: PointRun, tell: Tell) -> "PointSlide":
     """Compute a slide; ``tell`` is called with the finished share, the time (s) and the largest slide (m)."""
     from fem.mpm.slide import DECAYS, LOOK
+    from fem.mpm.slide_record import earliest_rest
 
     programme, slider = programme_of(run.config, run.number), copy.deepcopy(run.slider)
     every = max(programme.duration / (run.config.slide.frames - 1), LOOK)
@@ -190,8 +192,10 @@ def _slid(run: PointRun, tell: Tell) -> "PointSlide":
         if films is not None:
             write_points(films, frame_file(f"case{run.number}", number, FOLDER), slider)
 
+    least = min(earliest_rest(programme.rest_from), programme.duration)
+
     def look(time: float, slide: np.ndarray) -> None:
-        tell((min(time / programme.duration, 1.0), time, float(slide.max())))
+        tell((min(time / least, ALMOST), time, float(slide.max())))
         if (time + TINY) % every < LOOK - TINY:
             frame(int((time + TINY) / every))
 

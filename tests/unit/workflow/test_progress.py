@@ -18,10 +18,15 @@ def test_time_left() -> None:
 
 
 def test_the_start_of_a_stage_is_not_taken_for_its_speed() -> None:
-    """25 s of compilation and 0.02 % of the work would come to 35 h; 40 s later 40 % are done."""
+    """25 s of compilation and 0.02 % of the work would come to 35 h; 40 s later 40 % are done. Points that waited 5 min
+    for a processor and had done 8 % half a minute later were told to need another hour."""
     left = TimeLeft(0.0)
     assert left.words(25.0, 0.0002) == ""
-    assert left.words(65.0, 0.4) == "1 min 38 s left"
+    assert left.words(65.0, 0.4) == "1 min 0 s left"
+    left = TimeLeft(0.0)
+    assert left.words(300.0, 0.005) == ""
+    assert left.words(310.0, 0.03) == ""
+    assert left.words(330.0, 0.08) == "6 min 8 s left"
 
 
 @given(st.lists(st.tuples(st.floats(0.1, 100.0), st.floats(0.0, 0.2)), min_size=1, max_size=40))
