@@ -14,6 +14,7 @@ from tests.support import TOP
 from tests.support.docs import blocks
 
 Row = dict[str, Any]
+DIGITS = {"kc": 3, "factor": 3}
 STAGES = ("mesh", "fem", "bounds", "report")
 
 
@@ -49,8 +50,8 @@ def rows_of(folder: Path) -> list[Row]:
 
 
 def quoted(rows: list[Row]) -> Row:
-    """What the README shows, in its digits."""
-    return {name: value if name == "script" else round(value, 4) for name, value in rows[0].items()}
+    """What the README shows, in its digits: rounded twice, 1.58849 would be 1.589."""
+    return {name: value if name == "script" else round(value, DIGITS.get(name, 4)) for name, value in rows[0].items()}
 
 
 def main() -> None:

@@ -155,7 +155,7 @@ def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
             edge_color=INK, edge_opacity=0.6, line_width=0.5, show_scalar_bar=False,
         )  # fmt: skip
 
-    title = f"{len(mesh.cells)} triangles of the bounds"
+    title = f"{section.heading}: {len(mesh.cells)} triangles of the bounds"
     sheet = Sheet(title, [window.proportion], foot(section), legend_rows=-(-len(handles) // columns))
     sheet.legend(handles, columns)
     sheet.show(0, render(window, draw), window, "small triangles where the bounds differ")
