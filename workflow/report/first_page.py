@@ -12,6 +12,7 @@ from workflow.report.faces import face_lines
 from workflow.report.numbers import coefficient, of_cases
 from workflow.report.numerical_error import rounded_up
 from workflow.report.paper import rows
+from workflow.report.post_liquefaction import just_enough
 from workflow.report.residual import residual_verdict
 from workflow.report.slide_headline import slide_headline
 from workflow.report.texts import Texts
@@ -284,6 +285,8 @@ def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
         yield _(
             "After liquefaction the section does not stand, even without shaking, in {cases}.", cases=of_cases(flows)
         )
+        if (enough := just_enough(cases)) is not None:
+            yield _.sentence(f"{enough.words}.")
     if stands:
         yield _("After liquefaction the section still stands without shaking in {cases}.", cases=of_cases(stands))
 

@@ -39,7 +39,7 @@ def slide_headline(results: Results, _: Texts) -> HeadlinePart:
         "After liquefaction of {layers}, under {shaking}, the surface slides {slide} by {method} ({count}) and {end}.",
         layers=_.listed(list(dict.fromkeys(names))),
         shaking=_.sentence(results.config.slide.shaking),
-        slide=_span(first),
+        slide=_span(first, _),
         method=_(NAMES[first.method]),
         count=_("one case")
         if len(first.cases) == 1
@@ -48,9 +48,7 @@ def slide_headline(results: Results, _: Texts) -> HeadlinePart:
     )
     for other in others:
         phrase += " " + _second_opinion(first, other, _)
-    stopped = any(case.stopped_by is not None for case in first.cases.values())
-    value = f"≥ {_span(first)}" if stopped else _span(first)
-    return HeadlinePart(name=name, value=value, interval=_of_slides(first, _), conclusion=phrase)
+    return HeadlinePart(name=name, value=_span(first, _), interval=_of_slides(first, _), conclusion=phrase)
 
 
 def _second_opinion(first: MethodSlides, other: MethodSlides, _: Texts) -> str:
@@ -58,7 +56,7 @@ def _second_opinion(first: MethodSlides, other: MethodSlides, _: Texts) -> str:
     values = {
         "first": _(NAMES[first.method]),
         "other": _(NAMES[other.method]),
-        "slide": _span(other),
+        "slide": _span(other, _),
         "interval": _spread(other, _),
     }
     if first.error is None or other.error is None:
@@ -104,9 +102,18 @@ def _block(results: Results, _: Texts) -> HeadlinePart:
     return HeadlinePart(name=name, value=span(list(slides.values())), interval=interval, conclusion=phrase)
 
 
-def _span(slides: MethodSlides) -> str:
-    """Return the largest slides of all cases as a range."""
-    return f"< {LEAST_SLIDE:g} m" if max(slides.largest) < LEAST_SLIDE else span(slides.largest)
+def _span(slides: MethodSlides, _: Texts) -> str:
+    """Return the largest slides of all cases as a range. The slide of a case that reaches a side of the model is a
+    lower limit: the range is open above, and has one end if every case does."""
+    if max(slides.largest) < LEAST_SLIDE:
+        return f"< {LEAST_SLIDE:g} m"
+    low, high = metres(min(slides.largest)), metres(max(slides.largest))
+    stopped = [case.stopped_by is not None for case in slides.cases.values()]
+    if not any(stopped):
+        return span(slides.largest)
+    if all(stopped) or low == high:
+        return _("over {low}", low=low)
+    return _("{low} to over {high}", low=low.removesuffix(" m"), high=high)
 
 
 def _end(cases: Sequence[CaseAnswer | PointCase], _: Texts) -> str:
@@ -128,13 +135,19 @@ def _of_slides(slides: MethodSlides, _: Texts) -> str:
         return _("no interval: {method} did not predict the known slides of this kind", method=method)
     if not error.bounds_slides:
         return _uncertain(error, method, _)
+    low, high = slides.interval
+    values = {"within": error.within, "cases": error.cases, "factor": f"{error.factor:g}", "method": method}
+    if any(case.stopped_by is not None for case in slides.cases.values()):  # nothing limits the slide
+        return _(
+            "{least} or more by the error of {method}: they predicted {within} of {cases} known slides within a factor "
+            "of {factor}",
+            least=rough_range(low, low),
+            **values,
+        )
     return _(
         "{span} by the error of {method}: they predicted {within} of {cases} known slides within a factor of {factor}",
-        span=rough_range(*slides.interval),
-        within=error.within,
-        cases=error.cases,
-        factor=f"{error.factor:g}",
-        method=method,
+        span=rough_range(low, high),
+        **values,
     )
 
 

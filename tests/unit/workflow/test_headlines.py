@@ -86,6 +86,27 @@ def test_the_interval_of_a_slide_is_that_of_the_method_nearer_to_known_slides(
     assert f", is {other} (" in slide.conclusion.partition("A second opinion, by ")[2]
 
 
+@pytest.mark.parametrize(("stopped", "value"), [((), "23 to 48 m"), ((2,), "23 to over 48 m"), ((1, 2), "over 23 m")])
+def test_a_slide_that_reaches_a_side_of_the_model_is_open_above(
+    stopped: tuple[int, ...], value: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A river bank: "≥ 23 to 48 m" beside "8 to 150 m" could be read as either, and neither end was a limit."""
+    error = SlideError("flow slides", 3.0, 20, 28, 1.7, "mpm")
+    monkeypatch.setattr(governing, "slide_error", lambda flows, method: error if method == "mpm" else None)
+    points = {
+        number: SimpleNamespace(
+            slide_max_m=far, slide_max_low_m=far, slide_max_high_m=far, settled=number not in stopped, reason="",
+            stopped_by="right" if number in stopped else None,
+        )
+        for number, far in ((1, 23.0), (2, 48.0))
+    }  # fmt: skip
+    run = analysed(slope())
+    slide = headlines(results(run, mpm=cast(Any, SimpleNamespace(cases=points))), Texts())[2]
+    assert slide.value == value
+    assert f"the surface slides {value} by material points" in slide.conclusion
+    assert slide.interval.startswith("8 m or more by the error" if stopped else "8 to 140 m by the error")
+
+
 def test_where_nothing_liquefies_the_third_number_is_that_of_a_rigid_block_in_the_earthquake() -> None:
     data = {**slope(), "earthquake": {"magnitude": 6.8, "peak_acceleration": "0.3 g"}}
     weak = headlines(results(analysed(data), fem=fem(analysed(data), 0.05)), Texts())[2]
