@@ -134,10 +134,20 @@ def packed(packing: PackingTask, tell: Tell) -> Packed:
     alike = first_alike(config, tasks)
     # whether a case is a flow failure is told by the packing of the run alone
     slides = {
-        each: slid(SlideTask(config, store, each, by_weight=False), lambda _: None)
+        each: slid(SlideTask(config, store, each, by_weight=False), _in_words(config.called(each.number), tell))
         for each in dict.fromkeys(alike.values())
     }
     return seed, {each.number: slides[alike[each]] for each in tasks}
+
+
+def _in_words(case: str, tell: Tell) -> Tell:
+    """Return a listener to the progress of the slide of a case, which tells it in words."""
+
+    def heard(message: tuple[float, float, float, float]) -> None:
+        seconds, slide, *_others = message
+        tell(f"{case}: {seconds:.1f} s, slide {slide:.2f} m")
+
+    return heard
 
 
 def _untouched(seed: int) -> Seed:
