@@ -25,6 +25,7 @@ from workflow.stages.liquefaction import liquefying
 from workflow.stages.random_packings import PackingTask, RandomPackingsWanted, packed
 from workflow.stages.sliding import ALONE, PlannedSlide, SlideTask, first_alike, slid, task
 
+PACKING = 6.0  # slides that take as long as a packing, which is calibrated before its slides
 USUAL, ALMOST = 0.4, 0.9  # of the time that a slide may last, when it is at rest as a rule; what is done by then
 
 
@@ -114,6 +115,7 @@ class Hearer:
     def __init__(self, config: Config, progress: Progress, pieces: Sequence[SlideTask | PackingTask]) -> None:
         self.config, self.progress, self.pieces = config, progress, pieces
         self.done = [0.0] * len(pieces)
+        self.costs = [PACKING if isinstance(piece, PackingTask) else 1.0 for piece in pieces]
 
     def __call__(self, place: int, message: Any) -> None:
         """Report the progress of one slide, or of one packing."""
@@ -127,7 +129,8 @@ class Hearer:
                 f"{self._name(piece.task)}: {seconds:.1f} s, slide {slide:.2f} m, settlement {settlement:.2f} m, "
                 f"{speed:.2g} m/s"
             )
-        self.progress(line, sum(self.done) / len(self.pieces))
+        work = sum(done * cost for done, cost in zip(self.done, self.costs, strict=True))
+        self.progress(line, work / sum(self.costs))
 
     def _name(self, task: PlannedSlide) -> str:
         name = "Kh without liquefaction" if task.number == ALONE else self.config.called(task.number)
