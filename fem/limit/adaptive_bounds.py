@@ -79,6 +79,7 @@ class BoundSearch:
             low.solution.work + high.solution.work,
             tuple(side for side, failed in missing if failed),
             tuple(side for side, solution in solutions if solution.fallback),
+            mesh,
         )
         if (mechanism and mechanism.multiplier < best.lower) or (stress and stress.multiplier > best.upper):
             # Under seepage the pore pressure is linear in each triangle: finer triangles are other ground, and count.

@@ -51,6 +51,9 @@ CELLS_SOLVED, SECONDS_SOLVED, FIRST_MESHES = 2900, 1.4, 6
 WIDE_CORNER = 0.5
 # Cells allowed where a rough upper bound will do; the first mesh has a share of it.
 COARSE_CELLS = 8000
+# Bounds of Kh are close enough to begin with a factor of safety on their mesh if they differ by so much at most, as a
+# number or as a share of Kh.
+CLOSE_KH, CLOSE = 0.02, 0.15
 # Where a section bears less than this share of what it bears with its faces strengthened, shallow ground slips: a
 # deeper failure has some per cent from the strength of the faces.
 SLIPS = 0.5
@@ -76,12 +79,26 @@ class KhBounds(SmallerKhBounds):
         The section that was analysed for the direction that fails first, with faces strengthened if necessary.
     substitute : SmallerKhBounds or None
         Bounds of Davis's estimate if ψ < φ and the settings request them, computed on the last meshes for ψ = φ.
+    work : float
+        All computing work, in computing seconds of the reference machine.
     """
 
     shallow_failures: tuple[ShallowFailure, ...] = ()
     shallow: float | None = None
     section: Section | None = None
     substitute: SmallerKhBounds | None = None
+    work: float = 0.0
+
+    @property
+    def mesh_for_factors(self) -> TriMesh | None:
+        """Return the coarsest mesh of the direction that fails first on which both bounds are close enough to begin the
+        search for a factor of safety there; None without such a mesh."""
+        for mesh in self.directions[0].meshes:
+            if mesh.lower is not None and mesh.upper is not None:
+                wide = max(CLOSE_KH, CLOSE * abs(mesh.upper))
+                if mesh.upper - mesh.lower <= wide:
+                    return mesh.mesh
+        return None
 
 
 @dataclass(frozen=True)
@@ -199,19 +216,26 @@ def kh_bounds(
         bounds = search_all(tuple(searches.values()), limits, observer)
     if bounds.upper < 0.0:
         raise _unstable(section, bounds.upper)
-    substitute = None
+    substitute, spent = None, dropped + sum(search.work for search in searches.values())
     if with_davis:
-        spent = dropped + sum(search.work for search in searches.values())
         left = replace(limits, seconds=allowed - spent)
         weaker = [ground.search(left, after=searches[direction]) for direction, ground in grounds.items()]
         substitute = search_all(weaker, left, observer)
+        spent += sum(search.work for search in weaker)
     faces = dict.fromkeys(face for ground in grounds.values() for face in ground.shallow_failures)
     govern = tuple(face for face in faces if face.kh < bounds.upper)
     as_given = min(ground.as_given for ground in grounds.values())
     governed = bool(govern or wet)
     shallow = as_given if governed and as_given < min([bounds.upper, *(face.kh for face in govern)]) else None
     analysed = as_analysed(grounds[bounds.directions[0].direction].section, fem)
-    return KhBounds(**vars(bounds), shallow_failures=govern, shallow=shallow, section=analysed, substitute=substitute)
+    return KhBounds(
+        **vars(bounds),
+        shallow_failures=govern,
+        shallow=shallow,
+        section=analysed,
+        substitute=substitute,
+        work=settings.seconds - allowed + spent,
+    )
 
 
 def directions_of(fem: FemSettings) -> tuple[Direction, ...]:

@@ -1,7 +1,7 @@
 """Keeps the best lower and upper bound of a sequence of meshes, and the limits at which the sequence ends."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -98,6 +98,8 @@ class MeshBounds:
         Bounds that are missing because the solver ended early, or because its answer did not pass the check.
     fallback : tuple of BoundSide
         Bounds that Clarabel found after the built-in interior-point method had broken down.
+    mesh : TriMesh or None
+        The mesh in m, if it is kept: the search for a factor of safety may begin on it.
     """
 
     cells: int
@@ -107,6 +109,7 @@ class MeshBounds:
     work: float
     failed: tuple[BoundSide, ...] = ()
     fallback: tuple[BoundSide, ...] = ()
+    mesh: TriMesh | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,8 @@ from typing import Literal
 
 import numpy as np
 
+from fem.limit.bounds import KhBounds
+
 # What is bounded: the Kh that weakened ground bears, or the share of all loads, the Kh given among them.
 Gauge = Literal["kh", "loads"]
 # How near to either end of what is left a secant may go, as a share of its logarithm; else the middle is tried.
@@ -34,7 +36,8 @@ class BoundsTrial:
 @dataclass(frozen=True)
 class TrialStart:
     """Holds the given Kh, the first factor, whether sides are smooth, and when a search may end early: once the lower
-    bound is at least ``enough``, or the upper bound is below ``slips``.
+    bound is at least ``enough``, or the upper bound is below ``slips``. ``known`` are bounds of the critical Kh, if
+    they were computed before: on one of their meshes, which are fine where the ground fails, the search may begin.
     """
 
     kh: float
@@ -42,6 +45,7 @@ class TrialStart:
     smooth_sides: bool
     enough: float = math.inf
     slips: float = 0.0
+    known: KhBounds | None = None
 
 
 @dataclass

@@ -12,12 +12,13 @@ loads that the ground resists is bounded in place of Kh, and F is a lower bound 
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 from fem.continuum.loads import Direction, direction_of
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor, strengthened
-from fem.limit.bounds import COARSE_CELLS, as_analysed, cells_of_first_search, first_mesh, strengths
+from fem.limit.bounds import COARSE_CELLS, KhBounds, as_analysed, cells_of_first_search, first_mesh, strengths
 from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch
 from fem.limit.factor_trial import BoundsTrial, FactorWork, TrialStart, gap_of_factors
 from fem.settings import BoundsSettings, FemSettings
@@ -76,16 +77,18 @@ def safety_bounds(
     kh: float = 0.0,
     guess: float = 1.0,
     smooth_sides: bool = False,
+    known: KhBounds | None = None,
 ) -> SafetyBounds:
     """Find lower and upper bounds of the factor of safety at ``kh``.
 
     With ``smooth_sides`` the sides move only vertically, as in strength reduction without shaking; without it
-    free-field sides carry the K0 stress. ``guess`` is the first factor tried; a poor one costs time only. Both
-    directions of the seismic force are analysed, within the work that the ``settings`` allow, at factors from SMALLEST
-    to LARGEST. Raises InputError as ``kh_bounds`` does, BadMeshError if there are no triangles. ``section``: the
-    section of the ground; ``fem``: settings of the elements, of which sides and direction matter here.
+    free-field sides carry the K0 stress. ``guess`` is the first factor tried; a poor one costs time only. ``known``
+    bounds of the critical Kh lend a mesh to begin on. Both directions of the seismic force are analysed, within the
+    work that the ``settings`` allow, at factors from SMALLEST to LARGEST. Raises InputError as ``kh_bounds`` does,
+    BadMeshError if there are no triangles. ``section``: the section of the ground; ``fem``: settings of the elements,
+    of which sides and direction matter here.
     """
-    start, work = TrialStart(kh, guess, smooth_sides), FactorWork(settings.seconds)
+    start, work = TrialStart(kh, guess, smooth_sides, known=known), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)
     shallow = least_rolling_factor(section, faces, kh, strengths(section.strata)[1])
     if shallow is None or shallow >= LARGEST:
@@ -144,22 +147,28 @@ class _Coarse:
 
     def fails_at(self, factor: float) -> bool:
         """Return whether a mechanism fails when the strength is divided by ``factor``."""
-        for search in self.searches:
-            search.measure(factor, lower=False)
-            if search.upper <= factor:
-                return True
-        return False
+        return bool(self.failing(self.searches, factor, enough=1))
+
+    @staticmethod
+    def failing(searches: Sequence[FactorSearch], factor: float, enough: int = 2) -> list[FactorSearch]:
+        """Return the searches, at most ``enough``, in whose direction a mechanism fails at ``factor``."""
+        fail: list[FactorSearch] = []
+        for search in searches:
+            if len(fail) < enough:
+                search.measure(factor, lower=False)
+                fail += [search] if search.upper <= factor else []
+        return fail
 
     def least_failing(self, factor: float) -> float:
         """Return ``factor``, or a smaller factor at which a mechanism fails: where faces of different water or slope
         meet, shallow ground slips before the face fails.
         """
-        if not self.fails_at(factor):
-            return factor
+        weak = self.failing(self.searches, factor)  # ground that stands at a factor stands at every smaller one
         stands, fails = 0.5 * factor, factor
-        for _ in range(HALVINGS):
+        for _ in range(HALVINGS if weak else 0):
             middle = math.sqrt(stands * fails)
-            stands, fails = (stands, middle) if self.fails_at(middle) else (middle, fails)
+            still = self.failing(weak, middle)
+            weak, stands, fails = (still, stands, middle) if still else (weak, middle, fails)
         return fails
 
 
@@ -172,6 +181,15 @@ def _coarse(
     return _Coarse((down, up))
 
 
+def _first_mesh(
+    section: Section, fem: FemSettings, settings: BoundsSettings, start: TrialStart, work: FactorWork
+) -> TriMesh:
+    """Return a mesh of the known bounds of Kh if they are of the same section, else a coarse one."""
+    if start.known is not None and start.known.section == section and start.known.mesh_for_factors is not None:
+        return start.known.mesh_for_factors
+    return first_mesh(section, cells_of_first_search(settings.max_cells, work.left / FACTOR_TRIALS), fem.sides)
+
+
 def _bounds_of(
     section: Section, fem: FemSettings, settings: BoundsSettings, start: TrialStart, work: FactorWork
 ) -> SafetyBounds:
@@ -181,7 +199,7 @@ def _bounds_of(
     def search(mesh: TriMesh, sign: int, start: TrialStart) -> FactorSearch:
         return FactorSearch(section, mesh, fem, settings, sign, start, work)
 
-    first = first_mesh(section, cells_of_first_search(settings.max_cells, work.left / FACTOR_TRIALS), fem.sides)
+    first = _first_mesh(section, fem, settings, start, work)
     seeps = section.water_pressure.flow is not None
     shared, work = work, work.part(SHARE_OF_FIRST_UNDER_SEEPAGE if seeps else SHARE_OF_FIRST)
     searches = [search(first, 1, start)]

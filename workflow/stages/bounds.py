@@ -45,14 +45,15 @@ def work(job: Job) -> None:
     config, settings = job.config, job.config.bounds
     started = time.perf_counter()
     job.progress("first mesh", None)
-    factors = tuple(_factors(job, config, settings)) if settings.safety_factor else ()
-    left = settings.model_copy(update={"seconds": settings.seconds - sum(factor.work for factor in factors)})
+    # Kh with ψ = φ and with Davis's estimate may take as much as each factor of safety.
+    count = 2 + (len(config.fem.safety_factor_at) if settings.safety_factor else 0)
+    of_kh = settings.model_copy(update={"seconds": 2.0 * settings.seconds / count})
     try:
-        bounds = kh_bounds(config.section, config.fem, left, lambda so_far: job.progress(in_words(so_far), None))
+        bounds = kh_bounds(config.section, config.fem, of_kh, lambda so_far: job.progress(in_words(so_far), None))
     except UnstableError as error:
-        if not factors:
-            raise
-        raise UnstableError(f"{error}; {'; '.join(factor.words for factor in factors)}") from None
+        factors = tuple(_factors(job, config, settings, None))
+        raise UnstableError("; ".join([str(error), *(factor.words for factor in factors)])) from None
+    factors = tuple(_factors(job, config, settings, bounds))
     answer = answer_of(config, bounds, settings, time.perf_counter() - started)
     answer = answer.model_copy(update={"safety": factors})
     answer.write(job.store)
@@ -68,17 +69,20 @@ def _draw(config: Config, bounds: "KhBounds", store: Store) -> None:
     draw_all(config, bounds, store)
 
 
-def _factors(job: Job, config: Config, settings: BoundsSettings) -> Iterator[SafetyPart]:
-    """Yield the factors of safety at every Kh of the settings. Without shaking, sides that are not fixed are held
+def _factors(job: Job, config: Config, settings: BoundsSettings, known: "KhBounds | None") -> Iterator[SafetyPart]:
+    """Yield the factors of safety at every Kh of the settings, if they are wanted. They share the work that the
+    ``known`` bounds of Kh have left, and begin on their triangles. Without shaking, sides that are not fixed are held
     horizontally, as in the finite elements.
     """
     from fem.limit.safety_bounds import safety_bounds
 
-    count = len(config.fem.safety_factor_at) + 2  # as much for each as for Kh with ψ = φ, and by Davis's substitute
-    share = settings.of_factors.model_copy(update={"seconds": settings.seconds / count})
-    for kh in config.fem.safety_factor_at:
+    given = config.fem.safety_factor_at if settings.safety_factor else ()
+    left = settings.seconds - (known.work if known else 0.0)
+    for position, kh in enumerate(given):
         job.progress(f"factor of safety at Kh = {kh:g}", None)
-        bounds = safety_bounds(config.section, config.fem, share, kh, smooth_sides=kh == 0.0)
+        share = settings.of_factors.model_copy(update={"seconds": max(left, 0.0) / (len(given) - position)})
+        bounds = safety_bounds(config.section, config.fem, share, kh, smooth_sides=kh == 0.0, known=known)
+        left -= sum(trial.work for trial in bounds.trials)
         yield SafetyPart(
             kh=kh,
             lower=bounds.lower or None,

@@ -1,0 +1,207 @@
+"""Bounds the critical Kh of ground whose strength is divided by trial factors, and keeps the trials."""
+
+import math
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
+from fem.limit.bounds import body_of
+from fem.limit.bracket import BoundSide
+from fem.limit.factor_trial import BoundsTrial, FactorWork, Gauge, TrialStart, gap_of_factors, root_of
+from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
+from fem.limit.lower_bound import LowerBound
+from fem.limit.upper_bound import UpperBound
+from fem.settings import BoundsSettings, FemSettings
+from fem.solvers.blas_threads import one_more_thread
+from fem.solvers.cone_program import NEAR, Solution, Warm
+from meshes.section.section import Section
+from meshes.triangles import TriMesh
+
+# By how much the factor changes at most from trial to trial.
+STEP = 1.6
+# A Kh, or a logarithm of a share of loads, this far from what is to be borne says nothing on the factor.
+FAR = 1.0
+
+
+class WeakenedGround:
+    """Holds ground on triangles, and the bounds of its critical Kh at every factor by which its strength was divided,
+    with the seismic force to one side.
+    """
+
+    def __init__(
+        self,
+        section: Section,
+        mesh: TriMesh,
+        fem: FemSettings,
+        settings: BoundsSettings,
+        sign: int,
+        start: TrialStart,
+        work: FactorWork,
+    ) -> None:
+        """Prepare trials of ``section`` on ``mesh``, with settings ``fem`` of the elements and ``settings`` of the
+        bounds.
+
+        ``sign`` is 1 for the direction of the seismic force in ``fem``, -1 for the opposite direction; ``start``
+        contains Kh and the first factor; ``work`` is the computing work allowed.
+        """
+        body = body_of(section, mesh, fem, excess_pressure=start.kh != 0.0, smooth_sides=start.smooth_sides)
+        self.body = replace(body, live_force=sign * body.live_force)
+        self.units = units_of(mesh, self.body)
+        self.mesh, self.settings, self.work = mesh, settings, work
+        self.target, self.factor = sign * start.kh, start.factor
+        self.enough, self.slips = start.enough, start.slips
+        self.meshes, self.mesh_of_lower = [mesh], mesh
+        self.lower, self.upper = 0.0, math.inf
+        self.trials: list[BoundsTrial] = []
+        self.slope: float | None = None
+        self.gauge: Gauge = "kh"
+        self.both_ways = False  # whether the lower bound is one for either direction of the push
+        self.places: dict[BoundSide, tuple[float, Warm | None]] = {}
+        self.failures: dict[BoundSide, int] = {"lower": 0, "upper": 0}  # of the solver, one after the other
+        self.unborne_from = math.inf  # from this factor on no stress on this mesh balances the loads
+        self.seen: tuple[LimitProblem, LowerBound, UpperBound] | None = None  # the last trial of both bounds
+
+    @property
+    def gap(self) -> float:
+        """Return the upper less lower factor over their mean, inf if one is missing."""
+        return gap_of_factors(self.lower, self.upper)
+
+    def problem(self, factor: float) -> LimitProblem:
+        varying = self.body.varying
+        weak = replace(
+            self.body,
+            cohesion=self.body.cohesion / factor,
+            varying=None if varying is None else lambda mesh, above: varying(mesh, above) / factor,
+            friction=np.arctan(np.tan(self.body.friction) / factor),
+            tension=None if self.body.tension is None else self.body.tension / factor,
+        )
+        problem = limit_problem(self.mesh, weak, self.units)
+        return problem if self.gauge == "kh" else with_all_loads_live(problem, self.target)
+
+    def over(self, bound: float) -> float:
+        """Return the excess of a bound: of Kh over the given Kh, or the logarithm of the share of loads resisted."""
+        if self.gauge == "kh":
+            return bound - self.target
+        return math.log(bound) if bound > 0.0 else -math.inf
+
+    def measure(self, factor: float, lower: bool = True, upper: bool = True) -> BoundsTrial:
+        """Find bounds for ground of reduced strength, and narrow the bracket of the factor of safety."""
+        lower = lower and factor < self.unborne_from
+        before = self.work.spent
+        problem = self.problem(factor)
+        low = high = stress = mechanism = None
+        left = self.work.left / (2.0 if lower and upper else 1.0)
+        with one_more_thread(lower and upper) as executor:
+            above = partial(proven_upper_bound, problem, left, self.place("upper", factor))
+            future = executor.submit(above) if upper else None
+            if lower:
+                low, _, stress = proven_lower_bound(problem, left, self.place("lower", factor))
+                self.count("lower", factor, low.solution, stress is None)
+            if future is not None:
+                high, _, mechanism = future.result()
+                self.count("upper", factor, high.solution, mechanism is None)
+        unmoved = high is not None and high.solution.none == "no mechanism"
+        trial = BoundsTrial(
+            factor,
+            len(problem.mesh.cells),
+            self.gauge,
+            stress.multiplier if stress else None,
+            mechanism.multiplier if mechanism else math.inf if unmoved and self.gauge == "loads" else None,
+            low is not None and low.solution.none == "no stress",
+            self.work.spent - before,
+        )
+        if low is not None and high is not None:
+            self.seen = (problem, low, high)
+        elif trial.unborne and low is not None and self.seen and len(self.seen[1].stress) == len(low.stress):
+            self.seen = (self.seen[0], low, self.seen[2])  # what keeps stress from balancing the loads wants triangles
+        if trial.lower is not None and self.over(trial.lower) >= 0.0:
+            self.both_ways = self.gauge == "loads" if factor > self.lower else self.both_ways
+            self.mesh_of_lower = self.mesh if factor > self.lower else self.mesh_of_lower
+            self.lower = max(self.lower, factor)
+        if trial.upper is not None and self.over(trial.upper) <= 0.0:
+            self.upper = min(self.upper, factor)
+        self.trials.append(trial)
+        return trial
+
+    def count(self, side: BoundSide, factor: float, solution: Solution, unproven: bool) -> None:
+        """Count a trial: add its computing work, store its solution as the next starting point, and count consecutive
+        trials in which the solver found neither a bound nor a proof that there is none. ``side`` names the bound;
+        ``factor`` is the factor of safety tried; ``solution`` is the answer of the solver; ``unproven`` means that the
+        answer decided nothing.
+        """
+        self.work.spent += solution.work
+        self.work.ran_out = self.work.ran_out or solution.out_of_work
+        self.places[side] = factor, solution.warm
+        self.failures[side] = self.failures[side] + 1 if unproven and not (solution.none or solution.out_of_work) else 0
+
+    def place(self, side: BoundSide, factor: float) -> Warm | None:
+        """Return the solution of the last trial as starting point of the solver, if its factor is close enough."""
+        last, place = self.places.get(side, (factor, None))
+        return place if abs(math.log(factor / last)) < NEAR else None
+
+    def regauged(self, trial: BoundsTrial) -> BoundsTrial:
+        """Return a trial with bounds of Kh or, if they decide nothing, with bounds of the share of all loads. Bounds of
+        Kh decide nothing if no mechanism fails below the given Kh and yet no stress field balances the weight, as below
+        a footing.
+        """
+        fails_late = trial.upper is not None and self.over(trial.upper) > 0.0
+        if self.gauge == "loads" or not (trial.unborne and fails_late):
+            return trial
+        self.gauge, seen = "loads", self.seen
+        loaded = self.measure(trial.factor)
+        if loaded.lower is None:
+            self.gauge, self.seen = "kh", seen
+            self.unborne_from = trial.factor
+            return trial
+        self.slope = None
+        return loaded
+
+    def middle(self, trial: BoundsTrial) -> float:
+        """Return the mean excess of both bounds over the required value, or the excess of the only bound; -inf without
+        any."""
+        values = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
+        return sum(values) / len(values) if values else -math.inf
+
+    def gap_of(self, trial: BoundsTrial) -> float:
+        """Return the relative gap between the factors of safety that the lower and the upper bound of a trial give."""
+        if trial.lower is None or trial.upper is None or self.slope is None:
+            return 0.0
+        return (self.over(trial.lower) - self.over(trial.upper)) / self.slope
+
+    def learn(self, before: BoundsTrial, now: BoundsTrial) -> None:
+        """Update the derivative of the excess with respect to the logarithm of the factor, from the trials so far."""
+        if before.cells != now.cells or before.factor == now.factor or before.gauge != now.gauge:
+            return
+        for side in ("upper", "lower"):
+            ends = [getattr(trial, side) for trial in (before, now)]
+            first, second = (-math.inf if end is None else self.over(end) for end in ends)
+            if max(abs(first), abs(second)) < FAR:
+                slope = (second - first) / math.log(now.factor / before.factor)
+                if slope < 0.0:
+                    self.slope = slope
+                    return
+
+    @property
+    def here(self) -> list[BoundsTrial]:
+        """Return the trials on the present triangles."""
+        last = self.trials[-1]
+        return [trial for trial in self.trials if (trial.cells, trial.gauge) == (last.cells, last.gauge)]
+
+    def root(self, side: BoundSide) -> float:
+        """Return the factor at which a bound meets the required value, by a secant; NaN if unknown."""
+        return root_of(self.points(side), self.slope, math.log(STEP))
+
+    def extrapolated(self, side: BoundSide) -> float:
+        """Return how far (in ln F) the factor at which a bound meets the required value lies beyond all trials. It is 0
+        if this factor is unknown or lies between trials."""
+        at = math.log(self.root(side))
+        trials = [log_factor for log_factor, _ in self.points(side)]
+        return max(at - max(trials), min(trials) - at, 0.0) if trials and math.isfinite(at) else 0.0
+
+    def points(self, side: BoundSide) -> list[tuple[float, float]]:
+        """Return ln F and the excess of the bound (see ``over``) of every trial on the present triangles."""
+        bounds = [(trial.factor, getattr(trial, side)) for trial in self.here]
+        points = [(math.log(factor), self.over(bound)) for factor, bound in bounds if bound is not None]
+        return sorted(point for point in points if abs(point[1]) < FAR)
