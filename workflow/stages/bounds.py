@@ -76,11 +76,11 @@ def _factors(job: Job, config: Config, settings: BoundsSettings, known: "KhBound
     """
     from fem.limit.safety_bounds import safety_bounds
 
-    given = config.fem.safety_factor_at if settings.safety_factor else ()
+    coefficients = config.fem.safety_factor_at if settings.safety_factor else ()
     left = settings.seconds - (known.work if known else 0.0)
-    for position, kh in enumerate(given):
+    for position, kh in enumerate(coefficients):
         job.progress(f"factor of safety at Kh = {kh:g}", None)
-        share = settings.of_factors.model_copy(update={"seconds": max(left, 0.0) / (len(given) - position)})
+        share = settings.of_factors.model_copy(update={"seconds": max(left, 0.0) / (len(coefficients) - position)})
         bounds = safety_bounds(config.section, config.fem, share, kh, smooth_sides=kh == 0.0, known=known)
         left -= sum(trial.work for trial in bounds.trials)
         yield SafetyPart(
