@@ -138,6 +138,24 @@ def davis_words(dilation: Iterable[float]) -> str:
     return "Davis's estimate for the given ψ" if any(dilation) else "Davis's estimate for ψ = 0"
 
 
+def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """Return cohesion (Pa) and friction angle (rad) of the strata, reduced by Davis's factor if ``davis``. If the
+    cohesion of a stratum varies, return its constant part.
+    """
+    cohesion = np.array([s.cohesion for s in strata])
+    friction = np.array([s.friction_angle for s in strata])
+    if not davis:
+        return cohesion, friction
+    factor = davis_factors(strata)
+    return factor * cohesion, np.arctan(factor * np.tan(friction))
+
+
+def davis_factors(strata: Sequence[Stratum]) -> np.ndarray:
+    """Return Davis's β (strata,) for the dilation angles of the strata."""
+    friction = np.array([s.friction_angle for s in strata])
+    return davis_factor(friction, np.array([s.dilation for s in strata]))
+
+
 def tensile_strengths(strata: Sequence[Stratum]) -> np.ndarray:
     """Return the tension cut-offs (strata,) in Pa, inf if there is none."""
     return np.array([np.inf if s.tension is None else s.tension for s in strata])

@@ -5,7 +5,6 @@ Davis's estimate (1968) has c and tan φ times cos ψ cos φ / (1 - sin ψ sin �
 strict, too, and check the finite elements with Davis's estimate.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +13,7 @@ from fem.continuum.load_ends import with_strengthened_load_ends
 from fem.continuum.loads import Direction, direction_of, excess_pressure_advice, lifted, seismic_sign, soils
 from fem.continuum.repetition import refuse_other_sides
 from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shallow_failures, strengthened
-from fem.continuum.strength import davis_factor, flow_of, is_dilating_fully, tensile_strengths
+from fem.continuum.strength import davis_factors, flow_of, is_dilating_fully, strengths, tensile_strengths
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
 from fem.limit.bracket import COST_EXPONENT, Limits
@@ -36,7 +35,7 @@ from meshes.pore_loads import Pressure
 from meshes.section.cutting import without_film
 from meshes.section.least_strength import cut_at_least_strength
 from meshes.section.quantity import GRAVITY
-from meshes.section.section import Section, Stratum
+from meshes.section.section import Section
 from meshes.section.water_pressure import WaterPressure
 from meshes.triangles import TriMesh, triangulate
 
@@ -398,21 +397,3 @@ def _pressing(stress: SideStress, outwards: float) -> EdgeTraction:
         return np.column_stack([outwards * stress.at(at.points[:, 1], at.stratum), np.zeros(len(at.points))])
 
     return traction
-
-
-def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Return cohesion (Pa) and friction angle (rad) of the strata, reduced by Davis's factor if ``davis``. If the
-    cohesion of a stratum varies, return its constant part.
-    """
-    cohesion = np.array([s.cohesion for s in strata])
-    friction = np.array([s.friction_angle for s in strata])
-    if not davis:
-        return cohesion, friction
-    factor = davis_factors(strata)
-    return factor * cohesion, np.arctan(factor * np.tan(friction))
-
-
-def davis_factors(strata: Sequence[Stratum]) -> np.ndarray:
-    """Return Davis's β (strata,) for the dilation angles of the strata."""
-    friction = np.array([s.friction_angle for s in strata])
-    return davis_factor(friction, np.array([s.dilation for s in strata]))

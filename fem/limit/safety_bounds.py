@@ -18,7 +18,8 @@ from typing import Literal
 
 from fem.continuum.loads import Direction, direction_of
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor, strengthened
-from fem.limit.bounds import COARSE_CELLS, KhBounds, as_analysed, cells_of_first_search, first_mesh, strengths
+from fem.continuum.strength import strengths
+from fem.limit.bounds import COARSE_CELLS, KhBounds, as_analysed, cells_of_first_search, first_mesh
 from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch
 from fem.limit.factor_trial import BoundsTrial, FactorWork, TrialStart, gap_of_factors
 from fem.settings import BoundsSettings, FemSettings
