@@ -22,7 +22,7 @@ def momenta(model: DiscModel) -> np.ndarray:
     return np.array([model.mass @ model.vx_half, model.mass @ model.vz_half, spin])
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(2, 150), pores=st.booleans(), sliding=st.booleans())
 def test_momentum_is_kept_to_rounding(seed: int, count: int, pores: bool, sliding: bool) -> None:
     model = random_discs(seed, count, SOIL if sliding else ELASTIC, speed=0.5)
@@ -35,7 +35,7 @@ def test_momentum_is_kept_to_rounding(seed: int, count: int, pores: bool, slidin
     assert np.abs(momenta(model) - before) == pytest.approx([0.0, 0.0, 0.0], abs=1e-11 * size * reach)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(20, 120))
 def test_energy_of_a_closed_undamped_system_does_not_drift(seed: int, count: int) -> None:
     """Bonded discs that always touch: a smooth system, whose energy error is of second order and does not grow."""

@@ -7,7 +7,7 @@ from dem.search.deposit import deposit
 from dem.slides.liquefaction import Slider
 from workflow.config import Config
 
-WIDTH, LOOSE = 80.0, 10.0  # m
+WIDTH, LOOSE = 50.0, 10.0  # m
 
 
 @pytest.mark.parametrize("strain", [pytest.param(0.0, marks=pytest.mark.slow), 0.035])
@@ -27,7 +27,7 @@ def test_level_ground_sinks_by_the_volume_that_drains(strain: float) -> None:
             soil | {"name": "dense", "cohesion": 0, "friction_angle": "40 deg"},
         ],
         "slide": {"kh": 0.0, "cases": [case]},
-        "dem": {"elements": 700},
+        "dem": {"elements": 440},
     })  # fmt: skip
     ground = deposit(config.section, config.dem)
     start = ground.settled

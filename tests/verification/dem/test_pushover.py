@@ -50,7 +50,7 @@ def test_a_block_is_pushed_over_where_friction_says(mu: float, tilt_deg: float) 
     """A block on a plane that dips by beta slides at Kh = tan(phi - beta)."""
     tilt = np.radians(tilt_deg)
     ground, model, continuum = block(replace(SOIL, friction=mu, kpn=0.0, kps=0.0), tilt)
-    result = pushover_critical_kh(model, ground, SETTINGS, continuum)[0]
+    result = pushover_critical_kh(model, ground, SETTINGS, continuum, until_failed=False)[0]
     assert result.verdict == "bracketed"
     assert result.kc == pytest.approx(np.tan(np.arctan(mu) - tilt), rel=0.02)
     assert result.kc_lower <= result.kc <= result.kc_upper

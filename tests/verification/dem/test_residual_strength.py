@@ -12,12 +12,13 @@ SLOW = 0.046  # 1/s: an inertial number of 0.004 under 300 kPa
 
 
 @pytest.mark.parametrize(
-    ("ratio", "seed"), [(0.2, 0), *(pytest.param(ratio, 1, marks=pytest.mark.slow) for ratio in (0.05, 0.3))]
+    ("ratio", "seed", "strain"),
+    [(0.2, 0, 0.25), *(pytest.param(ratio, 1, 0.5, marks=pytest.mark.slow) for ratio in (0.05, 0.2, 0.3))],
 )
-def test_a_sheared_box_holds_what_was_asked(ratio: float, seed: int) -> None:
+def test_a_sheared_box_holds_what_was_asked(ratio: float, seed: int, strain: float) -> None:
     """Every window of 5 % of strain from 5 % on, within a tenth."""
     box = ShearedBox.of(seed, ratio * 3e5)
-    shear = box.shear(0.5, SLOW)[:, 0]
+    shear = box.shear(strain, SLOW)[:, 0]
     windows = np.convolve(shear, np.ones(5) / 5.0, "valid")[5:]
     assert windows.min() > 0.9
     assert windows.max() < 1.1
@@ -39,7 +40,7 @@ def test_a_weak_stratum_between_strong_ones_holds_its_own_strength(rows: float) 
 def test_pore_pressure_alone_has_no_strength() -> None:
     """With no residual strength a sheared box holds less than a two-hundredth of its pressure."""
     box = ShearedBox.of(0, 1e-3)
-    fixed, pressure = box.shear(0.5, SLOW, balance=5e-3)[10:].T
+    fixed, pressure = box.shear(0.25, SLOW, balance=5e-3)[10:].T
     assert np.abs(fixed * 1e-3 / pressure).mean() < 0.005
 
 

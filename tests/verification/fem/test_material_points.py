@@ -126,7 +126,7 @@ def test_stress_is_that_of_the_return_mapping_without_dilation(
 
 def test_threads_do_not_change_a_bit() -> None:
     slope = EndlessSlope(0.2)
-    item, two, three = (slope.engine(1.0, columns=64, threads=threads) for threads in (1, 2, 3))
+    item, two, three = (slope.engine(1.0, columns=32, threads=threads) for threads in (1, 2, 3))
     for engine in (item, two, three):
         slope.moved(engine, 0.2, 0.5)
     for engine in (two, three):
@@ -178,8 +178,8 @@ def test_endless_slope_moves_as_newmarks_block(times: float, end: float) -> None
     assert abs(engine.energy.transfer_loss_share) < 0.02
 
 
-# two thicknesses, two Kh and two of four places on the grid; the others take five times as long
-QUICK = ((6.0, 1.25, 0.6), (2.0, 1.1, 0.0))
+# one of two thicknesses, two Kh and four places on the grid; the others take ten times as long
+QUICK = ((6.0, 1.25, 0.6),)
 OTHERS = [
     (*setting, place) for setting in ((6.0, 1.1), (2.0, 1.1), (6.0, 1.25)) for place in (0.0, 0.2, 0.6, 0.85)
     if (*setting, place) not in QUICK
@@ -379,13 +379,13 @@ def test_what_flows_over_a_smooth_end_moves_on_beyond_it() -> None:
         "base": {"elevation": -3.0},
         "strata": [soft, layer("firm", cohesion="50 kPa")],
     }
-    slider = PointSlider(ground_of(Config.parse(data).section, 600, "smooth"), 1)
+    slider = PointSlider(ground_of(Config.parse(data).section, 300, "smooth"), 1)
     slider.settle()
     slide = slider.run(SlideProgramme(np.zeros_like, {0: 0.0}, {0: Remains(0.0, 0.0, 0.0, 2e3)}, 0.5, 0.5, 8.0))
     points = slider.ground.points
     places = points.x + slider.ground.offset
     beyond = (points.stratum >= 0) & (places[:, 0] > 24.0)
-    assert beyond.sum() > 20
+    assert beyond.sum() > 10
     assert places[beyond, 1].min() > -0.5 * slide.cell
     assert slide.slide[-1][0] < 0.1
     assert slide.slide_max > 4.0

@@ -75,7 +75,7 @@ def returns(trial, D, normals, flows, bounds):
 def test_associated_return_is_the_closest_point_in_elastic_energy():
     """The closest point is the least far of the admissible projections onto all planes, edges and corners."""
     regions = set()
-    for poisson, cohesion, friction, dilation, tension, trial in random_states(11, 300, flows=[1.0]):
+    for poisson, cohesion, friction, dilation, tension, trial in random_states(11, 180, flows=[1.0]):
         table = mc.table(YOUNG, poisson, cohesion, friction, dilation, tension)
         stress, _, _, region = returned(table, [*trial, 0])
         normals, bounds, D = (
@@ -93,7 +93,7 @@ def test_associated_return_is_the_closest_point_in_elastic_energy():
 
 def test_non_associated_return_is_the_only_solution_of_the_flow_rule():
     regions, beyond = set(), 0
-    for poisson, cohesion, friction, dilation, tension, trial in random_states(12, 600, flows=[0.0, 0.5]):
+    for poisson, cohesion, friction, dilation, tension, trial in random_states(12, 300, flows=[0.0, 0.5]):
         table = mc.table(YOUNG, poisson, cohesion, friction, dilation, tension)
         stress, _, _, region = returned(table, [*trial, 0])
         normals, flows = planes(friction, tension), planes(dilation, tension)
@@ -113,7 +113,7 @@ def test_non_associated_return_is_the_only_solution_of_the_flow_rule():
             beyond += 1
         regions.add(region[0])
     assert regions == set(range(len(REGIONS)))
-    assert beyond > 20
+    assert beyond > 10
 
 
 @pytest.mark.parametrize("dilation", [0.0, 0.2, 0.6])

@@ -159,8 +159,9 @@ def test_neither_the_first_step_nor_the_tolerance_matters(element, flow):
 
 def test_two_runs_agree_to_the_last_bit():
     run, mesh = mesh_of(1)
-    wish = FemSettings(element="bilinear", flow=AS_GIVEN, direction="downhill")
-    first, second = (critical_coefficient(run.section, mesh, wish, MPI.COMM_SELF) for _ in range(2))
+    first = outcome("bilinear")
+    wish = FemSettings(element="bilinear", flow=AS_GIVEN, sides="free-field", direction="downhill")
+    second = critical_coefficient(run.section, mesh, wish, MPI.COMM_SELF)
     assert (first.kc, first.upper) == (second.kc, second.upper)
     assert first.steps == second.steps
     assert np.array_equal(first.states[-1].displacement, second.states[-1].displacement)
