@@ -313,8 +313,10 @@ def bounds(
     _up_to("bounds", invocation.with_bounds(), force, Verbosity.of(quiet, verbose, json))
 
 
-def _of_stage(stage: str, panel: str, words: str) -> None:
-    """Return a command that runs a stage after the stages that it needs."""
+def _of_stage(stage: str, panel: str, words: str, bounds: bool = False) -> None:
+    """Return a command that runs a stage after the stages that it needs. With ``bounds`` it also runs the strict bounds
+    of the section, if they are not switched off.
+    """
 
     def command(
         section: SectionFile,
@@ -327,14 +329,18 @@ def _of_stage(stage: str, panel: str, words: str) -> None:
     ) -> None:
         from workflow.cli.invocation import Invocation
 
-        _up_to(stage, Invocation.of(section, folder, {}, settings), force, Verbosity.of(quiet, verbose, json))
+        invocation = Invocation.of(section, folder, {}, settings)
+        also = ("bounds",) if bounds and invocation.config.bounds.run is not False else ()
+        _up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), also)
 
     app.command(stages.command_of(stage), help=words, rich_help_panel=panel)(command)
 
 
 _of_stage("triggering", Panel.LIQUEFACTION, "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
 _of_stage("slices", Panel.GROUND, "Slip circles by Bishop and Spencer, towards both sides: factor of safety and Kh.")
-_of_stage("faces", Panel.GROUND, "Every face of structures by finite elements and bounds: Kh, factor of safety.")
+_of_stage(
+    "faces", Panel.GROUND, "Every face of structures by finite elements and bounds: Kh, factor of safety.", bounds=True
+)
 _of_stage(
     "residual", Panel.GROUND, "Factor of safety with peak strength, then with residual strength, and the critical Kh."
 )

@@ -364,7 +364,7 @@ def sentences(
         "fem": lambda: fem_sentences(FemAnswer.read(store), config.section, every, results),
         "bounds": lambda: bounds_sentences(BoundsAnswer.read(store)),
         "slices": lambda: _slices(config, SlicesAnswer.read(store)),
-        "faces": lambda: faces_sentences(FacesAnswer.read(store)),
+        "faces": lambda: faces_sentences(FacesAnswer.read(store), results),
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),
         "mpm": lambda: mpm_sentences(config, PointSlidesAnswer.read(store)),
         "slide": lambda: _slides(config, store),

@@ -316,13 +316,18 @@ def _above_bounds(lines: list[FaceLine]) -> Iterator[str]:
                 )
 
 
-def faces_sentences(answer: FacesAnswer) -> Iterator[str]:
-    """Yield sentences on the critical Kh and the factor of safety of every face, as commands print them."""
+def faces_sentences(answer: FacesAnswer, results: Results | None = None) -> Iterator[str]:
+    """Yield sentences on the critical Kh and the factor of safety of every face, as commands print them. A face that
+    fails first has the bounds of the section, which are taken from the ``results``.
+    """
     for face in answer.faces:
         phrases = []
         for name, value, digits in (("critical Kh", face.critical, 3), ("factor of safety", face.safety, 2)):
             if value is None or not value.reaches_crest:
                 continue
+            if results is not None and not value.held:
+                ends = _of_section(results, face.towards) if name == "critical Kh" else _of_safety(results)
+                value = value.model_copy(update=dict(zip(("lower", "upper"), ends, strict=True)))
             low = "" if value.davis is None else f", {value.davis:.{digits}f} with Davis reduced strength"
             bounds = "" if value.lower is None or value.upper is None else (
                 f", strict bounds {value.lower:.{digits}f} to {value.upper:.{digits}f}"

@@ -173,3 +173,16 @@ def test_a_face_of_finite_elements_above_their_strict_bound_has_the_value_of_the
         "embankment at x = 69 m, towards the left: critical Kh 0.144 with ψ = φ, 0.102 with Davis reduced strength, "
         "strict bounds 0.140 to 0.144 (the upper bound counts: the finite elements give 0.148); factor"
     )
+
+
+def test_a_face_that_fails_first_has_the_bounds_of_the_section() -> None:
+    """Without strong zones the section is the face's own ground: the command printed no bounds for such a face."""
+    config = levee()
+    assert answer().faces[1].critical is not None
+    assert not answer().faces[1].critical.held
+    of_section = bounds(config, 0.036, 0.038)
+    part = of_section.directions[0].model_copy(update={"direction": "uphill", "lower": 0.249, "upper": 0.255})
+    of_section = of_section.model_copy(update={"directions": (*of_section.directions, part)})
+    left, right = faces_sentences(answer(), results(config, faces=answer(), bounds=of_section))
+    assert "strict bounds 0.140 to 0.149" in left
+    assert "critical Kh 0.253 with ψ = φ, strict bounds 0.249 to 0.255" in right
