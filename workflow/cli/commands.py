@@ -314,9 +314,7 @@ def bounds(
 
 
 def _of_stage(stage: str, panel: str, words: str, bounds: bool = False) -> None:
-    """Return a command that runs a stage after the stages that it needs. With ``bounds`` it also runs the strict bounds
-    of the section, if they are not switched off.
-    """
+    """Return a command that runs a stage after the stages that it needs, and strict bounds if ``bounds`` is true."""
 
     def command(
         section: SectionFile,
@@ -338,9 +336,7 @@ def _of_stage(stage: str, panel: str, words: str, bounds: bool = False) -> None:
 
 _of_stage("triggering", Panel.LIQUEFACTION, "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
 _of_stage("slices", Panel.GROUND, "Slip circles by Bishop and Spencer, towards both sides: factor of safety and Kh.")
-_of_stage(
-    "faces", Panel.GROUND, "Every face of structures by finite elements and bounds: Kh, factor of safety.", bounds=True
-)
+_of_stage("faces", Panel.GROUND, "Every face of structures by elements and bounds: Kh, factor of safety.", bounds=True)
 _of_stage(
     "residual", Panel.GROUND, "Factor of safety with peak strength, then with residual strength, and the critical Kh."
 )
