@@ -337,9 +337,7 @@ def _of_stage(stage: str, panel: str, words: str, bounds: bool = False) -> None:
 _of_stage("triggering", Panel.LIQUEFACTION, "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
 _of_stage("slices", Panel.GROUND, "Slip circles by Bishop and Spencer, towards both sides: factor of safety and Kh.")
 _of_stage("faces", Panel.GROUND, "Every face of structures by elements and bounds: Kh, factor of safety.", bounds=True)
-_of_stage(
-    "residual", Panel.GROUND, "Factor of safety with peak strength, then with residual strength, and the critical Kh."
-)
+_of_stage("residual", Panel.GROUND, "Factor of safety with peak, then with residual strength, and the critical Kh.")
 _of_stage(
     "liquefied", Panel.LIQUEFACTION, "Whether the ground still stands once layers have liquefied, and the critical Kh."
 )
