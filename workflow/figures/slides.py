@@ -202,7 +202,7 @@ def history(config: Config, slides: Sequence[SlideHistory], out: Path) -> None:
     """Draw settlement uphill and largest slide against time, a line for each case."""
     sheet = Sheet(f"{config.section.heading}: slides in time", [0.26, 0.26], "", 2)
     largest = sheet.plot(0, "time since the onset (s)", "largest slide of the surface (m)")
-    settlement = sheet.plot(1, "time since the onset (s)", "settlement, uphill third (m)")
+    settlement = sheet.plot(1, "time since the onset (s)", "settlement, upslope third (m)")
     handles = []
     same: dict[Hashable, list[SlideHistory]] = {}
     for slide in sorted(slides, key=lambda shown: (shown.springs, shown.case)):

@@ -288,7 +288,7 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
         settled += "".join(f"; {note}" for note in case.notes)
         yield (
             f"Case {which} ({name}): the largest slide is {metres(case.slide_max_m)} at x = "
-            f"{case.slide_max_at_x_m:.0f} m, and the uphill third {case.uphill} by "
+            f"{case.slide_max_at_x_m:.0f} m, and the upslope third {case.uphill} by "
             f"{metres(abs(case.settlement_uphill_m))} on average{settled}."
         )
     yield from crest_sentences(crest_parts(config, answer))

@@ -35,7 +35,7 @@ def outcome(case: LiquefiedCase) -> str:
     if case.stands == "flows":
         return f"{after} does not stand without shaking: {case.reason}."
     most = case.kc if case.kc_upper is None or case.kc is None else min(case.kc, case.kc_upper)
-    acting = " acting uphill" if case.direction == "uphill" else ""  # where that gives the smaller critical Kh
+    acting = " acting upslope" if case.direction == "uphill" else ""  # where that gives the smaller critical Kh
     critical = f", with a critical Kh of about {coefficient(most)}{acting}" if most is not None else ""
     return f"{after} still stands without shaking{critical}: {case.reason}."
 

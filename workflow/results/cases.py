@@ -29,10 +29,10 @@ class CaseNumbers(Part):
     """Holds one case of liquefaction in numbers. Lengths are in m, positive downhill and down."""
 
     stiffness: float = Field(description="factor on the stiffness of the layers that liquefied")
-    settlement_uphill_m: float = Field(description="median settlement of the uphill third of the surface")
+    settlement_uphill_m: float = Field(description="median settlement of the upslope third of the surface")
     settlement_middle_m: float
     settlement_downhill_m: float
-    slide_uphill_m: float = Field(description="median slide of the uphill third of the surface")
+    slide_uphill_m: float = Field(description="median slide of the upslope third of the surface")
     slide_middle_m: float
     slide_downhill_m: float
     slide_max_m: float = Field(description="largest slide of the surface")
@@ -124,7 +124,7 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
     @property
     def uphill(self) -> str:
-        """Return whether the uphill third of the surface "rises" or "settles"."""
+        """Return whether the upslope third of the surface "rises" or "settles"."""
         return "rises" if self.settlement_uphill_m < 0.0 else "settles"
 
     @property
@@ -224,12 +224,12 @@ class RandomCase(Part):
 
 QUANTITIES = {
     "slide_max_m": "largest slide",
-    "slide_uphill_m": "slide, uphill third",
+    "slide_uphill_m": "slide, upslope third",
     "slide_middle_m": "slide, middle third",
-    "slide_downhill_m": "slide, downhill third",
-    "settlement_uphill_m": "settlement, uphill third",
+    "slide_downhill_m": "slide, downslope third",
+    "settlement_uphill_m": "settlement, upslope third",
     "settlement_middle_m": "settlement, middle third",
-    "settlement_downhill_m": "settlement, downhill third",
+    "settlement_downhill_m": "settlement, downslope third",
     "crack_opening_m": "widest crack",
 }
 LENGTHS = ("slide_max_m", "crack_opening_m")

@@ -29,10 +29,10 @@ class PointCase(MovedSurface):
         description="upper end of the numerical interval: the largest of the same three slides"
     )
     slide_max_at_x_m: float = Field(description="x of the largest slide of the surface")
-    slide_uphill_m: float = Field(description="median slide of the uphill third of the surface")
+    slide_uphill_m: float = Field(description="median slide of the upslope third of the surface")
     slide_middle_m: float
     slide_downhill_m: float
-    settlement_uphill_m: float = Field(description="median settlement of the uphill third of the surface")
+    settlement_uphill_m: float = Field(description="median settlement of the upslope third of the surface")
     settlement_middle_m: float
     settlement_downhill_m: float
     settlement_crest_m: float = Field(description="settlement of the highest point of the ground")

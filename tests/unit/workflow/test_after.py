@@ -53,7 +53,7 @@ def test_a_case_is_called_by_its_name_and_ground_that_rises_does_not_settle() ->
     data = slope()
     data["strata"][0]["liquefies_in"] = [1]
     config = analysed({**data, "slide": {"cases": [{"name": "loose", "stiffness": 0.1}]}})
-    for settlement, said in ((0.25, "uphill third settles by 0.25 m"), (-0.25, "uphill third rises by 0.25 m")):
+    for settlement, said in ((0.25, "upslope third settles by 0.25 m"), (-0.25, "upslope third rises by 0.25 m")):
         case = dem_fixture.case(0.1, 3.0).model_copy(update={"settlement_uphill_m": settlement})
         messages = list(slide_sentences(config, CasesAnswer(sets={"calibrated": {1: case}}, random=None)))
         assert messages[0].endswith("case 1, loose, upper: stiffness 0.1, damping 0.316, friction 0, cohesion 0.")
