@@ -299,9 +299,9 @@ class SlideSettings(Model):
         default=0.01,
         gt=0.0,
         description=(
-            "length (m) by which a surface at rest moves in 5 s at most. The surface of discs may "
-            "oscillate by three times this length. The surface of material points moves by less than this "
-            "length, or 1 % of the slide, in two intervals of 5 s in a row, and its largest slide by less than 0.2 %"
+            "length (m) by which a surface at rest moves in 5 s at most; 0.2 % of the slide if that is more. The "
+            "surface of discs may oscillate by three times this length. Most of the surface of material points may "
+            "move by 1 % of the slide, and has to be at rest for two intervals of 5 s in a row"
         ),
     )
     duration: float = Field(default=60.0, gt=0.0, description="largest simulated duration of a slide (s)")

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 WINDOW = 5.0  # s
+STILL_SHARE = 2e-3  # of the largest slide: what moves on by less in a window is no movement, far below the scatter
 SWING = 3.0  # times what counts as still, about where the ground has come to lie: little damps the swing of firm ground
 LATELY = 10.0  # s
 LITTLE = 0.01  # of the total energy exchanged, in a window
@@ -17,7 +18,7 @@ LITTLE = 0.01  # of the total energy exchanged, in a window
 
 def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: float) -> bool:
     """Return whether the ground is at rest: no displacement increased by `still` (m) within the last window of time, or
-    oscillated by more than a few times this length.
+    oscillated by more than a few times this length. `STILL_SHARE` of the largest displacement counts as still, too.
 
     The increase is twice the difference of the means over the two halves of the window: for creeping ground it is equal
     to the displacement, for oscillating ground much smaller.
@@ -28,6 +29,7 @@ def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: flo
     time, where = np.asarray(times, float), np.asarray(moved, float)
     if len(time) == 0 or time[-1] - time[0] < WINDOW - 1e-9:
         return False
+    still = max(still, STILL_SHARE * float(np.abs(where[-1]).max()))
     since = time - time[-1] + WINDOW
     late, middle = since > -1e-9, 0.5 * WINDOW
     earlier, later = where[late & (since < middle + 1e-9)], where[since > middle - 1e-9]

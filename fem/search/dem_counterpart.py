@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fem.continuum.fields import state_of
+from fem.limit_load.limit_load import is_unique, loaded_ground
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.path_step import PathStep
 from fem.path.plateau import PathListener
@@ -79,10 +80,14 @@ def associated_kc(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
 ) -> float:
     """Compute the critical Kh between the sides of the ``settings`` with ψ = φ: ground that dilates less does not
-    resist more (Radenkovic 1961).
+    resist more (Radenkovic 1961). It is the limit load of the mesh, or that of a path if the solver leaves none.
 
     ``section``, ``mesh``, ``settings``, ``comm``, ``listener``: as in ``non_associated_path``. Raises InputError,
     UnstableError and NoEquilibriumError.
     """
     wish = settings.changed(flow="associated", kh=())
+    if wish.direction != "both" and is_unique(section, wish):
+        ground = loaded_ground(section, mesh, wish, comm)
+        if ground.limit is not None:
+            return min(ground.limit.multiplier, wish.kh_limit)
     return critical_coefficient(section, mesh, wish, comm, listener).upper

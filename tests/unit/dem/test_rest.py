@@ -48,3 +48,10 @@ def test_what_drives_a_slide_is_told_by_its_last_five_seconds() -> None:
     assert "would continue without" in residual_motion_source(TIMES, weight, shaking)
     assert "would continue without" not in residual_motion_source(TIMES, shaking - 1e6, weight)
     assert "slows down" in residual_motion_source(TIMES, -weight, np.zeros(len(TIMES)))
+
+
+@pytest.mark.parametrize(("far", "speed", "rests"), [(10.0, 0.0039, True), (10.0, 0.0041, False), (4.0, 0.0021, False)])
+def test_a_long_slide_rests_when_it_goes_on_by_less_than_its_share(far: float, speed: float, rests: bool) -> None:
+    """Ground that creeps moves by 5 v in a window of five seconds: 0.2 % of 10 m are 20 mm, of 4 m less than 10 mm."""
+    moved = (far + speed * (TIMES - TIMES[-1]))[:, np.newaxis]
+    assert at_rest(TIMES, moved, 0.01) == rests
