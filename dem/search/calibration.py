@@ -278,14 +278,13 @@ def best(
     return min(calibration, other, key=lambda c: (c.verdict != "calibrated", abs(middle(c.search) - target)))
 
 
-def calibrated(calibrator: Calibrator, continuum: Continuum, one_at_a_time: bool) -> Calibration:
-    """Return the factor with which the discs reach the nearest critical Kh within the bracket of the continuum; with
-    ``one_at_a_time`` the sensitivities to all parameters are computed first.
-    """
+def calibrated(calibrator: Calibrator, continuum: Continuum, one_at_a_time: bool, first: float = 1.0) -> Calibration:
+    """Return the factor with which the discs reach the nearest critical Kh within the bracket of the continuum.
+    ``one_at_a_time`` computes all sensitivities before; ``first``: factor of another packing, tried first."""
     table = sensitivities(calibrator) if one_at_a_time else []
-    base = calibrator.search("", 1.0)
+    base = calibrator.search(calibrator.settings.parameter.replace("auto", "strength"), first)
     target = continuum.kc if base.kc is None else continuum.nearest(middle(base))
-    return best(calibrator, target, calibrator.settings.parameter, table or [("", 1.0, base)])
+    return best(calibrator, target, calibrator.settings.parameter, table or [("", 1.0, base)] * (first == 1.0))
 
 
 def middle(search: Search) -> float:
@@ -325,7 +324,8 @@ def calibrate(
     def met() -> bool:
         return any(_met(search, target, settings.tolerance) for search in tried.values())
 
-    for outwards in _outwards(tried.get(1.0), target, settings):
+    first = 1.0 if 1.0 in tried else min(tried, default=1.0)
+    for outwards in _outwards(first, tried.get(first), target, settings):
         if met() or _bracket(tried, target) is not None:
             break
         tried |= zip(outwards, calibrator.search_all([(parameter, f) for f in outwards]), strict=True)
@@ -368,8 +368,8 @@ def _out_of_reach(
     return f"calibration failed: {message}" if settings.model == "soil" else message
 
 
-def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:
-    """Yield the factors of the trials, from 1 towards the end of the range that the target requires.
+def _outwards(first: float, base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:
+    """Yield the factors of the trials, from the ``first`` with its search towards the end that the target requires.
 
     The factors are halves, quarters, ... or doubles, two at a time for any number of workers. For soil discs, whose
     range is short, the first factor is the target over the uncalibrated critical Kh.
@@ -378,7 +378,7 @@ def _outwards(base: Search | None, target: float, settings: DemSettings) -> Iter
     weaker = base is None or middle(base) > target
     end = low if weaker else high
     if settings.model == "soil":
-        ratio = target / middle(base) if base is not None and middle(base) > 0.0 else end
+        ratio = first * target / middle(base) if base is not None and middle(base) > 0.0 else end
         steps = [ratio] if low < ratio < high else []
         count = 1
     else:

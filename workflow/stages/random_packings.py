@@ -53,7 +53,11 @@ class RandomPackingsWanted:
     def _packings(self, parameter: str) -> list["PackingTask"]:
         seeds = self.config.slide.packings(self.config.dem.model)
         others = [seed for seed in seeds if self.of_run is None or seed != self.of_run.seed]
-        return [PackingTask(self.config, self.store, self.continuum, seed, parameter, self.numbers) for seed in others]
+        first = 1.0 if self.of_run is None else self.of_run.value
+        return [
+            PackingTask(self.config, self.store, self.continuum, seed, parameter, self.numbers, first)
+            for seed in others
+        ]
 
     def first_packings(self) -> list["PackingTask"]:
         """Return the packings that can begin: all, or only the one that determines the parameter."""
@@ -95,7 +99,9 @@ def _own_seed(config: Config, calibration: CalibrationAnswer) -> Seed | None:
 
 @dataclass(frozen=True)
 class PackingTask:
-    """Holds one random packing, given by its seed, to be calibrated and used for slides in the folder of the run."""
+    """Holds one random packing, given by its seed, to be calibrated and used for slides in the folder of the run. The
+    calibration begins with the factor of the packing of the run itself, ``first``, which often is close enough.
+    """
 
     config: Config
     store: Store
@@ -103,6 +109,7 @@ class PackingTask:
     seed: int
     parameter: str
     numbers: tuple[int, ...]
+    first: float = 1.0
 
     def message(self, text: str) -> str:
         """Return the message of a packing, with its seed."""
@@ -123,7 +130,7 @@ def packed(packing: PackingTask, tell: Tell) -> Packed:
         seed = _untouched(packing.seed)
     else:
         choose = parameter == "auto" and dem.model == "paper"
-        calibration = calibrated(calibrator, packing.continuum, one_at_a_time=choose)
+        calibration = calibrated(calibrator, packing.continuum, one_at_a_time=choose, first=packing.first)
         parameter = calibration.parameter
         seed = _seed(packing.seed, calibrator, calibration)
     if seed.verdict == "out of reach":
@@ -161,7 +168,7 @@ def _untouched(seed: int) -> Seed:
 def _seed(seed: int, calibrator: Calibrator, calibration: Calibration) -> Seed:
     return Seed(
         seed=seed,
-        kc_before=calibrator.searches["", 1.0].kc,
+        kc_before=calibrator.searches["", 1.0].kc if ("", 1.0) in calibrator.searches else None,
         parameter=calibration.parameter,
         value=calibration.value,
         kc=calibration.search.kc,

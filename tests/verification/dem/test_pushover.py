@@ -14,7 +14,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
 from dem.search import pushover
-from dem.search.calibration import Calibrator, calibrate
+from dem.search.calibration import Calibrator, calibrate, calibrated
 from dem.search.critical import Search
 from dem.search.equilibrium import Trial, settle, step_on, stop
 from dem.search.pushover import BEYOND, FORMED, FURTHEST, Continuum, pushover_critical_kh
@@ -183,3 +183,24 @@ def test_discs_are_brought_to_the_nearest_kh_at_which_the_continuum_may_fail() -
     softening = Continuum(0.16, 0.1, 0.23)
     assert [softening.nearest(kh) for kh in (0.1, 0.2, 0.3)] == [0.16, 0.2, 0.23]
     assert Continuum(0.16, 0.1).nearest(0.2) == 0.16
+
+
+class _Proportional(Calibrator):
+    """Discs whose critical Kh is 0.38 times the factor on their strength, as that of a packing of S-13 about is."""
+
+    def settled_with(self, parameter: str, factor: float) -> DiscModel:
+        return self.settled
+
+    def _searched(self, key: tuple[str, float], settled: DiscModel, fine: bool) -> Search:
+        return Search(0.38 * key[1] - 0.001, 0.38 * key[1] + 0.001, "bracketed")
+
+
+@pytest.mark.parametrize(("first", "factors"), [(0.9, {0.9}), (0.8, {0.8, 0.89474})])
+def test_another_packing_begins_with_the_factor_of_the_first(first: float, factors: set[float]) -> None:
+    """Random packings of one section differ little: a factor that is close enough needs one search."""
+    ground, model, _ = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
+    discs = _Proportional(ground, [SOIL], model, DemSettings())
+    calibration = calibrated(discs, Continuum(0.34, 0.1), one_at_a_time=False, first=first)
+    assert calibration.verdict == "calibrated"
+    assert {round(factor, 5) for _, factor in discs.searches} == factors
+    assert {name for name, _ in discs.searches} == {"strength"}
