@@ -138,7 +138,7 @@ class LinearSolver:
 
 class CholmodMatrix:
     """Holds the stiffness matrix on one rank by its lower triangle; ``rows`` (nc, border) are the numbers of the
-    displacement components of each cell."""
+    displacement components of each cell, ``nested`` is as in ``Cholesky``."""
 
     @staticmethod
     def suits(rows: np.ndarray) -> bool:
@@ -147,10 +147,10 @@ class CholmodMatrix:
         """
         return not (np.diff(np.sort(rows, axis=1), axis=1) == 0).any() and cholmod.available()
 
-    def __init__(self, rows: np.ndarray, size: int) -> None:
+    def __init__(self, rows: np.ndarray, size: int, nested: bool = True) -> None:
         self._order = np.argsort(rows, axis=1)
         starts = rows.shape[1] * np.arange(len(rows) + 1)
-        self._lower = LowerTriangle(starts, np.take_along_axis(rows, self._order, axis=1).ravel(), size)
+        self._lower = LowerTriangle(starts, np.take_along_axis(rows, self._order, axis=1).ravel(), size, nested)
 
     def factorise(self, elements: np.ndarray, ones: np.ndarray) -> None:
         """Factorise the sum of all matrices ``elements``, with a one on the diagonal at the components ``ones``. Raises

@@ -53,7 +53,7 @@ class LocalSubproblem:
         """
         moving, moved = self.moving, increment[self.part.components]
         dofs = self.part.dofs
-        matrix = CholmodMatrix(dofs, len(moved)) if CholmodMatrix.suits(dofs) else None
+        matrix = CholmodMatrix(dofs, len(moved), nested=False) if CholmodMatrix.suits(dofs) else None
         internal, tangent = _response(self.part, moved)
         left = unbalanced[self.components]
         force = left + internal[moving]

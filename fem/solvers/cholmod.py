@@ -75,17 +75,20 @@ class Cholesky:
     ----------
     pattern : csc matrix (n, n)
         Pattern of the lower triangle, with sorted rows in each column; the values are not used.
+    nested : bool
+        Whether the unknowns are ordered by nested dissection, which takes as long as one to three factorisations and
+        then saves time in each; else by minimum degree.
     """
 
-    def __init__(self, pattern: sparse.csc_matrix) -> None:
+    def __init__(self, pattern: sparse.csc_matrix, nested: bool = True) -> None:
         self._library, self._size = _library(), pattern.shape[0]
         self._settings = _new_settings(self._library)
         self._pointers = np.ascontiguousarray(pattern.indptr, dtype=np.int32)
         self._rows = np.ascontiguousarray(pattern.indices, dtype=np.int32)
         self._work = tuple(c_void_p() for _ in range(3))  # solution and work space, kept for the next call
         matrix, order = self._matrix(np.zeros(len(self._rows))), np.zeros(self._size, dtype=np.int32)
-        nested = self._library.cholmod_metis
-        ordered = nested(byref(matrix), None, 0, 1, order.ctypes.data_as(c_void_p), self._settings)
+        dissect = self._library.cholmod_metis
+        ordered = nested and dissect(byref(matrix), None, 0, 1, order.ctypes.data_as(c_void_p), self._settings)
         chosen = order.ctypes.data_as(c_void_p) if ordered else None
         self._factor = c_void_p(self._library.cholmod_analyze_p(byref(matrix), chosen, None, 0, self._settings))
         if not self._factor:

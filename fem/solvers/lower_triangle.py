@@ -29,9 +29,11 @@ class LowerTriangle:
         Unknowns of the small matrices in rising order: ``columns[starts[i] : starts[i + 1]]`` are those of number i.
     size : int
         Number of unknowns, n.
+    nested : bool
+        Whether the unknowns are ordered by nested dissection, see ``Cholesky``.
     """
 
-    def __init__(self, starts: np.ndarray, columns: np.ndarray, size: int) -> None:
+    def __init__(self, starts: np.ndarray, columns: np.ndarray, size: int, nested: bool = True) -> None:
         touched = sparse.csr_matrix((np.ones(len(columns)), columns, starts), shape=(len(starts) - 1, size))
         identity = sparse.identity(size)  # a diagonal everywhere
         pattern = sparse.tril(touched.T @ touched + identity, format="csc")
@@ -42,7 +44,7 @@ class LowerTriangle:
         find_places(starts, columns, pattern.indptr, pattern.indices, self.first, self.places)
         self.entries = np.empty(pattern.nnz)
         self.diagonal = pattern.indptr[:-1]
-        self._factors = Cholesky(pattern)
+        self._factors = Cholesky(pattern, nested)
 
     def factorise(self) -> None:
         """Factorise the ``entries``, with the smallest share of STIFFER added to the diagonal that makes the matrix

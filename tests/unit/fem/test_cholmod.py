@@ -21,21 +21,22 @@ def lower_triangle(side: int) -> sparse.csc_matrix:
     return lower
 
 
-def solution(lower: sparse.csc_matrix, sides: np.ndarray) -> np.ndarray:
-    factors = cholmod.Cholesky(lower)
+def solution(lower: sparse.csc_matrix, sides: np.ndarray, nested: bool) -> np.ndarray:
+    factors = cholmod.Cholesky(lower, nested)
     factors.factorise(lower.data)
     return factors.solve(sides)
 
 
-def test_solutions_are_right_and_do_not_depend_on_threads() -> None:
+@pytest.mark.parametrize("nested", [True, False])
+def test_solutions_are_right_and_do_not_depend_on_threads(nested: bool) -> None:
     """Two threads at once order, factorise and solve ten times each what one has done before."""
     lower = lower_triangle(70)
     sides = np.sin(np.arange(2.0 * lower.shape[0])).reshape(-1, 2)
-    alone = solution(lower, sides)
+    alone = solution(lower, sides, nested)
     whole = lower + sparse.triu(lower.T, 1)
     assert np.abs(whole @ alone - sides).max() < 1e-10
     with ThreadPoolExecutor(2) as threads:
-        values = list(threads.map(lambda _: solution(lower, sides), range(20)))
+        values = list(threads.map(lambda _: solution(lower, sides, nested), range(20)))
     assert all(np.array_equal(alone, item) for item in values)
 
 
