@@ -144,11 +144,14 @@ def _of_slides(slides: MethodSlides, _: Texts) -> str:
             least=rough_range(low, low),
             **values,
         )
-    return _(
+    known = _(
         "{span} by the error of {method}: they predicted {within} of {cases} known slides within a factor of {factor}",
         span=rough_range(low, high),
         **values,
     )
+    if slides.ends[0] < min(slides.largest) / error.factor:  # the factor alone does not give the lower end
+        known += _("; the numerical error alone gives {span}", span=span(slides.ends))
+    return known
 
 
 def _uncertain(error: SlideError, method: str, _: Texts) -> str:

@@ -107,6 +107,20 @@ def test_a_slide_that_reaches_a_side_of_the_model_is_open_above(
     assert slide.interval.startswith("8 m or more by the error" if stopped else "8 to 140 m by the error")
 
 
+def test_a_lower_end_that_the_factor_does_not_give_names_the_numerical_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """S-13: "0 to 3 m" was told of 0.96 m within a factor of 3; its cells alone leave 0 to 0.96 m."""
+    error = SlideError("lateral spreads", 3.0, 20, 30, 2.1, "mpm")
+    monkeypatch.setattr(governing, "slide_error", lambda flows, method: error if method == "mpm" else None)
+    point = SimpleNamespace(
+        slide_max_m=0.96, slide_max_low_m=0.0, slide_max_high_m=0.96, settled=True, reason="", stopped_by=None
+    )
+    slide = headlines(results(analysed(slope()), mpm=cast(Any, SimpleNamespace(cases={1: point}))), Texts())[2]
+    assert slide.interval == (
+        "0 to 3 m by the error of material points: they predicted 20 of 30 known slides within a factor of 3; the "
+        "numerical error alone gives 0 to 0.96 m"
+    )
+
+
 def test_where_nothing_liquefies_the_third_number_is_that_of_a_rigid_block_in_the_earthquake() -> None:
     data = {**slope(), "earthquake": {"magnitude": 6.8, "peak_acceleration": "0.3 g"}}
     weak = headlines(results(analysed(data), fem=fem(analysed(data), 0.05)), Texts())[2]
