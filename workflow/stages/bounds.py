@@ -32,6 +32,12 @@ if TYPE_CHECKING:
     from fem.limit.safety_bounds import SafetyBounds
 
 
+class NoBracketError(NoAnswerError):
+    """One of the strict bounds is missing. The finite elements may have an answer all the same."""
+
+    MISSING = "No strict bounds"
+
+
 def work(job: Job) -> None:
     """Compute strict bounds of the critical Kh, with ψ = φ and by Davis's estimate; writes fem/bounds.json,
     figures/bounds_*.png.
@@ -59,7 +65,7 @@ def work(job: Job) -> None:
     answer.write(job.store)
     job.executor.submit(_draw, config, bounds, job.store).result()  # where the pictures of the stage before were drawn
     if answer.verdict == "no bracket":
-        raise NoAnswerError(answer.reason.rstrip("."), _remedy(bounds.ended))
+        raise NoBracketError(answer.reason.rstrip("."), _remedy(bounds.ended))
 
 
 def _draw(config: Config, bounds: "KhBounds", store: Store) -> None:

@@ -10,7 +10,8 @@ import pytest
 
 from meshes.errors import InputError
 from tests.support.command_line import TOP
-from workflow.cli.exit_codes import BAD_INPUT, FAULT, STOPPED, ended
+from workflow.cli.exit_codes import BAD_INPUT, FAULT, NO_ANSWER, STOPPED, ended
+from workflow.stages.bounds import NoBracketError
 
 
 def interrupted_by_itself() -> None:
@@ -32,6 +33,11 @@ def refused() -> None:
     raise InputError("section.toml", ["strata: missing"])
 
 
+def without_bounds() -> None:
+    """As `fem --safety-factor` ends whose finite elements have an answer, and whose bounds do not."""
+    raise NoBracketError("there is no lower bound", "rely on the finite elements")
+
+
 def faulty() -> None:
     raise SystemError("a fault")
 
@@ -42,6 +48,7 @@ def faulty() -> None:
         (interrupted_by_itself, STOPPED, "Stopped.\n"),
         (interrupted_as_compiled_code_returns, STOPPED, "Stopped.\n"),
         (refused, BAD_INPUT, "strata: missing"),
+        (without_bounds, NO_ANSWER, "No strict bounds: there is no lower bound; rely on the finite elements\n"),
         (faulty, FAULT, "This is a fault of noshiro, not of your input: SystemError: a fault"),
     ],
 )
