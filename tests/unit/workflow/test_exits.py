@@ -48,7 +48,7 @@ def faulty() -> None:
         (interrupted_by_itself, STOPPED, "Stopped.\n"),
         (interrupted_as_compiled_code_returns, STOPPED, "Stopped.\n"),
         (refused, BAD_INPUT, "strata: missing"),
-        (without_bounds, NO_ANSWER, "No strict bounds: there is no lower bound; rely on the finite elements\n"),
+        (without_bounds, NO_ANSWER, "No strict bounds: there is no lower bound; rely on"),
         (faulty, FAULT, "This is a fault of noshiro, not of your input: SystemError: a fault"),
     ],
 )
