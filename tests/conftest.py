@@ -1,10 +1,15 @@
 """What holds for all tests: Ctrl-C is heard, and no property depends on how busy the machine is."""
 
 import gc
+import os
 import signal
 
 import pytest
 from hypothesis import settings
+
+# Before NumPy is imported, here and in every program that a test starts: threads of BLAS spin while they wait for each
+# other, and beside other tests the inverse of a matrix of two rows takes milliseconds for microseconds.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 settings.register_profile("gate", deadline=None, max_examples=30)
 settings.register_profile("long studies", deadline=None, max_examples=100)
