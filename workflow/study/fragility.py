@@ -59,7 +59,9 @@ def curve(name: str, levels: np.ndarray, exceeds: np.ndarray) -> ProbabilityCurv
 
 KH, SCALE = "slide.kh", "slide.scale"  # by which a study draws what shakes the discs
 POINTS = 41  # of a curve
-BEYOND = 1.5  # times the largest critical Kh, where the curves of the block end
+# Times the largest critical Kh where the curves of the block end, and times the median that curves over the peak of a
+# record do; they reach the shaking of the section file in any case.
+BEYOND, BEYOND_PEAK = 1.5, 4.0
 LEAST = 1e-3  # kc of a block that would never stop otherwise
 
 
@@ -114,14 +116,14 @@ def _levels(config: Config, table: SampleTable) -> dict[str, np.ndarray]:
 
 def _blocks(config: Config, kc: np.ndarray) -> Iterator[ProbabilityCurve]:
     drive = block_drive(config)
-    over = np.linspace(0.0, BEYOND * float(np.quantile(kc, 0.95)), POINTS)
+    over = np.linspace(0.0, max(BEYOND * float(np.quantile(kc, 0.95)), constant_kh(config)), POINTS)
     slides = np.array([[drive.slide(yield_kh, kh) for kh in over] for yield_kh in kc])
     for far in config.study.exceeds:
         yield probability(f"block, Kh {drive.words}: slide > {far:g} m", over, slides > far)
     if not config.sliding_block.accelerogram:
         return
     record = config.sliding_block.in_use()
-    peaks = np.linspace(0.0, 4.0 * float(np.median(kc)), POINTS)
+    peaks = np.linspace(0.0, max(BEYOND_PEAK * float(np.median(kc)), record.peak / GRAVITY), POINTS)
     slides = np.array([[_under(record, peak, yield_kh) for peak in peaks] for yield_kh in kc])
     for far in config.study.exceeds:
         yield probability(f"block, {record.name} by PGA / g: slide > {far:g} m", peaks, slides > far)

@@ -4,7 +4,8 @@ import csv
 import io
 import math
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from scipy.integrate import quad
 
 from fem.errors import NoEquilibriumError, UnstableError
 from meshes.errors import NoAnswerError
-from tests.support.sections import slope
+from tests.support.sections import analysed, slope
 from tests.support.tasks import Numbers, infinite_slope, ishigami
 from workflow.config import Config
 from workflow.report.study import _strongest as strongest
@@ -23,7 +24,7 @@ from workflow.results.cases import Spread
 from workflow.results.study import Effect, Result, StudyAnswer
 from workflow.study import continuum, task
 from workflow.study.ensemble import Ensemble
-from workflow.study.fragility import curve, fit
+from workflow.study.fragility import curve, fit, fragility
 from workflow.study.statistics import effects, probability
 from workflow.study.table import SampleRow, SampleTable
 from workflow.study.task import Task
@@ -120,6 +121,16 @@ def test_intervals_of_a_probability_hold_it_19_times_in_20(n: int) -> None:
         curve = probability("p", truth, item[:, None] < truth)
         fixed += int(np.sum((np.array(curve.low) <= truth) & (truth <= np.array(curve.high))))
     assert fixed / (3 * 400) == pytest.approx(0.95, abs=0.02)
+
+
+def test_curves_of_the_block_reach_the_shaking_of_the_section_file() -> None:
+    """A slope of critical Kh 0.015 had its fragility drawn up to 0.023, where nothing slides, for Kh = 0.195."""
+    config = analysed({**slope(), "earthquake": {"magnitude": 7.0, "peak_acceleration": "0.3 g"}})
+    table = cast(SampleTable, SimpleNamespace(names=(), column=lambda name: np.array([0.014, 0.015])))
+    curves = list(fragility(config, table))
+    assert len(curves) == len(config.study.exceeds)
+    assert all(each.over[-1] == pytest.approx(config.slide.kh) for each in curves)
+    assert curves[0].chance[-1] > 0.5
 
 
 def test_the_fit_over_kh_finds_the_fragility_that_samples_were_drawn_from() -> None:
