@@ -115,8 +115,8 @@ class Case(Model):
 
     def remains_of(self, section: Section, number: int) -> Remains:
         """Return the strength of a stratum after liquefaction: its residual strength, or shares of cohesion and
-        friction if these are larger. Residual strength and shares are not added, since back-calculated residual
-        strengths are the whole strength of liquefied soil.
+        friction if the strength that these shares leave is larger. The two strengths are not added, since residual
+        strengths that were back-calculated from failures are the whole strength of liquefied soil.
         """
         stratum, field = section.strata[number], section.cohesion_field
         residual = self.residual_remains(stratum.name)

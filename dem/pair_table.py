@@ -50,9 +50,11 @@ def pair_table(
     dashpot of the same damping ratio, so that it stops discs of any stiffness.
 
     law "soil": a contact between two materials has the strength of the weaker one at its normal force, for slip and for
-    rolling: between sand and clay it is the smaller of mu Fn and C. Stiffness is a mean, by default the arithmetic one.
-    Contacts of a liquefied layer are reduced by the share that has faded. law "paper": ValueError for constants of soil
-    discs.
+    rolling: between sand and clay it is the smaller of mu Fn and C. The stiffness of the contact is the mean of the
+    stiffnesses of both layers: arithmetic by default, or harmonic. Stiffness, damping, cohesion and tensile strength of
+    contacts of a liquefied layer are multiplied by the share that liquefaction leaves.
+
+    law "paper": ValueError for constants of soil discs.
     """
     if not layers:
         raise ValueError("no layers: the table of springs needs at least one")

@@ -364,7 +364,7 @@ class SlideSettings(Model):
         if self.kh == 0.0:
             return "its weight alone"
         if self.kh_cycles is not None:
-            return f"Kh = {self.kh:g} in both directions, {self.kh_cycles:g} cycles of {self.kh_period:g} s"
+            return f"Kh = {self.kh:g} in both directions ({self.kh_cycles:g} cycles, period {self.kh_period:g} s)"
         return f"Kh = {self.kh:g}" + (f" for {self.kh_seconds:g} s" if self.kh_seconds is not None else "")
 
     def onset_of(self, model: DiscModelName) -> float:

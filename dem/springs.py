@@ -42,18 +42,18 @@ class LayerSprings:
         Normal and tangential stiffness of pore springs, the breakable springs between discs that stand for pore water
         in the paper (N/m).
     density : float
-        Density of the discs, eq. (5) of the paper, for inertia and horizontal force (kg/m3).
+        Density of the discs by equation 5 of the paper, for inertia and horizontal force (kg/m3).
     effective_density : float
         Effective density of the discs, for weight (kg/m3).
     friction : float
         Coulomb friction mu of contacts; negative for soil discs of clay, see `Strength`.
     cohesion : float
-        Cohesion of the pore springs, b C of eq. (16) of the paper (N).
+        Cohesion of the pore springs: the force b C in equation 16 of the paper (N).
     alpha, beta : float
-        Distance of the centres over the sum of the radii up to which a pore spring is set, eq. (14) of the paper, and
-        at which the spring cracks, eq. (15), over its initial length.
+        alpha: distance of the centres over the sum of the radii up to which a pore spring is set (equation 14 of the
+        paper); beta: length over initial length at which a pore spring cracks (equation 15).
     pore_friction : float or None
-        Friction coefficient of the pore springs, tan(theta) of eq. (16) of the paper; `friction` if None.
+        Friction coefficient of the pore springs: tan(theta) in equation 16 of the paper; `friction` if None.
     allowed_overlap : float
         Largest overlap as a share of the mean radius of the pair; larger overlaps stop the run.
     contact_cohesion : float

@@ -115,7 +115,7 @@ def free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path
             make_free_mesh, section, settings, sizes, path and Path(path).absolute()
         ).result()
     except LostError as error:
-        raise BadMeshError("gmsh has ended its process; try another size") from error
+        raise BadMeshError("the process of gmsh ended without a mesh; try another size of cells") from error
 
 
 def make_free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path: Path | str | None = None) -> QuadMesh:

@@ -127,12 +127,14 @@ def pore(
     """Compute the forces of a pore spring, eqs. (11)-(17) of the paper. An intact spring pulls, pushes and shears; a
     cracked one works only while compressed.
 
-    length: distance L at which the spring was set (m), negative once cracked, 0 if there is none. distance: D of the
-    centres (m); slip: since the last step (m); kpn, kps: normal and tangential stiffness (N/m); tan: tan(theta) of eq.
-    (16); bc: b C of eq. (16) (N); beta: of eq. (15). contact_normal: share of the contact spring in Fn of eq. (16) (N);
-    shear: tangential force kept (N). A pore spring cracks where D >= beta L (eq. 15) or |Ft| > max(Fn tan(theta) + bC,
-    0) (eq. 16), and is in state 2 from this step on: without cohesion, its shear force is limited by friction under its
-    own compression. Returns (normal force, tangential force before the limit, tangential force kept, new length).
+    A pore spring cracks where D >= beta L (equation 15) or |Ft| > max(Fn tan(theta) + bC, 0) (equation 16). From this
+    step on it has no cohesion, and friction under its own compression limits its shear force (state 2 of the paper).
+
+    length: distance L of the centres at which the spring was set (m), negative once cracked, 0 if there is none;
+    distance: distance D of the centres (m); slip: tangential displacement since the last step (m); shear: tangential
+    force kept from the last step (N); contact_normal: normal force of the contact spring as far as it is part of Fn in
+    equation 16 (N); kpn, kps: normal and tangential stiffness (N/m); tan: tan(theta); bc: cohesion bC (N); beta: ratio
+    of lengths. Returns (normal force, tangential force before the limit, tangential force kept, new length).
     """
     size = abs(length)
     normal = kpn * (size - distance)

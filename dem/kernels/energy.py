@@ -47,8 +47,10 @@ def book(now: Contact, out: np.ndarray) -> None:
 def lanes_energy(
     chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, soil: bool, out: np.ndarray
 ) -> None:
-    """Add the energies of one chunk of contacts to `out`. The forces of the contacts are added to the sums of their
-    owners and written into the rows of their partners.
+    """Add the energies of one chunk of contacts to `out`, and compute the forces on both discs of each contact.
+
+    The force on the disc that owns the contact is added to its sum of forces in `buffer`. The force on the other disc,
+    the partner, is written into the rows of `buffer` for partners.
 
     state, buffer, slip_time, law, soil: as in `chunks.contact`; out: energies (ENERGIES,) in J.
     """

@@ -163,10 +163,11 @@ def place_links(
     """Write the contacts from begin to end into their lanes; `links` to `kind` are prefilled with entries of lanes
     without contact.
 
-    owner, partner: discs of each contact; turn: number of the contact among the contacts of its owner; chunk_start: as
-    in `Layout`; radii: radii of the discs (m); kinds: column of the constants; memory: history variables of each
-    contact, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for discs with the law "paper"); links,
-    rolling, where, kind: arrays of the layout to fill.
+    owner, partner: the disc that owns a contact, in whose slice the contact is stored, and the other disc of the
+    contact; turn: number of the contact among the contacts of its owner; chunk_start: as in `Layout`; radii: radii of
+    the discs (m); kinds: column of the constants; memory: history variables of each contact, as named in
+    `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for discs with the law "paper"); links, rolling, where, kind:
+    arrays of the layout to fill.
     """
     for c in range(begin, end):
         i = owner[c]

@@ -313,8 +313,9 @@ def carry_over(
 ) -> None:
     """Copy the history variables of the old list to the pairs from begin to end of the new list, and zero to new pairs.
 
-    before, after: arrays of the old and of the new list; old: number of each pair in the old list, or -1; sign: -1
-    where the discs of the pair are exchanged; turns: whether an array changes its sign with the exchange.
+    before, after: arrays of history variables, one value for every pair of the old and of the new list; old: number of
+    each pair in the old list, -1 for a new pair; sign: -1 where the first and second disc of the pair have been
+    exchanged, 1 elsewhere; turns: whether the history variables of an array change sign with this exchange.
     """
     for k in range(len(before)):
         memory, values, turning = before[k], after[k], turns[k]

@@ -138,8 +138,8 @@ class FreeSides:
         )
 
     def release(self, model: DiscModel) -> DiscModel:
-        """Return the discs at rest after the walls are released, so that they carry the pressure at rest. Discs of a
-        packing press harder against walls that do not move."""
+        """Release the walls, so that they bear the earth pressure at rest, and return the discs when they are at rest
+        again. Against walls that do not move, the discs of a packing press with more than the pressure at rest."""
         out = model.copy()
         self.open(out)
         out.set_velocity(0.0, 0.0)

@@ -25,9 +25,9 @@ difference in each step,
     p' = p + ρ (Σ V p / K) / (Σ V / K) - ρ p,   K of plane strain,
 
 which conserves the volumetric strain of the span. The elastic energy of the span can only decrease; the decrease counts
-as dissipated. The relaxation of p is the mean dilatation method of both papers, applied to the stress, so that the
-total strain is unchanged. A step is about the time in which a wave crosses 0.7 of a cell, so ρ = 0.1 is a relaxation
-time of seven cells.
+as dissipated. This averaging of p is the mean dilatation method of Mast et al. and Coombs et al., applied to the stress
+instead of the strain, so that the strain of the points is unchanged. A step is about the time in which a wave crosses
+0.7 of a cell, so with ρ = 0.1 the averaging takes about the time in which a wave crosses seven cells.
 
 Rows of nodes may be inclined, so that layers are parallel to them: node (i, j) is at (i h, j h + s i h), s the slope of
 a row. Splines, d and C are those of (x, z - s x), where cells are squares; with J = [[1, 0], [-s, 1]] the gradient of

@@ -151,11 +151,15 @@ def _write_tangent(
 ) -> None:
     """Write the consistent tangent d stress / d strain = e D + p q + (G' - e G) r r, (4, 4) in the axes x, y, z.
 
-    e is 1 in the volume and on planes and 0 on lines and at points; p q is the region's own term; r is the stress of a
-    unit shear between the in-plane principal axes. The stiffness of this shear is G' = G (sa - sb)/(xa - xb), since the
-    axes turn with the trial stress (de Souza Neto, Peric & Owen 2008, Computational Methods for Plasticity, app. A).
-    `ratio` is that quotient, or negative where the trial values coincide: there p q is alike in both axes and the last
-    term vanishes, the law being isotropic. `cos` and `sin` are those of twice the angle from x to the in-plane major
+    D is the elastic stiffness and G its shear modulus. The factor e is 1 if the returned stress lies within the yield
+    surface or on a plane of it, and 0 if it lies on an edge or at a corner. The dyad p q, whose vectors are in the
+    table of materials, is the plastic part of the tangent in principal axes on a plane, and the whole of it on an edge;
+    it is 0 within the surface and at corners. The vector r is the stress of a unit shear between the in-plane principal
+    axes. The stiffness of this shear is G' = G (sa - sb)/(xa - xb), with the in-plane principal stresses sa, sb of the
+    returned stress and xa, xb of the trial stress, since the axes turn with the trial stress (de Souza Neto, Peric &
+    Owen 2008, Computational Methods for Plasticity, app. A). `ratio` is the quotient (sa - sb)/(xa - xb), or negative
+    where xa and xb coincide: the vectors p and q then have equal components in both axes, and the last term is left
+    out, since the material is isotropic. `cos` and `sin` are those of twice the angle from x to the in-plane major
     axis.
     """
     lame, shear = table[m, LAME], table[m, SHEAR]

@@ -79,7 +79,7 @@ class KhBounds(SmallerKhBounds):
     substitute : SmallerKhBounds or None
         Bounds of Davis's estimate if ψ < φ and the settings request them, computed on the last meshes for ψ = φ.
     work : float
-        All computing work, in computing seconds of the reference machine.
+        Computing work of all bounds: seconds on the reference machine, computed from number and size of the iterations.
     """
 
     shallow_failures: tuple[ShallowFailure, ...] = ()

@@ -30,8 +30,8 @@ LEAST_FORCE = 1e-3  # N/m: that on points of free-field sides which nothing pres
 BORDER = 3  # cells of rigid ground around the section
 FAR = 0.25  # of the section's width, that ground may leave it by at free-field sides
 HEADROOM = 6  # cells above its highest point
-SKIN = 0.25  # of a cell: thinner ground on what liquefies is no crust
-COLUMNS = 1000  # of a section, over which the thickness of its crust is found
+SKIN = 0.25  # of a cell: ground above a liquefying stratum that is thinner does not count as a crust
+COLUMNS = 1000  # of a section, in which the thickness of the crust is measured
 RIGID = 1e15  # Pa: cohesion of that ground
 STEEPEST = 0.3  # slope up to which rows of nodes follow layers
 THINNEST = 0.25  # of the spacing of points: a layer that is thinner in a column has none there
@@ -88,7 +88,7 @@ class PointGround:
         """Return the median thickness (m) of the ground above the uppermost stratum that liquefies; inf if no stratum
         liquefies.
 
-        Places where the ground above the stratum is thinner than a quarter of a cell, half a point at most, are
+        Places where this ground is thinner than a quarter of a cell, which is half the spacing of the points, are
         disregarded.
         """
         layering, liquefies = self.section.layering, [bool(s.liquefies_in) for s in self.section.strata]
@@ -306,9 +306,11 @@ def _grid(
 
 
 def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Return minus the gradient of the water pressure over a cell (N/m³) at nodes, ``x`` (nx,), ``z`` (nx, nz).
+    """Return the force of the water pressure per volume (nx, nz, 2) at the nodes of the grid (N/m³).
 
-    Above the ground the gradient is that of free water, so that ground that has slid into the water is buoyant.
+    The force is minus the gradient of the water pressure, by central differences between half a cell before and half a
+    cell behind the node. Above the ground the gradient is that of free water, so that ground that has slid into the
+    water is buoyant. ``x`` (nx,) and ``z`` (nx, nz): coordinates of the nodes (m); ``cell``: width of a cell (m).
     """
     shape = z.shape
     if not section.water_pressure.present:

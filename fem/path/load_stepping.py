@@ -11,12 +11,12 @@ from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.plateau import LimitLoad, PathListener
 from meshes.quad_mesh import QuadMesh
 
-# Shares of the limit load at which the curve gets a point, and the one to which the path comes in any case.
+# Shares of the limit load at which the curve has a point, and the share up to which the path is followed in any case.
 SHARES, SURE = (0.25, 0.5, 0.65, 0.8, 0.9, 0.95, 0.98, 0.99), 0.95
-# A level so near to one that was asked for, as a share of the limit load, is left out.
+# A load level is left out if a requested level is nearer than this share of the limit load.
 ALIKE = 0.02
-# Iterations of Newton's method at a level from which on others are left out, unless they are asked for: each of these
-# would take as many or more, and four points draw the curve.
+# After a level with more iterations of Newton's method than this, only requested levels are computed: every higher
+# level takes as many iterations or more, and four points are enough to draw the curve.
 HARD = 8
 
 
@@ -28,9 +28,11 @@ def step_to_limit(
     wanted: Sequence[float],
     listener: PathListener | None = None,
 ) -> tuple[LimitLoad, list[FieldState]]:
-    """Raise Kh to the ``known`` limit load, at most to ``limit``. Return the answer, and the fields at those values of
-    ``wanted`` Kh that were reached. ``path`` is the path at its start; ``mesh`` is the mesh of the path; ``listener``
-    is called after every step.
+    """Raise Kh in steps to just below its limit load ``known``, or to ``limit`` if ``limit`` is smaller. Return the
+    limit load, and the fields at those values of ``wanted`` Kh that were reached.
+
+    ``known`` is the limit load on the same mesh by limit analysis; ``path`` is the path at its start; ``mesh`` is the
+    mesh of the path; ``listener`` is called after every step.
     """
     recorded_kh = {kh for kh in wanted if 0.0 < kh <= min(known, limit)}
     sure = limit if known > limit else SURE * known

@@ -1,8 +1,9 @@
 """Solves the few cells whose forces are far from balance first, while all other cells are held (nonlinear elimination).
 
-Where the stress in sand without cohesion is very small, at a toe under water or under a crest, a few cells change
-between yield and tension from one correction to the next, and every correction of the whole section becomes short.
-Newton's method needs a fifth of the corrections if the same potential is first minimised over these cells alone
+The stress in sand without cohesion may be very small, for example at a toe under water or under a crest. A few cells
+there alternate between shear yield and tensile yield from one Newton iteration to the next, and the line search
+shortens the corrections of the whole section. Newton's method needs a fifth of the iterations if the same potential is
+first minimised over these cells alone
 (nonlinear elimination: Lanzkron, Rose & Wilkes 1996, SIAM J. Sci. Comput. 17, 538).
 
 Stress is positive in tension; Pa, m, N per metre out of plane.

@@ -150,7 +150,11 @@ def _together(
     compared: AdaptiveResult[LimitLoadResult] | None,
     safety: list[Safety],
 ) -> Assessment:
-    """Collect all results, waiting for those still computed; ``compared`` is the critical Kh by the other flow rule."""
+    """Collect all results, after the factors of safety that are still being computed.
+
+    ``compared`` is the critical Kh for the same direction by the flow rule that ``critical`` does not have: Davis's
+    estimate if ``critical`` has ψ = φ, otherwise ψ = φ.
+    """
     outcomes = [each.result() for each in safety]
     factors = [each for each in outcomes if not isinstance(each, ResultWarning)]
     associated, davis = (None, compared) if critical.flow == "associated" else (compared, None)

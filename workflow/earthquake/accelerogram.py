@@ -178,8 +178,10 @@ def _unit(series: RecordedSeries, setting: str) -> MotionUnit:
     unit = named or wanted
     assert unit is not None
     if series.quantity and not unit.motion.startswith(series.quantity.lower()[:5]):
-        said = f"the heading of the file says {series.quantity.lower()}, in {series.unit or setting}"
-        raise ValueError(f"{said}, a unit of {unit.motion}: expected equal values")
+        raise ValueError(
+            f"the heading of the file says that the values are {series.quantity.lower()}, but their unit, "
+            f"{series.unit or setting}, is one of {unit.motion}: expected a unit of {series.quantity.lower()}"
+        )
     return unit
 
 

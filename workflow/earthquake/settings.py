@@ -150,8 +150,8 @@ class EarthquakeSettings(Model):
         one_way = "" if slide.kh_cycles is not None or slide.kh_seconds is not None else " in one direction without end"
         return (
             f"slide, {slide.shaking}{one_way} is used, as given; the equivalent of [earthquake] is Kh = "
-            f"{cycles.kh:g} in both directions, "
-            f'{cycles.cycles:g} cycles of {cycles.period:g} s (slide.kh = "{EARTHQUAKE}")'
+            f"{cycles.kh:g} in both directions ({cycles.cycles:g} cycles, period {cycles.period:g} s), as with "
+            f'slide.kh = "{EARTHQUAKE}"'
         )
 
     def _unlike_record(self) -> str:

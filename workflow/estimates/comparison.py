@@ -58,7 +58,7 @@ class BlockDrive:
     def words(self) -> str:
         """Return the loading in words."""
         if self.cycles is not None:
-            return f"in both directions, {self.cycles:g} cycles of {self.period:g} s"
+            return f"in both directions ({self.cycles:g} cycles, period {self.period:g} s)"
         return "held" if math.isinf(self.seconds) else f"for {self.seconds:g} s"
 
 

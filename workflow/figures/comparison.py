@@ -102,8 +102,10 @@ def _curves(results: Results, name: str) -> bool:
 
 
 def _discs(axes: Any, search: DiscSearch, look: dict[str, Any], soil: bool) -> float:
-    """Draw all points of the displacement-controlled test of soil discs, or the stable states of discs with the law
-    "paper". Return the largest displacement (m).
+    """Draw Kh over the displacement of the discs. Return the largest displacement drawn (m).
+
+    For discs with the law "soil" the displacement is prescribed, and every measured Kh is drawn. For discs with the law
+    "paper" Kh is prescribed, and only states at rest are drawn.
     """
     points = [(trial.kh, trial.displacement_m) for trial in search.trials] if soil else search.curve
     curve = np.array(sorted(points, key=lambda point: point[1])).reshape(-1, 2)

@@ -77,8 +77,9 @@ class Frame:
 
 
 def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LINE) -> Window:
-    """Return the window of a slide. For discs the window contains the first state with the box; for material points it
-    contains the ground of all states, since the base of their grid continues beyond the section.
+    """Return the part of the plane that the pictures of a slide show. For discs it contains the first state with the
+    box; for material points it contains the ground of all states, since the base of their grid continues beyond the
+    section.
     """
     if springs != "mpm":
         return window_of(states[0], line)
@@ -87,7 +88,7 @@ def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LI
 
 
 def name_of(config: Config, springs: str, case: int) -> str:
-    """Return the title of a case."""
+    """Return the title of the pictures of a case: the section, the case, and the model or set of springs."""
     return f"{config.section.heading}: {config.called(case)}, {SPRINGS.get(springs, springs)}"
 
 

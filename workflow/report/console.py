@@ -202,10 +202,11 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         )
     if answer.shallow is not None:
         when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
-        ground = "such faces meet, the ground above this depth"
-        if not answer.shallow_failures:
-            ground = f"water comes out of a bare face, ground less than {answer.least_depth:g} m deep"
-        yield f"Where {ground} slips {when}: this ground requires cohesion, or protection."
+        where = "two cohesionless faces meet" if answer.shallow_failures else "water seeps out of a bare face"
+        yield (
+            f"Where {where}, ground less than {answer.least_depth:g} m deep slips {when}: this ground requires "
+            "cohesion, or protection."
+        )
     ends = bool(answer.load_ends)
     if ends:
         where = ", ".join(f"{x:g}" for x in answer.load_ends)
@@ -236,9 +237,9 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
     elif answer.verdict == "calibrated":
         if answer.predicted_kc is not None and answer.predicted_ratio is not None:
             yield (
-                f"Without calibration the critical Kh of the discs is {coefficient(answer.predicted_kc)}, "
-                f"{answer.predicted_ratio:.2f} times the lower end of the critical Kh of the finite elements with the "
-                "same boundary conditions."
+                f"Without calibration the critical Kh of the discs is {coefficient(answer.predicted_kc)}. This is "
+                f"{answer.predicted_ratio:.2f} times the critical Kh of the finite elements with the same boundary "
+                "conditions (lower end of its interval)."
             )
         yield (
             f"With the {answer.parameter} of the discs multiplied by {answer.value:.4g} their critical Kh is "

@@ -199,7 +199,7 @@ def _pictures(results: Results, texts: Texts) -> dict[str, list[Any]]:
     for picture in collect(names, results.store.folder, results.config.figures.report_width, texts):
         shown_before = (picture.name == LAYERS and FRONT in names) or picture.name in again
         if len(numbers := groups.get(picture.name, ())) > 1:
-            words = texts("Cases {cases}, calibrated discs, with equal slides.", cases=joined(numbers))
+            words = texts("Calibrated discs in cases {cases}, whose slides are equal.", cases=joined(numbers))
             picture = replace(picture, caption=words)
         by_part.setdefault(picture.part if picture.main and not shown_before else "further", []).append(picture)
     return by_part

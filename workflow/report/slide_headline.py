@@ -41,9 +41,7 @@ def slide_headline(results: Results, _: Texts) -> HeadlinePart:
         shaking=_.sentence(results.config.slide.shaking),
         slide=_span(first, _),
         method=_(NAMES[first.method]),
-        count=_("one case")
-        if len(first.cases) == 1
-        else _("{number} cases of residual strength", number=len(first.cases)),
+        count=_of_cases(first, _),
         end=_end(list(first.cases.values()), _),
     )
     for other in others:
@@ -100,6 +98,16 @@ def _block(results: Results, _: Texts) -> HeadlinePart:
     interval = _("by {number} methods for a rigid block without loss of strength", number=len(slides))
     name = _("displacement in the earthquake")
     return HeadlinePart(name=name, value=span(list(slides.values())), interval=interval, conclusion=phrase)
+
+
+def _of_cases(slides: MethodSlides, _: Texts) -> str:
+    """Return the number of cases that the printed slide, or range of slides, is of."""
+    number = len(slides.cases)
+    if number == 1:
+        return _("one case")
+    if max(slides.largest) < LEAST_SLIDE or " to " not in span(slides.largest):
+        return _("in each of {number} cases of residual strength", number=number)
+    return _("range of {number} cases of residual strength", number=number)
 
 
 def _span(slides: MethodSlides, _: Texts) -> str:

@@ -53,7 +53,7 @@ def _meshes(fem: FemAnswer) -> Iterator[str]:
     """Yield sentences on the dependence of the critical Kh on the mesh."""
     phrases = list(meshes_sentences(fem))
     yield from phrases or [
-        "A finer mesh gives a smaller Kh. To compute the difference: --set 'variants.which=[\"mesh\"]'."
+        "A finer mesh gives a smaller Kh. The option --set 'variants.which=[\"mesh\"]' computes how much smaller."
     ]
 
 

@@ -48,7 +48,7 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
     """Yield the weight and text of every warning: the observation, a colon, and the remedy."""
     fem = results.fem
     if fem is not None and fem.verdict == "undecided":
-        yield 1, f"the path of the finite elements ended undecided ({fem.reason}): {fem.remedy or 'refine the mesh'}"
+        yield 1, f"the finite elements found no limit load ({fem.reason}): {fem.remedy or 'refine the mesh'}"
     for warning in results.warnings:
         yield (1 if warning.contradiction else 3), f"{warning.what.rstrip('.')}: {warning.remedy}"
     if results.response is not None and results.response.warning:

@@ -179,7 +179,8 @@ class BoundsAnswer(BracketPart, Answer):
         description="cohesionless faces that fail first; the bounds are those of the whole slope"
     )
     shallow: float | None = Field(
-        default=None, description="Kh at which ground above the least depth slips at the latest, if two such faces meet"
+        default=None,
+        description="Kh at which ground above the least depth slips at the latest, where two cohesionless faces meet",
     )
     load_ends: tuple[float, ...] = Field(
         default=(), description="x of ends of loads on bare sand (m), at which the ground was given a cohesion"

@@ -140,7 +140,7 @@ class CalibrationAnswer(Answer):
     predicted_kc: float | None = Field(default=None, description="soil discs: the uncalibrated critical Kh")
     predicted_ratio: float | None = Field(
         default=None,
-        description="uncalibrated critical Kh over the lower end of the critical Kh of the FEM with the same sides",
+        description="uncalibrated critical Kh over the critical Kh (lower end of its interval) of the FEM, same sides",
     )
     continuum_kc: tuple[float, float] | None = Field(
         default=None,

@@ -26,7 +26,7 @@ def _student(freedoms: int) -> float:
 
 
 class CaseNumbers(Part):
-    """Holds one case of liquefaction in numbers. Lengths are in m, positive downhill and down."""
+    """Holds one case of liquefaction in numbers. Slides (m) are positive downhill, and settlements (m) downwards."""
 
     stiffness: float = Field(description="factor on the stiffness of the layers that liquefied")
     settlement_uphill_m: float = Field(description="median settlement of the upslope third of the surface")
@@ -115,10 +115,11 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
     @classmethod
     def of(cls, slide: "Slide", alone: "Slide", stiffness: float) -> Self:
-        """Return the answer on a slide.
+        """Return the numbers and the surface of a slide; ``stiffness`` is the factor on the stiffness of the layers
+        that liquefied.
 
-        ``alone`` is the same ground under Kh without liquefaction: a disc counts as sliding if it moves twice as far as
-        there.
+        ``alone`` is the slide of the same ground under Kh without liquefaction. A disc counts as sliding if it moves at
+        least twice as far as in ``alone``.
         """
         return cls(stiffness=stiffness, **slide.as_json(alone))
 

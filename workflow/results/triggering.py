@@ -65,7 +65,7 @@ class TestPart(Part):
 
     @classmethod
     def of(cls, test: Judged, stratum: str) -> Self:
-        """Return the answer on a test."""
+        """Return the place, stresses and F_L of one penetration test in the stratum with this name."""
         stresses = (
             vars(test.outcome) if test.outcome else dict.fromkeys(("normalised", "corrected", "load", "resistance"))
         )
@@ -157,7 +157,7 @@ class TriggeringAnswer(Answer):
 
     @classmethod
     def of(cls, config: Config, assessment: TriggeringAssessment) -> Self:
-        """Return the answer of an assessment."""
+        """Return the results of a triggering analysis, with the section and the sources of the relations used."""
         pressures = pore_pressures(assessment, len(config.section.strata))
         motion, relation = assessment.motion, assessment.relation
         gal = {f"{name}_gal": getattr(motion, name) / GAL for name in ("median", "low", "high")}

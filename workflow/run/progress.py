@@ -81,7 +81,7 @@ class SearchShare:
     ALMOST = 0.9  # of a search that takes longer than the others did
 
     def __init__(self, searches: int, usual: int = 8) -> None:
-        """Start at a share of zero.
+        """Begin before the first trial of the first search.
 
         searches: expected number of searches; usual: number of trials that a search is expected to take until the first
         search has finished.

@@ -55,7 +55,7 @@ def work(job: Job) -> None:
     """Find the critical Kh in both directions, with ψ = φ and by Davis's estimate, and factors of safety; writes fem/.
 
     Every MPI rank computes; only the first one writes. Raises InputError, UnstableError, NoEquilibriumError, and, when
-    all is written, NoAnswerError if the path ended undecided.
+    all is written, NoAnswerError if the path of Kh showed no limit load.
     """
     from fem.search.assessment import assess
     from meshes.quad_mesh import save
@@ -87,7 +87,7 @@ def work(job: Job) -> None:
         write_fields(config.section, assessment.mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}", None)
     if result.verdict == "undecided":
-        raise NoAnswerError(f"the path ended undecided: {result.reason}", result.remedy)
+        raise NoAnswerError(f"the finite elements found no limit load: {result.reason}", result.remedy)
 
 
 def _slip_line(mesh: "QuadMesh", state: "FieldState") -> Line:

@@ -33,7 +33,7 @@ def continuum(sample: StudySample) -> Numbers:
     except UnstableError:
         return Numbers(numbers={"kc": 0.0}, words={"verdict": "fails under its own weight"})
     if critical.verdict == "undecided":
-        raise NoAnswerError(f"the path ended undecided: {critical.reason}")
+        raise NoAnswerError(f"the finite elements found no limit load: {critical.reason}")
     words: dict[str, str] = {"verdict": critical.verdict, "direction": critical.direction, "flow": critical.flow}
     return Numbers(numbers={"kc": critical.kc, "cells": len(used.cells)}, words=words)
 

@@ -34,7 +34,7 @@ def test_what_ends_gmsh_does_not_end_the_program(monkeypatch):
         there.submit(os._exit, 3).result()
     assert there.submit(divmod, 7, 2).result() == (3, 1)
     monkeypatch.setattr(gmsh_model, "make_free_mesh", ends)
-    with pytest.raises(BadMeshError, match="gmsh has ended its process; try another size"):
+    with pytest.raises(BadMeshError, match="the process of gmsh ended without a mesh; try another size of cells"):
         generate(BANK_OF_SAND, FREE)
 
 

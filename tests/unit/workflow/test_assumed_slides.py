@@ -58,7 +58,7 @@ def test_ground_shakes_in_the_cycles_of_magnitude_7_5_where_nothing_says_how() -
     config = analysed(liquefied())
     assert (config.slide.kh, config.slide.kh_cycles, config.slide.kh_period) == (0.1, 15.0, 0.65)
     [assumed] = [text for text in config.notices if text.startswith("slide, Kh")]
-    assert "Kh = 0.1 in both directions, 15 cycles of 0.65 s" in assumed
+    assert "Kh = 0.1 in both directions (15 cycles, period 0.65 s)" in assumed
     again = analysed(tomllib.loads(config.to_toml()))
     assert (again.slide, again.notices) == (config.slide, config.notices)
     assert {row[0]: row[2] for row in parameter_rows(again)}["shaking of the slides"] == "default"

@@ -58,7 +58,7 @@ def test_kh_and_its_cycles_are_those_of_the_earthquake() -> None:
     assert list(parameter_rows(again)) == list(parameter_rows(config))  # the source of a stored section is the same
     assert (
         config.slide.shaking
-        == f"Kh = {config.slide.kh:g} in both directions, 13.9 cycles of {config.slide.kh_period:g} s"
+        == f"Kh = {config.slide.kh:g} in both directions (13.9 cycles, period {config.slide.kh_period:g} s)"
     )
 
 
@@ -79,7 +79,7 @@ def test_an_earthquake_without_a_peak_gives_its_cycles_and_is_asked_for_the_peak
 def test_another_push_than_that_of_the_earthquake_is_told(slide: dict[str, Any]) -> None:
     """Kh = 0.1 for ever beside an earthquake of 0.25 g: it counts, and a reader must know."""
     [messages] = [text for text in with_shaking(LEVEE, **slide).notices if "is used, as given" in text]
-    assert "the equivalent of [earthquake] is Kh = 0.163 in both directions, 13.9 cycles of 0.76 s" in messages
+    assert "the equivalent of [earthquake] is Kh = 0.163 in both directions (13.9 cycles, period 0.76 s)" in messages
     assert ("Kh = 0.1 in one direction without end" in messages) == (slide == {"kh": 0.1})
     assert not [text for text in with_shaking(LEVEE).notices if "is used, as given" in text]
     assert not [text for text in with_shaking(LEVEE, kh=0.0).notices if "is used, as given" in text], (

@@ -145,19 +145,19 @@ def test_a_dry_run_says_why(toys: Toys, tmp_path: Path) -> None:
 def test_no_answer_ends_what_hangs_on_it_but_not_the_report(toys: Toys, tmp_path: Path) -> None:
     def work(job: Job) -> None:
         job.store.write_text("fem.txt", "undecided")
-        raise NoAnswerError("the path ended undecided", "refine the mesh")
+        raise NoAnswerError("the finite elements found no limit load", "refine the mesh")
 
     toys.change("fem", work=work)
     for _ in range(2):  # the second time nothing runs, and the answer is still none
         heard = Heard()
         job = toys.job(tmp_path)
-        with pytest.raises(NoAnswerError, match="undecided; refine the mesh"):
+        with pytest.raises(NoAnswerError, match="no limit load; refine the mesh"):
             pipeline.execute(job, toys.choose(), heard, "test")
         assert heard.ended == {"mesh": "done", "fem": "no answer", "report": "done"}
         assert heard.skipped == {"slide": "fem has no answer"}
     entry = Record(job.store)["fem"]
     assert entry is not None
-    assert (entry.reason, entry.remedy) == ("the path ended undecided", "refine the mesh")
+    assert (entry.reason, entry.remedy) == ("the finite elements found no limit load", "refine the mesh")
     assert list(entry.files) == ["fem.txt"]
 
 
