@@ -145,7 +145,7 @@ class Ground:
 
 
 def springs_of(section: Section, settings: DemSettings, radius: float) -> list[LayerSprings]:
-    """Return the springs of every stratum before calibration: Table 2, or eqs. (5)-(13), of the paper.
+    """Return the springs of every stratum before calibration: Table 2, or equations 5 to 13, of the paper.
 
     Parameters
     ----------

@@ -197,8 +197,8 @@ class DiscModel(DiscState):
             setattr(self, name, values)
 
     def set_pore_springs(self) -> int:
-        """Set a pore spring without force between all discs whose distance D is at most alpha (r_i + r_j), eq. (14) of
-        the paper.
+        """Set a pore spring without force between all discs whose distance D is at most alpha (r_i + r_j), equation 14
+        of the paper.
 
         Pairs that already have a pore spring, intact or cracked, keep it. Returns the number of new springs.
         """

@@ -1,4 +1,4 @@
-"""Derives spring constants from soil, eqs. (5)-(13) and (17) of the paper.
+"""Derives spring constants from soil, by equations 5 to 13 and 17 of the paper.
 
 SI units, per metre out of plane: springs in N/m, damping in N s/m, densities in kg/m3, forces in N.
 """
@@ -153,7 +153,7 @@ SMOOTH = Strength(0.0, rolling_friction=0.0)  # of a rigid line that discs slide
 
 
 def wave_speeds(youngs_modulus: float, poissons_ratio: float, density: float) -> tuple[float, float]:
-    """Return the wave velocities V_p and V_s (m/s), eqs. (7) and (8); modulus in Pa, density in kg/m3."""
+    """Return the wave velocities V_p and V_s (m/s), equations 7 and 8 of the paper; modulus in Pa, density in kg/m3."""
     e, nu, rho = youngs_modulus, poissons_ratio, density
     if not (e > 0.0 and 0.0 <= nu < 0.5 and rho > 0.0):
         raise ValueError(f"not an elastic soil: E = {e} Pa, nu = {nu}, density = {rho} kg/m3")
@@ -176,11 +176,12 @@ def from_stratum(
 
     The horizontal force acts on the seismic density, the weight on the ordinary one (buoyant below water). Seismic and
     ordinary density are those of the soil, not corrected for the voids between the discs. radius: mean radius of the
-    discs (m), b of eq. (17). stiffness_scale: factor on the springs of eqs. (9)-(13); Table 2 was printed with 0.01.
-    damping_ratio: factor on sqrt(m K), which is half of critical for one disc on a fixed spring. Element and pore
-    spring in series make the spring of the soil, eqs. (11)-(13): K_e = (1 + 1/t) K, K_p = t K_e. pore_share: t of eqs.
-    (11)-(13); void_ratio: void ratio of the soil (-); alpha: reach of pore springs in radii; beta: of eq. (15), length
-    at which a pore spring cracks.
+    discs (m), b in equation 17 of the paper. stiffness_scale: factor on the springs of equations 9 to 13; Table 2 was
+    printed with 0.01. damping_ratio: factor on sqrt(m K), which is half of critical for one disc on a fixed spring.
+    Element and pore spring in series make the spring of the soil (equations 11 to 13): K_e = (1 + 1/t) K, K_p = t K_e.
+    pore_share: t in these equations; void_ratio: void ratio of the soil (-); alpha: distance of the centres over the
+    sum of the radii up to which a pore spring is set; beta: length over initial length at which a pore spring cracks
+    (equation 15).
     """
     density = stratum.density_seismic
     vp, vs = wave_speeds(stratum.youngs_modulus, stratum.poissons_ratio, density)

@@ -90,7 +90,7 @@ class Engine:
     pulls : bool
         Whether dashpots of contact springs may pull (only for comparison with closed forms).
     crack_by : "contact" or "pore"
-        Normal force in the crack criterion of pore springs, eq. (16) of the paper: that of contact and pore spring
+        Normal force in the crack criterion of pore springs, equation 16 of the paper: that of contact and pore spring
         together, or of the pore spring alone. For soil discs the force in the criterion is always that of the pore
         spring alone.
     checkpoint, checkpoint_every : path, float

@@ -16,8 +16,8 @@ CrackBy = Literal["contact", "pore"]
 def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact") -> Law:
     """Return the contact law of a model as an argument of the kernels; pulls and crack_by as in `Engine`.
 
-    In soil discs Fn of eq. (16) is the force of the pore spring alone, since the normal force of the contact already
-    contributes to the friction of the contact.
+    In soil discs Fn in equation 16 of the paper is the force of the pore spring alone, since the normal force of the
+    contact already contributes to the friction of the contact.
     """
     soil = model.law == "soil"
     pores = bool(model.springs.pairs[KPN].any())

@@ -63,7 +63,8 @@ class Law(NamedTuple):
     floor : float
         Least normal force of an contact (N): 0, or -inf if the dashpot may pull.
     share : float
-        Share of the contact spring's normal force in Fn of eq. (16) of the paper, the crack criterion of pore springs.
+        Share of the contact spring's normal force in Fn of equation 16 of the paper, the crack criterion of pore
+        springs.
     period : Period
         Length and rise after which periodic ground repeats itself; for soil discs only.
     """
@@ -134,7 +135,7 @@ class Team(NamedTuple):
 
 
 class Entries(NamedTuple):
-    """Holds the sums of the energy balance.
+    """Holds the work and the losses of the energy balance, summed for every slice of discs.
 
     Attributes
     ----------

@@ -57,8 +57,8 @@ def stop(over: float, stiffness: float, depth: float) -> float:
 
 @device_function(forceinline=True)
 def normal_force(over: float, vn: float, floor: float, spring: float, cn: float, gap: float) -> float:
-    """Return the normal force (N) of spring and dashpot of a contact, eqs. (1)-(2) of the paper; zero if the discs do
-    not touch.
+    """Return the normal force (N) of spring and dashpot of a contact, equations 1 and 2 of the paper; zero if the discs
+    do not touch.
 
     over: overlap (m); vn: speed of separation (m/s); spring: force of the spring (N); cn: dashpot (N s/m); gap: see
     `spring` (m). floor: least total normal force (N): 0 for contacts without tension, -inf if dashpots may pull.
@@ -97,8 +97,8 @@ def strength(over: float, normal: float, mu: float, c: float, mu_other: float, c
 def friction_spring(
     force: float, way: float, speed: float, stiffness: float, dashpot: float, limit: float
 ) -> tuple[float, float, float]:
-    """Compute the force of a spring and a dashpot in parallel with a common limit, eqs. (3)-(4) of the paper, for slip
-    or for rolling.
+    """Compute the force of a spring and a dashpot in parallel with a common limit, equations 3 and 4 of the paper, for
+    slip or for rolling.
 
     force: force of the spring in the last step (N); way: slip since then (m); speed: speed of slip (m/s); stiffness:
     stiffness of the spring (N/m); dashpot: coefficient of the dashpot (N s/m); limit: limit of the force (N). The force
@@ -124,8 +124,8 @@ def pore(
     bc: float,
     beta: float,
 ) -> tuple[float, float, float, float]:
-    """Compute the forces of a pore spring, eqs. (11)-(17) of the paper. An intact spring pulls, pushes and shears; a
-    cracked one works only while compressed.
+    """Compute the forces of a pore spring, equations 11 to 17 of the paper. An intact spring pulls, pushes and shears;
+    a cracked one works only while compressed.
 
     A pore spring cracks where D >= beta L (equation 15) or |Ft| > max(Fn tan(theta) + bC, 0) (equation 16). From this
     step on it has no cohesion, and friction under its own compression limits its shear force (state 2 of the paper).

@@ -53,7 +53,7 @@ class BoundSearch:
 
     @property
     def work(self) -> float:
-        """Return the computing work so far, in seconds of the reference machine."""
+        """Return the computing work so far, in seconds on the reference machine of ``cone_program``."""
         return sum(mesh.work for mesh in self.bracket.meshes)
 
     def advance(self, others: float = 0.0) -> None:
@@ -117,8 +117,8 @@ def proven_lower_bound(
     """Find a strict lower bound. Returns the stress field of the solver, the reason if there is no bound, and the same
     field with its bound if it passes the check.
 
-    After ``most_work`` (computing seconds of the reference machine) the solver returns its last iterate; ``start`` is
-    the iterate at which it begins.
+    After ``most_work`` (seconds on the reference machine of ``cone_program``) the solver returns its last iterate.
+    ``start`` is the iterate at which it begins.
     """
     place = start
 
@@ -140,8 +140,8 @@ def proven_upper_bound(
     """Find a strict upper bound. Returns the mechanism of the solver, the reason if there is no bound, and the same
     mechanism with its bound if it passes the check.
 
-    After ``most_work`` (computing seconds of the reference machine) the solver returns its last iterate; ``start`` is
-    the iterate at which it begins.
+    After ``most_work`` (seconds on the reference machine of ``cone_program``) the solver returns its last iterate.
+    ``start`` is the iterate at which it begins.
 
     Ground of φ > 45° in a corner between held sides cannot strain, and the solver may find no mechanism there: this
     ground is then held as a rigid body.

@@ -43,8 +43,8 @@ from meshes.triangles import TriMesh, triangulate
 CELLS_IN_HEIGHT, CELLS_IN_LAYER = 5.0, 0.8
 # The first mesh has at most this share of the cells allowed.
 FIRST_SHARE = 0.15
-# Both bounds on so many triangles take so long (s of the reference machine), and the work allowed is enough for so many
-# first meshes.
+# Both bounds on CELLS_SOLVED triangles take SECONDS_SOLVED (s on the reference machine of ``cone_program``). The work
+# allowed is enough for FIRST_MESHES first meshes.
 CELLS_SOLVED, SECONDS_SOLVED, FIRST_MESHES = 2900, 1.4, 6
 # Angle (rad) of triangles above which those where a smooth side meets the ground, or a surcharge ends, are halved.
 WIDE_CORNER = 0.5
@@ -79,7 +79,7 @@ class KhBounds(SmallerKhBounds):
     substitute : SmallerKhBounds or None
         Bounds of Davis's estimate if ψ < φ and the settings request them, computed on the last meshes for ψ = φ.
     work : float
-        Computing work of all bounds: seconds on the reference machine, computed from number and size of the iterations.
+        Computing work of all bounds, in seconds on the reference machine of ``cone_program``.
     """
 
     shallow_failures: tuple[ShallowFailure, ...] = ()
@@ -106,8 +106,8 @@ class DirectionGround:
 
     ``shallow_failures`` are the faces that may fail at a smaller Kh than the whole slope. ``as_given`` is an upper
     bound, on coarse triangles, of Kh of the section without strengthening (inf if there are no such faces). ``section``
-    is the ground with these faces strengthened. ``work`` is the computing work of the coarse bounds (computing seconds
-    of the reference machine).
+    is the ground with these faces strengthened. ``work`` is the computing work of the coarse bounds (seconds on the
+    reference machine of ``cone_program``).
     """
 
     fem: FemSettings
@@ -264,8 +264,8 @@ def as_analysed(section: Section, fem: FemSettings) -> Section:
 
 
 def _coarse_upper_bound(section: Section, fem: FemSettings) -> tuple[float, float]:
-    """Return an upper bound of Kh on one coarse mesh (inf if there is none), and its computing work (computing seconds
-    of the reference machine)."""
+    """Return an upper bound of Kh on one coarse mesh (inf if there is none), and its computing work (seconds on the
+    reference machine of ``cone_program``)."""
     ground = as_analysed(section, fem)
     mesh = first_mesh(ground, COARSE_CELLS, fem.sides)
     body = body_of(ground, mesh, fem)

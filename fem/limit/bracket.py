@@ -92,7 +92,7 @@ class MeshBounds:
     notes : tuple of str
         Reasons why a bound is missing.
     work : float
-        Computing work of both cone programs in seconds of the reference machine; it is computed from the number of
+        Computing work of both cone programs in seconds on the reference machine; it is computed from the number of
         iterations, not measured (``cone_program.py``).
     failed : tuple of BoundSide
         Bounds that are missing because the solver ended early, or because its answer did not pass the check.
@@ -168,7 +168,7 @@ class Limits:
     max_cells : int
         Largest number of triangles of a mesh.
     seconds : float
-        Largest computing work for all meshes, in seconds of the reference machine. A further mesh is begun if it is
+        Largest computing work for all meshes, in seconds on the reference machine. A further mesh is begun if it is
         likely to be solved within this work. Work is computed from the number of iterations, not measured, so that the
         same input has the same meshes on a busy machine.
     enough : float

@@ -20,8 +20,8 @@ class BoundsTrial:
     """Holds the bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None if no bound was proven.
 
     The bounds are those of Kh, or of the share of all loads that the ground resists (inf if friction alone resists any
-    load). ``unborne`` means that no stress balances the weight at any Kh. ``work`` is the computing work in seconds of
-    the reference machine.
+    load). ``unborne`` means that no stress balances the weight at any Kh. ``work`` is the computing work in seconds on
+    the reference machine of ``cone_program``.
     """
 
     factor: float
@@ -50,8 +50,8 @@ class TrialStart:
 
 @dataclass
 class FactorWork:
-    """Holds the computing work allowed and spent (computing seconds of the reference machine), and whether the search
-    ended because no work was left."""
+    """Holds the computing work allowed and spent (seconds on the reference machine of ``cone_program``), and whether
+    the search ended because no work was left."""
 
     allowed: float
     spent: float = 0.0

@@ -68,8 +68,8 @@ def lower_bound(
     equilibrium equations to rounding.
 
     ``more_margin`` (m, 3), as ``LowerBound.shortfall``, is a distance to the yield surface beyond the usual margin.
-    After ``most_work`` (computing seconds of the reference machine) the solver returns its last iterate; ``start`` is
-    the iterate at which it begins.
+    After ``most_work`` (seconds on the reference machine of ``cone_program``) the solver returns its last iterate.
+    ``start`` is the iterate at which it begins.
 
     ``fem.limit.bound_checks`` checks whether its multiplier is a strict bound.
     ``problem``: triangles, strength and loads.

@@ -66,9 +66,10 @@ def upper_bound(
     to rounding.
 
     ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is a distance to the limit of the flow rule beyond the usual
-    margin. Cells of ``rigid`` (m,), a mask, are held: the result is still an upper bound, though a larger one. After
-    ``most_work`` (computing seconds of the reference machine) the solver returns its last iterate; ``start`` is the
-    iterate at which it begins.
+    margin. Cells of ``rigid`` (m,), a mask, are held: the result is still an upper bound, though a larger one.
+
+    After ``most_work`` (seconds on the reference machine of ``cone_program``) the solver returns its last iterate.
+    ``start`` is the iterate at which it begins.
 
     ``fem.limit.bound_checks`` checks whether its multiplier is a strict bound.
     ``problem``: triangles, strength and loads.

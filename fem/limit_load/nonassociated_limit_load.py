@@ -51,7 +51,7 @@ class NonassociatedLimitLoad:
     programs : int
         Number of cone programs that were solved.
     work : float
-        Computing work in seconds of the reference machine.
+        Computing work in seconds on the reference machine of ``cone_program``.
     """
 
     kh: float | None
@@ -73,8 +73,8 @@ def nonassociated_limit_load(
 
     ``problem``: the elements of ``mesh`` with ψ = φ and with the fixed components, on one MPI rank; ``associated``:
     mean stress of every cell (cells, [xx, yy, ...]) in Pa at the limit load with ψ = φ, from which the iteration starts
-    a second time; without it the iteration starts from rest only. No program is begun after ``most_work`` (computing
-    seconds of the reference machine).
+    a second time; without it the iteration starts from rest only. No program is begun after ``most_work`` (seconds on
+    the reference machine of ``cone_program``).
     """
     ground = gathered(problem, mesh, dead, live)
     step = _Step(problem, ground)
@@ -118,7 +118,7 @@ class _Step:
 
     @property
     def work(self) -> float:
-        """Return the computing work in seconds of the reference machine."""
+        """Return the computing work in seconds on the reference machine of ``cone_program``."""
         return self._spent + (self._program.work if self._program else 0.0)
 
     def bring_to_rest(self) -> None:

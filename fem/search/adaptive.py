@@ -364,7 +364,7 @@ def ordered(
 
 
 def _with_last(base: AdaptiveResult[LimitLoadResult], result: LimitLoadResult) -> AdaptiveResult[LimitLoadResult]:
-    """Return the answer with the result on its last mesh replaced by ``result``."""
+    """Return the results of the meshes with the one on the last mesh replaced by ``result``."""
     return replace(base, result=result, rounds=[*base.rounds[:-1], replace(base.rounds[-1], value=result.kc)])
 
 

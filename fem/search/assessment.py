@@ -288,7 +288,7 @@ class _Search:
         return AdaptiveSearch(self.section, self.meshing, self.first, self.comm, prefixed, self.executor)
 
     def between_sides(self, settings: FemSettings) -> AdaptiveResult[CriticalResult]:
-        """Return the answer with the sides and the flow rule of the settings."""
+        """Return the critical Kh with the sides and the flow rule of the settings."""
         mesh, start = self.first, None
         if is_associated(self.section.strata, settings.flow):
             limit = self.on_meshes(f"Kh, {settings.sides} sides").critical(settings)

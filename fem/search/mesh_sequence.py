@@ -43,7 +43,7 @@ ALIKE = 1.25
 
 @dataclass(frozen=True)
 class MeshRound:
-    """Holds the answer on one mesh of the sequence.
+    """Holds the critical Kh, or factor of safety, on one mesh of the sequence, with its estimated error.
 
     Attributes
     ----------
@@ -261,7 +261,7 @@ class MeshSequence(Generic[F]):
         self._reason = f"there is no answer on the next mesh: {error}"
 
     def _round(self, value: float, cells: int) -> MeshRound:
-        """Return the answer on a mesh of the sequence, compared with the answer on the mesh before."""
+        """Return the value on a mesh of the sequence, its difference from the mesh before, and its remaining error."""
         if not self._rounds:
             return MeshRound(cells, value, math.inf, math.inf)
         before, size = self._rounds[-1], max(abs(value), SMALLEST_KH)

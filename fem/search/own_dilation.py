@@ -20,8 +20,8 @@ from meshes.gmsh_model import generate
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 
-# Cells of the three meshes, how many times as many there may be where layers are thin, and the largest work on all of
-# them (s of the reference machine).
+# Cells of the three meshes, the factor on these numbers up to which thin layers may raise them, and the largest work on
+# all three meshes (s on the reference machine of ``cone_program``).
 CELLS, MOST_TIMES, WORK = (300, 375, 450), 1.8, 15.0
 # Largest difference between the meshes, as a share of the last answer: beyond it, the mesh decides.
 SPREAD = 0.15

@@ -62,10 +62,12 @@ REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS = (1e-7, 1e-6), 1e-7
 # Tolerances met almost will do where the equations are met to this.
 NEARLY = 1e-6
 MOST_ITERATIONS = 120
-# Work is counted in seconds of a reference machine, so that its clock and its load decide nothing: an iteration whose
-# factors have so many nonzeros takes so long, and goes with this power of them (measured from 0.2 to 2.5 million of
-# them, and a fifth more for all around it). To it comes, for every unknown, what a program takes before its first
-# iteration and after its last one: its equations, the correction of its answer, the check, the triangles.
+# Computing work is the time that the iterations would take on the machine on which these constants were measured, the
+# reference machine. It is computed and not measured, so that the results do not depend on the speed or the load of the
+# machine in use. An iteration whose factors have COST_NONZEROS nonzeros takes COST_SECONDS, and its time is
+# proportional to this power of the number of nonzeros (measured from 0.2 to 2.5 million, and a fifth more for all else
+# in an iteration). AROUND_SECONDS for every unknown are added for all before the first iteration and after the last:
+# the equations, the correction of the solution, its check, and the triangles.
 COST_NONZEROS, COST_SECONDS, COST_EXPONENT = 1e6, 0.065, 1.13
 AROUND_SECONDS = 1.4e-5
 # Relative gaps of the interior-point method of our own (``interior_point.py``), how many times as much will do where it
@@ -108,7 +110,7 @@ class Solution:
     iterations : int
         Iterations of the interior point method, over all regularisations.
     work : float
-        Work in seconds of the reference machine, computed from number and size of the iterations, not measured.
+        Work in seconds on the reference machine, computed from number and size of the iterations, not measured.
     seconds : float
         Processor time of the solver.
     fallback : bool
@@ -178,7 +180,7 @@ def solve(
 
     Where Clarabel ends without an answer, or almost meets its tolerances but with large residuals, it is called again
     with the next of the ``regularisations``. The forces that Clarabel gets are multiplied by ``magnified``, since
-    Clarabel takes residuals below one as absolute. After ``most_work`` (computing seconds of the reference machine)
+    Clarabel takes residuals below one as absolute. After ``most_work`` (seconds on the reference machine)
     both methods end with their last iterate. The built-in interior-point method begins at a ``start`` that suits the
     program, which changes only its computing time.
     """
@@ -307,7 +309,7 @@ def _by_interior_point(
 
 
 def iterations_within(most_work: float, cost: float, most: int) -> int:
-    """Return the number of iterations, each of ``cost`` (computing seconds of the reference machine), within
+    """Return the number of iterations, each of ``cost`` (seconds on the reference machine), within
     ``most_work``, from 1 to ``most``."""
     return most if most_work >= most * cost else max(1, int(most_work / cost))
 

@@ -29,7 +29,7 @@ class ElasticConeProgram:
     Attributes
     ----------
     work : float
-        Computing work of all solutions so far, in seconds of the reference machine.
+        Computing work of all solutions so far, in seconds on the reference machine of ``cone_program``.
     """
 
     def __init__(

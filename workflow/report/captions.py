@@ -70,7 +70,7 @@ CAPTIONS = (
         "fem",
         "Continuum at Kh = {0}: displacement since gravity, and mobilised strength.",
     ),
-    Caption(r"fem_curve", "fem", "Continuum: the path of Kh, with every converged step."),
+    Caption(r"fem_curve", "fem", "Continuum: Kh and displacement of every converged step as Kh rises."),
     Caption(r"fem_safety", "fem", "Continuum: slip surface with the strength divided by the factor of safety."),
     Caption(r"fem_.*", "fem", "Continuum."),
     Caption(r"bounds_.*", "bounds", "Limit analysis: mechanism, stress field and mesh of the strict bounds."),

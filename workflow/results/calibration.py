@@ -155,9 +155,9 @@ class CalibrationAnswer(Answer):
 
     @classmethod
     def of(cls, base: "Search", calibration: "Calibration | None", tolerance: float, **more: Any) -> Self:
-        """Return the answer of a calibration, with sensitivities sorted by parameter and factor. Without a calibration,
-        return the answer for uncalibrated discs, with the critical Kh of the search ``base``. ``more`` are further
-        fields of the answer.
+        """Return the results of a calibration, with sensitivities sorted by parameter and factor. Without a
+        calibration, return the results of uncalibrated discs, with the critical Kh of the search ``base``. ``more`` are
+        further fields.
         """
         if calibration is None:
             return cls.taken(

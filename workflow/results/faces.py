@@ -49,5 +49,5 @@ class FacesAnswer(Answer):
     faces: tuple[FaceStrength, ...]
 
     def of(self, structure: str, towards: str) -> FaceStrength | None:
-        """Return the answer of one face; None if there is none."""
+        """Return the strength of the face of a structure towards one side; None if it was not computed."""
         return next((face for face in self.faces if (face.structure, face.towards) == (structure, towards)), None)

@@ -245,7 +245,7 @@ def _paper(config: Config, store: Store, threads: int, tell: Tell) -> Search:
 
 
 def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDiscs, DiscsAtRest]:
-    """Return the answer on the paper's own discs, and their state at rest."""
+    """Return the critical Kh of discs with the law "paper" and their properties, and these discs at rest."""
     dem = config.dem.as_paper()
     discs = discs_at_rest(config, store, dem, PAPER, lambda _: None)
     answer = PaperDiscs(

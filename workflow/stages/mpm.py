@@ -238,7 +238,8 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
 
 
 def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
-    """Return the answer of a case from its governing slide and from the slides in coarse cells with both damping rates.
+    """Return the slide of a case with its error, from its governing slide and from the slides in coarse cells with both
+    damping rates.
 
     Slides converge with the first power of the size of the cells, so that the second slide gives the limit of fine
     cells (Richardson's extrapolation). The third slide shows the influence of the damping rate.

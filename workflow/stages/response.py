@@ -30,7 +30,7 @@ def draw(job: Job) -> None:
 
 
 def answer_of(section: Section, column: ResponseColumn) -> SiteResponseAnswer:
-    """Return the answer of a site response."""
+    """Return the site response of a column of layers with its largest strains and accelerations, as it is stored."""
     response = column.response
     layers = tuple(
         ResponseLayer.taken(
