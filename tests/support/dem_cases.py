@@ -69,9 +69,9 @@ def random_discs(seed: int, count: int, soil: LayerSprings, speed: float) -> Dis
 def trace(
     model: DiscModel, dt: float, steps: int, watch: Callable[[DiscModel], object], **settings: object
 ) -> np.ndarray:
-    """`watch` after every step of a run."""
+    """`watch` after every step of a run without energies."""
     seen: list[object] = []
-    Engine(dt=dt, **{"balance": np.inf} | settings).run(  # type: ignore[arg-type]
+    Engine(dt=dt, **{"energies": False} | settings).run(  # type: ignore[arg-type]
         model, steps=steps, every=dt, on_output=lambda m: seen.append(watch(m))
     )
     return np.array(seen)

@@ -60,9 +60,9 @@ def test_number_of_threads_changes_no_bit(energies: bool, law: Law) -> None:
     runs = []
     for threads in (1, 3):
         model = shaking(law)
-        Engine(threads=threads, energies=energies, balance=1.0).run(model, 1.0)
+        Engine(threads=threads, energies=energies, balance=1.0).run(model, 0.4)
         runs.append(model)
-    assert runs[0].lists_made > 4
+    assert runs[0].lists_made > 2
     assert np.any(runs[0].pore_length < 0.0)
     assert all(same(runs[0], other) for other in runs[1:])
 
