@@ -49,6 +49,9 @@ NEARBY, BELOW = 0.1, 0.04
 WORK_OF_PROOFS = 2.5
 # Work that finer triangles take, over that of both bounds at one factor: these, and proofs begun from them.
 WORK_OF_A_MESH = 1.5
+# Bounds are proven before a mesh that is expected to take more than this share of the work left, since it may take more
+# than all of it.
+LIKELY = 0.5
 
 
 class FactorSearch(WeakenedGround):
@@ -61,7 +64,8 @@ class FactorSearch(WeakenedGround):
             beyond = self.lower >= LARGEST or self.upper <= SMALLEST
             last = self.mesh_is_full or self.solver_fails or not self.has_work_for_finer
             if not (beyond or self.is_enough or self.solver_fails):
-                self.prove_both(last or self.open_here <= self.settings.gap - 2.0 * MARGIN)
+                finest = last or self.open_here <= self.settings.gap - 2.0 * MARGIN
+                self.prove_both(finest or self.work_of_a_mesh(self.growth()) > LIKELY * self.work.left)
             if self.good or last or beyond or self.is_enough:
                 return
             self.refine()
@@ -114,7 +118,7 @@ class FactorSearch(WeakenedGround):
 
     @property
     def has_work_for_finer(self) -> bool:
-        return self.work.allows(WORK_OF_A_MESH * GROWTH**COST_EXPONENT * self.work_of_both)
+        return self.work.allows(self.work_of_a_mesh(GROWTH))
 
     @property
     def work_of_both(self) -> float:
@@ -212,21 +216,28 @@ class FactorSearch(WeakenedGround):
                 return
             self.measure(at, side == "lower", side == "upper")
 
-    def refine(self) -> None:
-        """Refine the triangles where the bounds of the last trial differ, by enough cells to close the gap if one step
-        can do that. The margins of the bounds are unchanged.
+    def growth(self) -> float:
+        """Return how many times more triangles the next mesh has: enough to close the gap, if one step can do that. The
+        margins of the bounds are unchanged.
         """
-        assert self.seen is not None  # both bounds were tried on these triangles
-        problem, low, high = self.seen
-        indicator = refinement_indicator(problem, low, high)
-        mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
         margins = 2.0 * MARGIN
         needed = AIM * min(self.gap, self.open_here) / max(self.settings.gap - margins, margins)
-        allowed = self.settings.max_cells / len(problem.mesh.cells)
+        allowed = self.settings.max_cells / len(self.mesh.cells)
         at_once = FURTHEST_GROWTH if needed <= allowed else MOST_GROWTH
-        affordable = (self.work.left / (WORK_OF_A_MESH * self.work_of_both)) ** (1.0 / COST_EXPONENT)
+        affordable = (self.work.left / self.work_of_a_mesh(1.0)) ** (1.0 / COST_EXPONENT)
         allowed = min(allowed, max(affordable, GROWTH))
-        growth = min(max(needed, LEAST_GROWTH) if needed <= at_once else GROWTH, allowed)
+        return min(max(needed, LEAST_GROWTH) if needed <= at_once else GROWTH, allowed)
+
+    def work_of_a_mesh(self, growth: float) -> float:
+        """Return the expected computing work on a mesh of ``growth`` times as many triangles."""
+        return WORK_OF_A_MESH * growth**COST_EXPONENT * self.work_of_both
+
+    def refine(self) -> None:
+        """Refine the triangles where the bounds of the last trial differ."""
+        assert self.seen is not None  # both bounds were tried on these triangles
+        problem, low, high = self.seen
+        indicator, growth = refinement_indicator(problem, low, high), self.growth()
+        mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
         lower = self.root("lower")
         if math.isfinite(lower):
             rise = RISE * self.open_here if math.isfinite(self.open_here) else 0.0

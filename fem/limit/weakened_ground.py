@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
+from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound, share_of_lower_bound
 from fem.limit.bounds import body_of
 from fem.limit.bracket import BoundSide
 from fem.limit.factor_trial import BoundsTrial, FactorWork, Gauge, TrialStart, gap_of_factors, root_of
@@ -92,12 +92,14 @@ class WeakenedGround:
         before = self.work.spent
         problem = self.problem(factor)
         low = high = stress = mechanism = None
-        left = self.work.left / (2.0 if lower and upper else 1.0)
+        share = share_of_lower_bound(*self.seen[1:]) if self.seen else 0.5
+        of_lower, of_upper = (share, 1.0 - share) if lower and upper else (1.0, 1.0)
+        left = self.work.left
         with one_more_thread(lower and upper) as executor:
-            above = partial(proven_upper_bound, problem, left, self.place("upper", factor))
+            above = partial(proven_upper_bound, problem, of_upper * left, self.place("upper", factor))
             future = executor.submit(above) if upper else None
             if lower:
-                low, _, stress = proven_lower_bound(problem, left, self.place("lower", factor))
+                low, _, stress = proven_lower_bound(problem, of_lower * left, self.place("lower", factor))
                 self.count("lower", factor, low.solution, stress is None)
             if future is not None:
                 high, _, mechanism = future.result()
