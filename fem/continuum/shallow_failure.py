@@ -33,6 +33,8 @@ LEVEL = 1e-4
 UNLIKE = 1.0
 # Water that begins less than the least depth below a face counts where it does so along so many times that depth.
 LONG = 10.0
+# Where it does so along a shorter part, but along so many times that depth, shallow ground may slip.
+SHORT = 3.0
 # Angles, and seismic coefficients, that differ by less are the same.
 SAME = 1e-9
 # Seismic coefficients that differ by less are told as one: water that flows presses a little differently everywhere.
@@ -188,6 +190,19 @@ def faces_at(section: Section, settings: FemSettings, kh: float) -> list[Shallow
     directions = ("downhill", "uphill") if kh == 0.0 or settings.direction == "both" else (settings.direction,)
     wishes = [settings.changed(direction=direction) for direction in directions]
     return [face for wish in wishes for face in shallow_failures(section, wish, excess_pressure=kh != 0.0)]
+
+
+def has_uncounted_water(section: Section, face: ShallowFailure, depth: float) -> bool:
+    """Return whether water stands less than a ``depth`` (m) below a part of a dry face, and is not counted in its
+    critical Kh since this part is short. Shallow ground may slip there before the face does.
+    """
+    short = min(SHORT * depth, 0.5 * (face.end - face.start))
+    x = np.array([face.start + short, face.end - short])
+    ground = np.column_stack([x, section.layering.interfaces(x)[:, 0]])
+    below, strata = ground - np.array([0.0, depth]), np.full(2, _number(section, face))
+    at_rest = section.water_pressure.at_rest
+    wet = (at_rest(below, below, strata) > UNLIKE) & (at_rest(ground, ground, strata) <= UNLIKE)
+    return not face.into_water and bool(wet.any())
 
 
 def least_rolling_factor(

@@ -11,13 +11,19 @@ import numpy as np
 
 from fem.continuum.load_ends import with_strengthened_load_ends
 from fem.continuum.loads import Direction, direction_of, excess_pressure_advice, lifted, seismic_sign, soils
-from fem.continuum.repetition import refuse_other_sides
-from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shallow_failures, strengthened
+from fem.continuum.shallow_failure import (
+    ShallowFailure,
+    failing_at_rest,
+    has_uncounted_water,
+    shallow_failures,
+    strengthened,
+)
 from fem.continuum.strength import davis_factors, flow_of, is_dilating_fully, strengths, tensile_strengths
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
-from fem.limit.bracket import COST_EXPONENT, Limits
+from fem.limit.bracket import Limits
 from fem.limit.directions import DirectionSearch, KhObserver, SectionSide, SmallerKhBounds, search_all
+from fem.limit.first_mesh import cells_of_first_search, first_mesh
 from fem.limit.limit_problem import (
     CornerCohesion,
     EdgeTraction,
@@ -28,26 +34,17 @@ from fem.limit.limit_problem import (
     units_of,
 )
 from fem.limit.side_stress import SideStress, side_stresses
-from fem.settings import LEAST_KH, BoundsSettings, FemSettings, Sides
-from meshes.bisection import fan_out
+from fem.settings import LEAST_KH, BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.pore_loads import Pressure
-from meshes.section.cutting import without_film
 from meshes.section.least_strength import cut_at_least_strength
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.section.water_pressure import WaterPressure
-from meshes.triangles import TriMesh, triangulate
+from meshes.triangles import TriMesh
 
-# Cells in the height of the section to start from, and in the thickness of a layer.
-CELLS_IN_HEIGHT, CELLS_IN_LAYER = 5.0, 0.8
-# The first mesh has at most this share of the cells allowed.
-FIRST_SHARE = 0.15
-# Both bounds on CELLS_SOLVED triangles take SECONDS_SOLVED (s on the reference machine of ``cone_program``). The work
-# allowed is enough for FIRST_MESHES first meshes.
-CELLS_SOLVED, SECONDS_SOLVED, FIRST_MESHES = 2900, 1.4, 6
-# Angle (rad) of triangles above which those where a smooth side meets the ground, or a surcharge ends, are halved.
-WIDE_CORNER = 0.5
+# The work allowed is enough for so many first meshes.
+FIRST_MESHES = 6
 # Cells allowed where a rough upper bound will do; the first mesh has a share of it.
 COARSE_CELLS = 8000
 # Bounds of Kh are close enough to begin with a factor of safety on their mesh if they differ by so much at most, as a
@@ -206,7 +203,15 @@ def kh_bounds(
             searches[direction] = grounds[direction].search(left)
     bounds = search_all(tuple(searches.values()), limits, observer)
     least = {way: SLIPS * max(search.bracket.lower, 0.0) for way, (_, search) in strong.items()}
-    wet = [way for way, search in searches.items() if search.bracket.upper < least[way]]
+    wet = [
+        way
+        for way, search in searches.items()
+        if search.bracket.upper < least[way]
+        or (
+            search.bracket.upper < strong[way][1].bracket.lower
+            and any(has_uncounted_water(section, face, fem.least_depth) for face in strong[way][0].shallow_failures)
+        )
+    ]
     for way in wet:  # shallow ground slips where water comes out of a face, before any face by itself
         dropped += searches[way].work - strong[way][1].work
         as_given = searches[way].bracket.upper
@@ -271,48 +276,6 @@ def _coarse_upper_bound(section: Section, fem: FemSettings) -> tuple[float, floa
     body = body_of(ground, mesh, fem)
     bound, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))
     return mechanism.multiplier if mechanism else np.inf, bound.solution.work
-
-
-def cells_of_first_search(max_cells: int, seconds: float) -> int:
-    """Return the largest number of triangles with which `first_mesh` can be solved in ``seconds`` of the reference
-    machine."""
-    cells = CELLS_SOLVED * (max(seconds, 0.0) / SECONDS_SOLVED) ** (1.0 / COST_EXPONENT)
-    return int(min(max_cells, cells / FIRST_SHARE + 1.0))
-
-
-def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") -> TriMesh:
-    """Make triangles about as large as the layers are thick, or larger if there would be too many triangles. Periodic
-    ``sides`` have the same edges; raises InputError if their layers differ.
-
-    Where the water table divides a stratum, triangles of a thin part are as thin as this part and as long as other
-    triangles of the stratum. Several triangles meet at the point where a smooth side reaches the ground surface: under
-    a seismic force bare sand has shear stress along the surface and none along the side, and a single triangle at this
-    point has an admissible stress at Kh = 0 only. Several triangles also meet at the ends of surcharges: with two of
-    them on straight ground, the symmetric stresses balance a step of the load only along their common edge, and never a
-    step with a seismic part.
-    """
-    repeats = sides == "periodic"
-    if repeats:
-        refuse_other_sides(section)
-    layers = section.layering
-    areas = layers.areas()
-    across = (layers.present() * layers.width[:, None]).sum(axis=0)
-    height = float(np.ptp(section.outline()[:, 1]))
-    sizes = np.minimum(areas / across / CELLS_IN_LAYER, height / CELLS_IN_HEIGHT)
-    names = [stratum.name for stratum in section.strata]
-    sizes = sizes[[names.index(without_film(name)) for name in names]]
-    expected = float((areas / (0.43 * sizes**2)).sum())
-    sizes *= max(1.0, np.sqrt(expected / (FIRST_SHARE * max_cells)))
-    named = {name: float(h) for name, h in zip(names, sizes, strict=True)}
-    mesh = triangulate(section, float(sizes.max()), named, repeats)
-    fanned = [x for load in section.surcharges for x in (load.start, load.end)]
-    fanned += list(section.extent) if sides == "smooth" else []
-    if not fanned:
-        return mesh
-    at_ends, surface = np.zeros(len(mesh.points), dtype=bool), np.unique(mesh.boundaries["surface"])
-    near = np.abs(mesh.points[surface, 0][:, None] - np.array(fanned)).min(axis=1)
-    at_ends[surface] = near <= layers.tolerance
-    return fan_out(mesh, at_ends, WIDE_CORNER)[0]
 
 
 def body_of(

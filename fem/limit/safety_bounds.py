@@ -17,11 +17,12 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from fem.continuum.loads import Direction, direction_of
-from fem.continuum.shallow_failure import faces_at, least_rolling_factor, strengthened
+from fem.continuum.shallow_failure import faces_at, has_uncounted_water, least_rolling_factor, strengthened
 from fem.continuum.strength import strengths
-from fem.limit.bounds import COARSE_CELLS, KhBounds, as_analysed, cells_of_first_search, first_mesh
+from fem.limit.bounds import COARSE_CELLS, KhBounds, as_analysed
 from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch
 from fem.limit.factor_trial import BoundsTrial, FactorWork, TrialStart, gap_of_factors
+from fem.limit.first_mesh import cells_of_first_search, first_mesh
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
@@ -95,9 +96,11 @@ def safety_bounds(
     if shallow is None or shallow >= LARGEST:
         return _bounds_of(section, fem, settings, start, work)
     whole = strengthened(section, faces, fem)
-    # Where bare faces of unlike water meet, shallow ground may slip before either of them and before the slope as a
-    # whole, by less than coarse triangles tell apart: work is left for the ground as it is given.
+    # Where bare faces of unlike water meet, or water stands shortly below a face, shallow ground may slip before the
+    # faces and before the slope as a whole, by less than coarse triangles tell apart: work is left for the ground as it
+    # is given.
     meet = any(face.end == other.start for face in faces for other in faces)
+    meet = meet or any(has_uncounted_water(section, face, fem.least_depth) for face in faces)
     deeper: SafetyBounds | None = None
     coarse = _coarse(whole, fem, settings, start, work)
     if not coarse.fails_at(shallow):

@@ -1,8 +1,8 @@
 """The search for the factor of safety between trials that say nothing on one of the bounds."""
 
-from fem.limit.bounds import first_mesh
 from fem.limit.factor_search import FactorSearch
 from fem.limit.factor_trial import FactorWork, TrialStart
+from fem.limit.first_mesh import first_mesh
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section

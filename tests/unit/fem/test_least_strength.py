@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from fem.limit.bounds import as_analysed, first_mesh
+from fem.limit.bounds import as_analysed
+from fem.limit.first_mesh import first_mesh
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.cutting import LEAST_STRENGTH, without_film

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from fem.limit.bounds import body_of, first_mesh
+from fem.limit.bounds import body_of
+from fem.limit.first_mesh import first_mesh
 from fem.limit.limit_problem import limit_problem, units_of
 from fem.limit.lower_bound import equations, independent_equations
 from fem.settings import FemSettings

@@ -8,7 +8,8 @@ from scipy import sparse
 
 from fem.continuum.shallow_failure import shallow_failures, strengthened
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
-from fem.limit.bounds import body_of, first_mesh
+from fem.limit.bounds import body_of
+from fem.limit.first_mesh import first_mesh
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of
 from fem.limit.lower_bound import lower_bound
 from fem.settings import FemSettings

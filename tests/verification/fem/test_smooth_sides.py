@@ -9,7 +9,8 @@ from mpi4py import MPI
 from scipy.optimize import minimize_scalar
 
 from fem.limit.adaptive_bounds import proven_lower_bound
-from fem.limit.bounds import DirectionGround, body_of, first_mesh, kh_bounds
+from fem.limit.bounds import DirectionGround, body_of, kh_bounds
+from fem.limit.first_mesh import first_mesh
 from fem.limit.limit_problem import limit_problem, units_of
 from fem.limit.safety_bounds import safety_bounds
 from fem.limit_load.limit_load import critical_limit_load
