@@ -99,7 +99,8 @@ class FlowGrid:
             below = np.clip((heights <= z[:, None]).sum(axis=1) - 1, 0, len(rungs) - 2)
             row = np.arange(len(here))
             low, high = heights[row, below], heights[row, below + 1]
-            part = np.clip((z - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0)
+            # Beside its strip, by less than the tolerance, the upper one of two edges that cross counts: the ground.
+            part = np.clip(np.where(high > low, z - low, 1.0) / np.where(high > low, high - low, 1.0), 0.0, 1.0)
             result[here] = (1.0 - part) * there[row, below] + part * there[row, below + 1]
         return result
 

@@ -163,6 +163,25 @@ def test_a_shore_between_two_points_of_the_grid_lifts_no_ground(toe: float) -> N
     assert section.uplift is None
 
 
+def test_pore_pressure_at_the_bed_of_a_pond_is_that_of_the_pond_beside_every_line_of_the_grid() -> None:
+    """Beside a line of the grid, by less than the tolerance, pressure was taken from below the ground. 6 Pa too much
+    left cracked clay without any effective stress in equilibrium."""
+    data = flowing(
+        [[0.0, 4.0], [30.0, 4.0], [48.0, 13.0], [74.0, 4.0], [110.0, 4.0]],
+        [[0.0, 10.0], [42.0, 10.0], [74.0, 4.0], [110.0, 4.0]],
+    )
+    section = Section.parse(data)
+    flow, water = section.water_pressure.flow, section.water_pressure
+    assert flow is not None
+    lines = flow.grid.x[(flow.grid.x > 0.5) & (flow.grid.x < 29.0)]
+    for share in (-0.9, -0.5, 0.5, 0.9):
+        bed = np.column_stack([lines + share * flow.tolerance, np.full(len(lines), 4.0)])
+        for side in (-0.3, 0.3):
+            within = bed + np.array([side, -0.2])
+            pressure = water.at_rest(bed, within, np.zeros(len(bed), dtype=int))
+            assert pressure == pytest.approx(water.on_ground(bed, within), rel=1e-12)
+
+
 def zoned(zones: dict, k: float = K) -> dict:
     """A rectangular dam 10 m wide between waters of 10 and 2 m, with vertical zones {(from, to): permeability}."""
     data = dam(10.0, 2.0, 10.0, 12.0)
