@@ -148,7 +148,7 @@ def test_the_papers_own_discs_keep_its_kh_beside_an_earthquake(
     class StoppedError(Exception):
         pass
 
-    def slider(*arguments: Any, free_sides: bool) -> None:
+    def slider(*arguments: Any, free_sides: bool, by_weight: bool) -> None:
         loaded.extend(arguments)
         raise StoppedError
 

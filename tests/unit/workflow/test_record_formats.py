@@ -160,9 +160,11 @@ def test_a_velocity_file_is_no_acceleration() -> None:
     speed = 20.67 * np.exp(-(((time - 8.0) / 3.0) ** 2)) * np.sin(2.0 * np.pi * time)
     assert 1.0 < read_text(records.peer(speed, 0.01, "CM/S", "VELOCITY")).peak < 1.5
     none = refused(records.peer(speed, 0.01, "G", "VELOCITY"))
-    assert "says velocity, in G, a unit of acceleration" in none
+    assert "says that the values are velocity, but their unit, G, is one of acceleration" in none
     assert 'g with the unit "G"; no recorded ground motion' in refused(records.peer(speed, 0.01, "G"))
-    assert "says velocity, in g, a unit of acceleration" in refused(columns(time, speed, "time (s),velocity (g)"))
+    assert "are velocity, but their unit, g, is one of acceleration" in refused(
+        columns(time, speed, "time (s),velocity (g)")
+    )
 
 
 def test_exponents_as_fortran_writes_them() -> None:
