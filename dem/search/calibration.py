@@ -284,7 +284,7 @@ def calibrated(calibrator: Calibrator, continuum: Continuum, one_at_a_time: bool
     table = sensitivities(calibrator) if one_at_a_time else []
     base = calibrator.search(calibrator.settings.parameter.replace("auto", "strength"), first)
     target = continuum.kc if base.kc is None else continuum.nearest(middle(base))
-    return best(calibrator, target, calibrator.settings.parameter, table or [("", 1.0, base)] * (first == 1.0))
+    return best(calibrator, target, calibrator.settings.parameter, table or ([("", 1.0, base)] if first == 1.0 else []))
 
 
 def middle(search: Search) -> float:

@@ -138,10 +138,10 @@ class FactorSearch(WeakenedGround):
             over, last = self.over(trial.upper), trial
             step = STEP**-2.0 if over < -FAR else self.step(over)
             if self.slope is not None and abs(math.log(step)) < NEARBY:
-                self.factor = float(np.clip(trial.factor * step * math.exp(-BELOW), SMALLEST, LARGEST))
+                self.factor = _looked_for(trial.factor * step * math.exp(-BELOW))
                 return
             safe, unsafe = (trial.factor, unsafe) if over >= 0.0 else (safe, trial.factor)
-            self.factor = float(np.clip(inside(trial.factor * step, safe, unsafe), SMALLEST, LARGEST))
+            self.factor = _looked_for(inside(trial.factor * step, safe, unsafe))
             if self.factor == trial.factor:
                 return
 
@@ -160,7 +160,7 @@ class FactorSearch(WeakenedGround):
             if self.slope is not None and (close or self.work.left < WORK_OF_PROOFS * last.work):
                 break
             safe, unsafe = (last.factor, unsafe) if middle >= 0.0 else (safe, last.factor)
-            self.factor = float(np.clip(inside(last.factor * step, safe, unsafe), SMALLEST, LARGEST))
+            self.factor = _looked_for(inside(last.factor * step, safe, unsafe))
             if self.factor == last.factor:  # at an end of what is looked for
                 break
             trial = self.regauged(self.measure(self.factor))
@@ -241,7 +241,12 @@ class FactorSearch(WeakenedGround):
         lower = self.root("lower")
         if math.isfinite(lower):
             rise = RISE * self.open_here if math.isfinite(self.open_here) else 0.0
-            self.factor = float(np.clip(lower * math.exp(rise), SMALLEST, LARGEST))
+            self.factor = _looked_for(lower * math.exp(rise))
         self.unborne_from = math.inf
         self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
         self.meshes.append(self.mesh)
+
+
+def _looked_for(factor: float) -> float:
+    """Return the nearest factor within those that are looked for."""
+    return min(max(factor, SMALLEST), LARGEST)

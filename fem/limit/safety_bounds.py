@@ -12,7 +12,6 @@ loads that the ground resists is bounded in place of Kh, and F is a lower bound 
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -151,29 +150,27 @@ class _Coarse:
 
     def fails_at(self, factor: float) -> bool:
         """Return whether a mechanism fails when the strength is divided by ``factor``."""
-        return bool(self.failing(self.searches, factor, enough=1))
-
-    @staticmethod
-    def failing(searches: Sequence[FactorSearch], factor: float, enough: int = 2) -> list[FactorSearch]:
-        """Return the searches, at most ``enough``, in whose direction a mechanism fails at ``factor``."""
-        fail: list[FactorSearch] = []
-        for search in searches:
-            if len(fail) < enough:
-                search.measure(factor, lower=False)
-                fail += [search] if search.upper <= factor else []
-        return fail
+        return any(_fails(search, factor) for search in self.searches)
 
     def least_failing(self, factor: float) -> float:
         """Return ``factor``, or a smaller factor at which a mechanism fails: where faces of different water or slope
         meet, shallow ground slips before the face fails.
         """
-        weak = self.failing(self.searches, factor)  # ground that stands at a factor stands at every smaller one
+        weak = [search for search in self.searches if _fails(search, factor)]
+        if not weak:
+            return factor
         stands, fails = 0.5 * factor, factor
-        for _ in range(HALVINGS if weak else 0):
+        for _ in range(HALVINGS):
             middle = math.sqrt(stands * fails)
-            still = self.failing(weak, middle)
+            still = [search for search in weak if _fails(search, middle)]  # what stands does so at smaller factors, too
             weak, stands, fails = (still, stands, middle) if still else (weak, middle, fails)
         return fails
+
+
+def _fails(search: FactorSearch, factor: float) -> bool:
+    """Return whether a mechanism in the direction of a search fails when the strength is divided by ``factor``."""
+    search.measure(factor, lower=False)
+    return search.upper <= factor
 
 
 def _coarse(
@@ -189,9 +186,9 @@ def _first_mesh(
     section: Section, fem: FemSettings, settings: BoundsSettings, start: TrialStart, work: FactorWork
 ) -> TriMesh:
     """Return a mesh of the known bounds of Kh if they are of the same section, else a coarse one."""
-    if start.known is not None and start.known.section == section and start.known.mesh_for_factors is not None:
-        return start.known.mesh_for_factors
-    return first_mesh(section, cells_of_first_search(settings.max_cells, work.left / FACTOR_TRIALS), fem.sides)
+    known = start.known
+    mesh = known.mesh_for_factors if known is not None and known.section == section else None
+    return mesh or first_mesh(section, cells_of_first_search(settings.max_cells, work.left / FACTOR_TRIALS), fem.sides)
 
 
 def _bounds_of(

@@ -100,7 +100,7 @@ class FlowGrid:
             row = np.arange(len(here))
             low, high = heights[row, below], heights[row, below + 1]
             # Beside its strip, by less than the tolerance, the upper one of two edges that cross counts: the ground.
-            part = np.clip(np.where(high > low, z - low, 1.0) / np.where(high > low, high - low, 1.0), 0.0, 1.0)
+            part = np.clip(np.divide(z - low, high - low, out=np.ones(len(z)), where=high > low), 0.0, 1.0)
             result[here] = (1.0 - part) * there[row, below] + part * there[row, below + 1]
         return result
 
