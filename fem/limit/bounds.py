@@ -69,8 +69,8 @@ class KhBounds(SmallerKhBounds):
     shallow : float or None
         An upper bound of Kh of the ground without strengthening, if it is below the bounds and below the Kh of all
         ``shallow_failures``: ground above the least depth then slips where faces of different water or slope meet, or
-        where water seeps out of a face. The ground of this slip is strengthened as well. None if the upper bound of the
-        ground without strengthening is not smaller.
+        where water seeps out of a face or stands close below it. The ground of this slip is strengthened as well. None
+        if the upper bound of the ground without strengthening is not smaller.
     section : Section
         The section that was analysed for the direction that fails first, with faces strengthened if necessary.
     substitute : SmallerKhBounds or None

@@ -48,12 +48,13 @@ class SafetyBounds:
     """Holds bounds of the factor of safety: the ground stands at ``lower`` and fails at ``upper``. If no bound was
     proven, they are 0 and inf.
 
-    ``shallow_failure`` is the factor at which a cohesionless face fails, or shallow ground slips where two faces meet,
-    if it is below ``upper``; it equals ``upper`` if no stress was found in the ground as given. The ground down to the
-    least depth below such faces is then strengthened, as in the finite elements, and the bounds are strict for this
-    strengthened ground: they are bounds of the whole slope. Without a shallow failure they are strict for the ground of
-    the section file, except at ends of loads on bare sand (``load_ends.py``). ``direction`` is the direction of the
-    seismic force at failure, None without force; ``ended`` says why the bounds are not closer.
+    ``shallow_failure`` is the factor at which a cohesionless face fails, or shallow ground slips where two faces meet
+    or water stands close below a face, if it is below ``upper``; it equals ``upper`` if no stress was found in the
+    ground as given. The ground down to the least depth below such faces is then strengthened, as in the finite
+    elements, and the bounds are strict for this strengthened ground: they are bounds of the whole slope. Without a
+    shallow failure they are strict for the ground of the section file, except at ends of loads on bare sand
+    (``load_ends.py``). ``direction`` is the direction of the seismic force at failure, None without force; ``ended``
+    says why the bounds are not closer.
     """
 
     kh: float

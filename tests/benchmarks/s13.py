@@ -8,13 +8,18 @@ import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from dem.search.pushover import pushover_critical_kh
 from fem.limit.bounds import kh_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
 from tests.support import SECTIONS
+from workflow.config.after_triggering import load_config
+from workflow.run.store import Store
+from workflow.stages.discs_at_rest import SETTLED, continuum_for, discs_at_rest
 
 S13 = SECTIONS / "s13.toml"
 
@@ -27,12 +32,29 @@ def run(folder: Path) -> None:
     subprocess.run(command, check=True)
 
 
+def uncalibrated(folder: Path, seeds: Sequence[int]) -> dict[int, float]:
+    """The critical Kh of every random packing of a run before its calibration, of which a run computes only that of
+    its own."""
+    config, store = load_config(S13), Store(folder)
+    values = {}
+    for seed in seeds:
+        dem = config.dem.changed(packing="random", seed=seed)
+        file = SETTLED if seed == config.dem.seed else f"dem/slide_seed{seed}_settled.npz"
+        discs = discs_at_rest(config, store, dem, file, lambda _: None)
+        search, _ = pushover_critical_kh(
+            discs.settled, discs.ground, dem, continuum_for(config, store), until_failed=False
+        )
+        assert search.kc is not None
+        values[seed] = search.kc
+    return values
+
+
 def rows_of(folder: Path) -> list[Row]:
     """The numbers of a run, and its bounds to 1 %."""
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     fem, dem = summary["fem"], summary["dem"]
-    more = summary["cases_random"]["seeds"] if summary["cases_random"] else [{"kc_before": dem["kc_uncalibrated"]}]
-    packings = sorted(seed["kc_before"] for seed in more if seed["kc_before"] is not None)
+    seeds = summary["cases_random"]["seeds"] if summary["cases_random"] else []
+    packings = sorted(uncalibrated(folder, [seed["seed"] for seed in seeds]).values()) or [dem["kc_uncalibrated"]]
     slides = [case["slide_max_m_mean"] or case["slide_max_m"] for case in summary["cases"].values()]
     bounds = kh_bounds(Section.read(S13), FemSettings(), BoundsSettings(gap=0.01, davis=False))
     row = {

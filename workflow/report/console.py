@@ -202,7 +202,8 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         )
     if answer.shallow is not None:
         when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
-        where = "two cohesionless faces meet" if answer.shallow_failures else "water seeps out of a bare face"
+        water = "water seeps out of bare ground or stands close below"
+        where = "two cohesionless faces meet" if answer.shallow_failures else water
         yield (
             f"Where {where}, ground less than {answer.least_depth:g} m deep slips {when}: this ground requires "
             "cohesion, or protection."
