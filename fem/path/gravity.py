@@ -31,8 +31,9 @@ FIXED_AT_SIDES: Mapping[Sides, str] = {"free-field": "y", "smooth": "x", "fixed"
 # Arc length, in elastic displacements under the whole load, after which applying a load is given up.
 LONGEST_LOADING = 10.0
 # Iterations and halvings of a step in Newton's method while a load is brought on: from no stress at all, ground without
-# cohesion yields everywhere in the same way however small the load, and smaller steps of the load do not help.
-PATIENT = 60, 8
+# cohesion yields everywhere in the same way however small the load, and smaller steps of the load do not help. Ground
+# that hardly stands takes hundreds of descents of its potential.
+PATIENT = NewtonSettings(iterations=60, line_search=8, descents=600)
 # Largest steps of a path, in reference displacements: associated flow follows long ones as well as short ones.
 LARGEST_ASSOCIATED, LARGEST_OTHERWISE = 3.0, 0.3
 # Cohesions that are told apart in a stratum whose cohesion varies.
@@ -241,7 +242,7 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
     problem.use_elastic_tangent()
     problem.factorise()
     control = load / norm(load)
-    newton = NewtonSettings(tolerance=settings.tolerance, iterations=PATIENT[0], line_search=PATIENT[1])
+    newton = replace(PATIENT, tolerance=settings.tolerance)
     follow = replace(path_settings(problem, settings), first=0.2, largest=0.2, newton=newton)
     path = EquilibriumPath(
         problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),

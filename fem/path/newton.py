@@ -20,9 +20,9 @@ from fem.path.nonlinear_elimination import LocalSubproblem
 
 # Iterations without progress, a residual below 0.9 of the best, after which Newton's method is given up.
 MOST_STALLED, PROGRESS = 8, 0.9
-# Where there is a potential: the iterations granted, and the part of a correction below which a few cells are solved by
-# themselves (nonlinear elimination).
-DESCENTS, SHORT = 120, 0.5
+# Where there is a potential: the part of a correction below which a few cells are solved by themselves (nonlinear
+# elimination).
+SHORT = 0.5
 
 
 @dataclass(frozen=True)
@@ -37,11 +37,14 @@ class NewtonSettings:
         Largest number of iterations of a step.
     line_search : int
         Largest number of halvings of a correction that does not reduce the unbalanced force.
+    descents : int
+        Largest number of iterations of a step where the potential of associated flow is minimised.
     """
 
     tolerance: float = 1e-6
     iterations: int = 20
     line_search: int = 2
+    descents: int = 120
 
 
 class Loading(Protocol):
@@ -216,7 +219,7 @@ def _lowest(
     """
     increment, iteration = first, 0
     residual, norm = residual_of(problem, loading, increment, multiplier, scale)
-    while norm > settings.tolerance and iteration < DESCENTS:
+    while norm > settings.tolerance and iteration < settings.descents:
         iteration += 1
         try:
             problem.factorise()

@@ -16,6 +16,7 @@ from fem.continuum.loads import Direction, direction_of, seismic_sign
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure
 from fem.continuum.strength import Flow, flow_of
+from fem.errors import NoEquilibriumError, UnstableError
 from fem.limit_load.limit_load import LoadedGround, cohesionless_faces, faces_failing_at_rest, loaded_ground
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import bring_to_rest, path_settings
@@ -181,8 +182,7 @@ def _towards(
     ground = ground or loaded_ground(section, mesh, settings, comm)
     while True:
         if ground.gravity is None:
-            resting = bring_to_rest(ground.problem, ground.weight, ground.constant, ground.settings)
-            ground = replace(ground, gravity=resting)
+            ground = replace(ground, gravity=_at_rest(ground))
         result = _followed(ground, mesh, sign, settings, listener)
         sand = cohesionless_faces(section, settings)
         strengthened = any(face in ground.faces for face in sand)
@@ -190,6 +190,23 @@ def _towards(
             break
         ground = loaded_ground(section, mesh, settings, comm, sand + faces_failing_at_rest(section, settings))
     return replace(result, shallow_failures=[face for face in ground.faces if face.kh < result.kc])
+
+
+def _at_rest(ground: LoadedGround) -> EquilibriumPath:
+    """Bring ``ground`` to equilibrium under its weight; return the path of its weight.
+
+    Raises UnstableError if the ground fails, NoEquilibriumError if limit analysis finds that it stands.
+    """
+    try:
+        return bring_to_rest(ground.problem, ground.weight, ground.constant, ground.settings)
+    except UnstableError as error:
+        if ground.limit is None:
+            raise
+        raise NoEquilibriumError(
+            "the iteration for equilibrium under the weight did not converge, although the ground stands on the same "
+            f"mesh up to Kh = {ground.limit.multiplier:.4f} by limit analysis",
+            "use another mesh.size",
+        ) from error
 
 
 def _followed(

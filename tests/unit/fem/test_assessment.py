@@ -5,8 +5,8 @@ import pytest
 from mpi4py import MPI
 
 from fem import kh_bounds
-from fem.errors import UnstableError
-from fem.search import assessment
+from fem.errors import NoEquilibriumError, UnstableError
+from fem.search import assessment, critical
 from fem.search.assessment import assess
 from fem.settings import BoundsSettings, FemSettings
 from meshes.executor import SERIAL
@@ -51,6 +51,35 @@ def test_ground_whose_factor_of_safety_is_below_one_has_no_critical_kh():
     settings = FemSettings(direction="downhill", max_cells=3000)
     with pytest.raises(UnstableError, match=r"its factor of safety is 0\.9\d by Davis.*, and 1\.\d\d with ψ = φ"):
         assess(cut, MeshSettings(), generate(cut), settings, MPI.COMM_SELF, lambda *_: None)
+
+
+@pytest.mark.slow
+def test_a_bare_face_of_sand_above_which_the_slope_hardly_stands_has_a_critical_kh():
+    """Strict bounds are 0.0051 to 0.0079: rest under the weight takes 255 descents, and 120 said that nothing stood."""
+    gravel = layer("gravel", bottom={"elevation": [[0, 5], [60, 8]]}, cohesion="6 kPa", friction_angle="45 deg")
+    seam = layer("seam", bottom={"elevation": [[0, 4.7], [60, 7.7]]}, cohesion="22 kPa", friction_angle="0 deg")
+    sand = layer("sand", cohesion="0 kPa", friction_angle="45 deg")
+    moist = {"gravel": (2.0, 2.1, 60, 0.3), "seam": (1.7, 1.7, 6, 0.45), "sand": (1.9, 2.0, 50, 0.3)}
+    for soil in (gravel, seam, sand):
+        density, saturated, stiffness, poisson = moist[soil["name"]]
+        soil |= {"density_ordinary": f"{density} t/m^3", "density_seismic": f"{density} t/m^3"}
+        soil |= {"density_saturated": f"{saturated} t/m^3"}
+        soil |= {"youngs_modulus": f"{stiffness} MPa", "poissons_ratio": poisson}
+    face = {"name": "face", "surface": [[0, 2], [20, 2], [27, 12], [60, 13]], "base": {"elevation": -6}}
+    face |= {"water": {"table": [[0, 2], [20, 2], [60, 6]]}}
+    section = Section.parse(face | {"strata": [gravel, seam, sand]})
+    answer = assess(section, MeshSettings(), generate(section), FemSettings(), MPI.COMM_SELF, lambda *_: None)
+    assert 0.005 < answer.critical.kc < 0.008
+    assert answer.critical.lower == pytest.approx(answer.critical.kc, rel=0.1)
+
+
+def test_what_limit_analysis_finds_standing_is_not_said_to_fail_where_the_iteration_does_not_converge(monkeypatch):
+    def stuck(*_):
+        raise UnstableError("the section fails under its own weight")
+
+    monkeypatch.setattr(critical, "bring_to_rest", stuck)
+    with pytest.raises(NoEquilibriumError, match=r"did not converge, although the ground stands .* up to Kh = 0\.\d+"):
+        assessed(slope_with(cohesion="5 kPa", friction_angle="32 deg"))
 
 
 def slope_with(**soil: object) -> Section:
