@@ -82,9 +82,10 @@ def usual_point_sides(section: Section) -> Sides | None:
 def _level_ends(section: Section) -> tuple[bool, bool]:
     """Return whether the ground is level at the left and at the right end, over half of the mean height of the section.
 
-    Ground counts as level also where it falls by less than a tenth of the steepest stretch of that length: a plateau of
-    1:40 behind a cut is no slope that continues. Longer level stretches are not required: with free-field sides, an
-    embankment on soft ground deeper than the adjacent level ground is wide had a tenth of its critical Kh.
+    Ground also counts as level where it falls by less than a tenth of the fall of the steepest stretch of the same
+    length: a plateau of 1:40 behind a cut is no slope that continues. Longer level stretches are not required: an
+    embankment on soft ground that is deeper than the level ground beside it is wide would then get free-field sides,
+    with which its critical Kh is ten times too small.
     """
     ground, (left, right) = section.ground, section.extent
     stretch = STRETCH * float(section.layering.areas().sum()) / (right - left)

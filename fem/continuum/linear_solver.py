@@ -1,5 +1,6 @@
-"""Solves the linear system of a Newton iteration with one matrix, whose entries are set anew and factorised in every
-iteration. The solver is MUMPS, or CHOLMOD, which is faster, on one rank and for associated flow."""
+"""Solves the linear system of a Newton iteration. The pattern of the sparse matrix is constant; its entries are
+assembled and factorised in every iteration. The solver is MUMPS, or CHOLMOD, which is faster, on one rank and for
+associated flow."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -138,12 +139,13 @@ class LinearSolver:
 
 class CholmodMatrix:
     """Holds the stiffness matrix on one rank by its lower triangle; ``rows`` (nc, border) are the numbers of the
-    displacement components of each cell, ``nested`` is as in ``Cholesky``."""
+    displacement components of each cell, ``nested`` selects nested dissection as order of elimination, see
+    ``Cholesky``."""
 
     @staticmethod
     def suits(rows: np.ndarray) -> bool:
         """Return whether CHOLMOD is installed and can be used here. CHOLMOD cannot be used if a cell contains the same
-        component twice, as a cell as wide as the period of the section does.
+        component twice, which happens if one cell is as wide as a periodic section.
         """
         return not (np.diff(np.sort(rows, axis=1), axis=1) == 0).any() and cholmod.available()
 

@@ -46,7 +46,7 @@ class PartialProblem:
     table : ndarray
         Constants of the soils, as ``mohr_coulomb.table`` returns them.
     least : ndarray (points, 4, 4)
-        Smallest stiffness (Pa), which is added to the tangent so that the matrix is regular.
+        Small stiffness (Pa) that is added to the tangent, so that the stiffness matrix is not singular.
     """
 
     components: np.ndarray

@@ -8,13 +8,14 @@ the strength
     τ = β (c + σ tan φ),    β = cos ψ cos φ / (1 - sin ψ sin φ)    (at most 1),
 
 and substitutes associated ground with c* = β c and tan φ* = β tan φ. The limit load of the substituted ground is
-unique, has strict bounds, and is never above that of ψ = φ. When the strength is divided by a factor λ, there are three
-forms (Tschuchnigg, Schweiger & Sloan 2015, Géotechnique 65, 249; theory in Sysala et al. 2021):
+unique, has strict bounds, and is never above the limit load of ground with ψ = φ. When the strength is divided by a
+factor λ, there are three forms (Tschuchnigg, Schweiger & Sloan 2015, Géotechnique 65, 249; theory in Sysala et al.
+2021):
 
     Form A takes β of φ and ψ as given; form B takes β of arctan(tan φ / λ) and arctan(tan ψ / λ); form C takes β of
     arctan(tan φ / λ) and ψ, and β = 1 where ψ is the larger of these two angles.
 
-At λ = 1 all three are the same. Angles are in radians, cohesion in Pa.
+At λ = 1 the three forms are equal. Angles are in radians, cohesion in Pa.
 """
 
 from collections.abc import Iterable, Sequence
@@ -88,8 +89,8 @@ def flow_of(strata: Sequence[Stratum], flow: FlowSetting) -> Flow:
     strata : sequence of Stratum
         The strata, with the dilation angles of the section file.
     flow : {"auto", "davis", "associated", "section"}
-        The setting. "auto" is "associated", ψ = φ, unless a dilation angle below φ is given for any of the strata: it
-        is "davis" then, with ψ = 0 in those that have none.
+        The setting. "auto" is "associated", ψ = φ, unless a dilation angle below φ is given for any of the strata. In
+        that case "auto" is "davis", with ψ = 0 in strata without a dilation angle.
 
     Returns
     -------

@@ -6,9 +6,11 @@ obey q + C m = g with a compliance C of three rows. In ground with friction C = 
 eliminated; C then has a small compliance δ of the volume, whose effect iterative refinement removes. A tension cut-off
 adds its own compliance, as for springs in series.
 
-Rows and columns of the equations are in this order: [load, volume of clay, cones of corners, cones of cut-offs, single
-openings] and [velocities, t of clay, single openings, openings]. ``clay``, ``single`` and ``triple`` (k,) number the
-corners of φ = 0 and those that open in one way or in three, -1 elsewhere; ``sine`` (k,) is sin φ, or 1 where φ = 0.
+Rows and columns of the equations are in this order: [load, volume of clay, cones of corners, cones of cut-offs, scalar
+cut-offs] and [velocities, t of clay, opening rates of scalar cut-offs, opening rates of cut-off cones]. ``clay``,
+``single`` and ``triple`` (k,) number the corners of φ = 0, the corners whose tension cut-off is one scalar constraint
+(one opening rate), and the corners whose cut-off is a cone (three opening rates), -1 elsewhere; ``sine`` (k,) is sin φ,
+or 1 where φ = 0.
 """
 
 import math
@@ -67,7 +69,7 @@ def _stiffness(w: np.ndarray, much: float, sine: float, is_clay: bool, soft: flo
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _add_compliance(w: np.ndarray, much: float, sine: float, is_clay: bool, soft: float, c: np.ndarray) -> None:
-    """Add C (3, 3) of one cone."""
+    """Add the compliance C (3, 3) of one cone to ``c``."""
     scale = much / (sine * sine)
     c[1, 1] += scale * (2.0 * w[1] * w[1] + 1.0)
     c[2, 2] += scale * (2.0 * w[2] * w[2] + 1.0)
@@ -111,8 +113,8 @@ def condense(
     velocities.
 
     ``stiffness``: C⁻¹ of `stiffnesses`; ``square``: W² of the cones; ``lone``, ``sine``, ``clay``, ``single``,
-    ``triple``, ``torn_sine``: as in `stiffnesses`; ``velocities``, ``clays``: their numbers; ``openings``: the
-    first column of openings in three ways.
+    ``triple``, ``torn_sine``: as in `stiffnesses`; ``velocities``, ``clays``: numbers of velocities and of clay
+    corners; ``openings``: the first column of the opening rates of cut-off cones.
     """
     corners, first = len(sine), 1 + clays
     tears, lones = first + 3 * corners, first + 3 * len(square)

@@ -1,8 +1,8 @@
 """Computes the motion of the background grid of material points in a time step, and of the base that supports its
 lowest nodes (kernels).
 
-Velocities are those in the frame in which the ground far below does not move; Kh or a record acts in it as an
-acceleration of the whole mass. Positive is to the right and upwards; m, kg and N are those of a metre out of plane.
+Velocities are relative to the ground far below the section. In this frame Kh or a record acts as an acceleration of the
+whole mass. Vectors are positive to the right and upwards; masses (kg) and forces (N) are per metre out of plane.
 """
 
 import numpy as np
@@ -62,8 +62,8 @@ def move_grid(
     ``grid`` (nx, nz, NODE): see `scatter`; ``uplift`` (nx, nz, 2): force of pore water on a volume of ground, minus its
     pressure gradient (N/m³); ``support`` (nx, nz): FREE, FIXED or WALL; ``dt``: time step (s); ``damping``: local non-
     viscous damping of the forces (Cundall 1987), 0 for none; ``base`` (BASE,): motion of the base and of the nodes that
-    are held. Fills ``velocity`` (m/s) and ``gained`` (nx, 2): the kinetic energy (J/m) by all forces on the nodes, and
-    the part of it by pore water.
+    are held. Fills ``velocity`` (m/s) and ``gained`` (nx, 2): the kinetic energy (J/m) that all forces gave to the
+    nodes of each column, and the part of this energy by pore water.
     """
     base_old, base_new = base[OLD], base[NEW]
     for i in range(first, last):

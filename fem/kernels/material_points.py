@@ -30,12 +30,12 @@ instead of the strain, so that the strain of the points is unchanged. A step is 
 0.7 of a cell, so with ρ = 0.1 the averaging takes about the time in which a wave crosses seven cells.
 
 Rows of nodes may be inclined, so that layers are parallel to them: node (i, j) is at (i h, j h + s i h), s the slope of
-a row. Splines, d and C are those of (x, z - s x), where cells are squares; with J = [[1, 0], [-s, 1]] the gradient of
-the velocity is C J, and σ Jᵀ stands for σ above.
+a row. Splines, d and C are in the coordinates (x, z - s x), in which cells are squares; with J = [[1, 0], [-s, 1]] the
+gradient of the velocity is C J, and σ Jᵀ replaces σ in the equations above.
 
 Stress is positive in tension, Pa, [xx, zz, xz]; lengths m, masses kg/m, z upwards. Points are sorted by stripes of
-columns; stripes of even number never write to the same node, nor do those of odd number, so that every sum has one
-order for any number of threads.
+columns; two stripes of even number never write to the same node, nor do two stripes of odd number, so that every sum
+has one order for any number of threads.
 """
 
 import math

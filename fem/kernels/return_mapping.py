@@ -17,13 +17,13 @@ The trial stress x goes to one of these parts of the surface:
     APEX          s = c cot phi            SHEAR_TENSION   f = 0, s1 = T
     LEFT_CORNER   f = 0, s1 = s2 = T       RIGHT_CORNER    f = 0, s1 = T, s2 = s3
 
-With D the elastic stiffness of principal stresses and C = D^-1, the return to a plane of normal n and flow m
-is s = x - D m f(x)/(n D m); that to a line of direction a through s0 is s = s0 + a (b C (x - s0))/(b C a),
-where b is normal to the flow of both planes (Clausen, Damkilde & Andersen 2006, Int. J. Numer. Meth. Engng
-66, 1036; 2007, Computers & Structures 85, 1795). The edge is the one met first as the plastic multiplier
-grows (Sysala, Cermak & Ligursky 2017, ZAMM 97, 1502). With psi = 0 the flow keeps the mean stress, so that a
-trial whose mean stress is beyond c cot phi reaches no plane: it goes to the apex, as does with psi > 0 a trial stress
-beyond the apex.
+With D the elastic stiffness of principal stresses and C = D^-1, the return to a plane of normal n and flow m is s = x -
+D m f(x)/(n D m); that to a line of direction a through s0 is s = s0 + a (b C (x - s0))/(b C a), where b is normal to
+the flow of both planes (Clausen, Damkilde & Andersen 2006, Int. J. Numer. Meth. Engng 66, 1036; 2007, Computers &
+Structures 85, 1795). Of the two edges, the trial stress goes to the one that it reaches first as the plastic multiplier
+grows (Sysala, Cermak & Ligursky 2017, ZAMM 97, 1502). With psi = 0 the flow keeps the mean stress, so that a trial
+whose mean stress is beyond c cot phi reaches no plane: it goes to the apex, as does with psi > 0 a trial stress beyond
+the apex.
 """
 
 import math

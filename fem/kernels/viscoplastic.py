@@ -4,8 +4,8 @@ With the inviscid stress s_p of the step and the elastic one s_e, Duvaut & Lions
 
     s = (1 - b) s_p + b s_e,    b = T / (T + dt)    (Simo & Hughes 1998, eq. 2.7.16),
 
-with the relaxation time T. The tangent of the overstress model is mixed in the same way. Components and signs as in
-``mohr_coulomb``.
+with the relaxation time T. The tangent is the same weighted mean of the inviscid and the elastic tangent. Components
+and signs as in ``mohr_coulomb``.
 """
 
 import numba as nb

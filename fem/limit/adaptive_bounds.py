@@ -57,7 +57,8 @@ class BoundSearch:
         return sum(mesh.work for mesh in self.bracket.meshes)
 
     def advance(self, others: float = 0.0) -> None:
-        """Find bounds on the next mesh; ``others`` is the work of other searches that share the same limits."""
+        """Find bounds on the next mesh; ``others`` is the computing work of other searches, which counts towards the
+        same limit of work."""
         best, mesh = self.bracket, self.bracket.mesh if self._seen is None else self._finer(*self._seen)
         problem = limit_problem(mesh, self._body, self._units)
         left = max(self._limits.seconds - self.work - others, 0.0)
@@ -114,8 +115,8 @@ def share_of_lower_bound(low: LowerBound, high: UpperBound) -> float:
 def proven_lower_bound(
     problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
 ) -> tuple[LowerBound, list[str], StressField | None]:
-    """Find a strict lower bound. Returns the stress field of the solver, the reason if there is no bound, and the same
-    field with its bound if it passes the check.
+    """Find a strict lower bound. Returns the stress field of the solver, the reason if there is no bound, and, if the
+    field passes the check, the field with its bound.
 
     After ``most_work`` (seconds on the reference machine of ``cone_program``) the solver returns its last iterate.
     ``start`` is the iterate at which it begins.
@@ -137,8 +138,8 @@ def proven_lower_bound(
 def proven_upper_bound(
     problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
 ) -> tuple[UpperBound, list[str], Mechanism | None]:
-    """Find a strict upper bound. Returns the mechanism of the solver, the reason if there is no bound, and the same
-    mechanism with its bound if it passes the check.
+    """Find a strict upper bound. Returns the mechanism of the solver, the reason if there is no bound, and, if the
+    mechanism passes the check, the mechanism with its bound.
 
     After ``most_work`` (seconds on the reference machine of ``cone_program``) the solver returns its last iterate.
     ``start`` is the iterate at which it begins.

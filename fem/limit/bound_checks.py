@@ -5,7 +5,7 @@ A stress field is statically admissible, and its multiplier a lower bound, if it
 continuous and equal to the prescribed ones, and no point is beyond the yield surface. Velocities are kinematically
 admissible if they are continuous, zero where the boundary is held, and obey the associated flow rule. The upper bound
 from kinematically admissible velocities is the dissipation less the work of the dead load, over the work of the live
-load. All numbers are dimensionless, over the units of the problem.
+load. All numbers are dimensionless: they are divided by the units of length and stress of the problem.
 """
 
 from dataclasses import dataclass

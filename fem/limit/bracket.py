@@ -99,7 +99,7 @@ class MeshBounds:
     fallback : tuple of BoundSide
         Bounds that Clarabel found after the built-in interior-point method had broken down.
     mesh : TriMesh or None
-        The mesh in m, if it is kept: the search for a factor of safety may begin on it.
+        The mesh, with lengths in m, if it is stored: the search for a factor of safety may begin on this mesh.
     """
 
     cells: int
@@ -166,7 +166,7 @@ class Limits:
     gap : float
         Required gap between the bounds, as a share of their mean, or of ``least`` if the mean is smaller.
     max_cells : int
-        Largest number of triangles of a mesh.
+        Largest number of triangles of any mesh.
     seconds : float
         Largest computing work for all meshes, in seconds on the reference machine. A further mesh is begun if it is
         likely to be solved within this work. Work is computed from the number of iterations, not measured, so that the
@@ -199,8 +199,8 @@ class Limits:
         return min(max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH, self.max_cells / cells)
 
     def reached(self, bracket: Bracket, cells: int, others: float = 0.0) -> EndReason | None:
-        """Return the name of the limit that ends the search; ``others`` is the computing work of other searches that
-        share the same limits."""
+        """Return the name of the limit that ends the search; ``others`` is the computing work of other searches, which
+        counts towards the same limit of work."""
         if self.open(bracket.lower, bracket.upper) <= 1.0:
             return "gap"
         if bracket.upper < self.enough:

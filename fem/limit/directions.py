@@ -33,7 +33,7 @@ class DirectionBounds(Bracket):
     direction : Direction
         Direction of the seismic force, "downhill" or "uphill" by the ends of the surface.
     towards : SectionSide
-        The same direction as a side of the section, "left" or "right".
+        Side of the section, "left" or "right", towards which the seismic force acts.
     leaves : tuple of SectionSide
         Sides through which the mechanism leaves the section.
     """
@@ -53,7 +53,7 @@ class SmallerKhBounds(Bracket):
     Attributes
     ----------
     directions : tuple of DirectionBounds
-        The bounds of every direction; the one that fails first is the first.
+        The bounds of every direction, first those of the direction that fails at the smaller Kh.
     """
 
     directions: tuple[DirectionBounds, ...] = ()

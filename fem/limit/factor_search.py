@@ -73,8 +73,9 @@ class FactorSearch(WeakenedGround):
     def confirms(self, other: "FactorSearch") -> bool:
         """Return whether the lower bound of the ``other`` direction is proven for this one on the finest triangles.
 
-        To prove that the other direction governs mostly requires far fewer triangles than its bounds. If the proof
-        fails, the factor of this direction is searched for, on triangles refined for its mechanism.
+        In most cases this proof, that the other direction governs, requires far fewer triangles than bounds of this
+        direction do. If the proof fails, the factor of this direction is searched for, on triangles refined for its
+        mechanism.
         """
         if other.both_ways:
             self.lower = other.lower
@@ -113,7 +114,8 @@ class FactorSearch(WeakenedGround):
 
     @property
     def solver_fails(self) -> bool:
-        """Return whether the solver ended early at the same bound in several trials in a row, as it would again."""
+        """Return whether the solver ended early at the same bound in several trials in a row, so that further trials
+        would fail, too."""
         return max(self.failures.values()) >= FAILED_MESHES
 
     @property
@@ -127,7 +129,7 @@ class FactorSearch(WeakenedGround):
 
     def approach(self) -> None:
         """Bring the first factor close to the one at which the ground fails, by upper bounds alone: they take less work
-        than lower bounds, and have an answer on coarse triangles where these have none."""
+        than lower bounds, and exist on coarse triangles on which lower bounds do not."""
         safe, unsafe, last = 0.0, math.inf, None
         for _ in range(TRIALS):
             trial = self.measure(self.factor, lower=False)
@@ -248,5 +250,5 @@ class FactorSearch(WeakenedGround):
 
 
 def _looked_for(factor: float) -> float:
-    """Return the nearest factor within those that are looked for."""
+    """Return the factor, limited to the interval from SMALLEST to LARGEST in which factors are searched."""
     return min(max(factor, SMALLEST), LARGEST)

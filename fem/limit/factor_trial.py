@@ -37,7 +37,8 @@ class BoundsTrial:
 class TrialStart:
     """Holds the given Kh, the first factor, whether sides are smooth, and when a search may end early: once the lower
     bound is at least ``enough``, or the upper bound is below ``slips``. ``known`` are bounds of the critical Kh, if
-    they were computed before: on one of their meshes, which are fine where the ground fails, the search may begin.
+    they were computed before. The search may begin on one of the meshes of these bounds, which are fine where the
+    ground fails.
     """
 
     kh: float
@@ -95,7 +96,7 @@ def root_of(points: Sequence[tuple[float, float]], slope: float | None, furthest
 
     ``points`` are pairs of the logarithm of a factor and the function, in the order of the factors. The zero is
     interpolated from the nearest points, or extrapolated from one point with ``slope``, by at most ``furthest`` in the
-    logarithm. The function returns NaN if neither is known.
+    logarithm. The result is NaN without any point, or with one point and no slope.
     """
     stand, fail = [point for point in points if point[1] >= 0.0], [point for point in points if point[1] < 0.0]
     ends = [stand[-1], fail[0]] if stand and fail else stand[-2:] or fail[:2]

@@ -21,22 +21,22 @@ WIDE_CORNER = 0.5
 
 
 def cells_of_first_search(max_cells: int, seconds: float) -> int:
-    """Return the largest number of triangles with which `first_mesh` can be solved in ``seconds`` of the reference
-    machine."""
+    """Return the largest number of triangles with which `first_mesh` can be solved in ``seconds`` on the reference
+    machine of ``cone_program``."""
     cells = CELLS_SOLVED * (max(seconds, 0.0) / SECONDS_SOLVED) ** (1.0 / COST_EXPONENT)
     return int(min(max_cells, cells / FIRST_SHARE + 1.0))
 
 
 def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") -> TriMesh:
-    """Make triangles about as large as the layers are thick, or larger if there would be too many triangles. Periodic
-    ``sides`` have the same edges; raises InputError if their layers differ.
+    """Make triangles about as large as the layers are thick, or larger if there would be too many triangles. If the
+    ``sides`` are periodic, both are divided into equal edges; raises InputError if the layers of both sides differ.
 
     Where the water table divides a stratum, triangles of a thin part are as thin as this part and as long as other
     triangles of the stratum. Several triangles meet at the point where a smooth side reaches the ground surface: under
     a seismic force bare sand has shear stress along the surface and none along the side, and a single triangle at this
-    point has an admissible stress at Kh = 0 only. Several triangles also meet at the ends of surcharges: with two of
-    them on straight ground, the symmetric stresses balance a step of the load only along their common edge, and never a
-    step with a seismic part.
+    point has an admissible stress at Kh = 0 only. Several triangles also meet at the ends of surcharges: two triangles
+    on straight ground balance a vertical step of the load only if the stress jumps along their common edge, and cannot
+    balance a step with a horizontal (seismic) component, since the stress tensor is symmetric.
     """
     repeats = sides == "periodic"
     if repeats:

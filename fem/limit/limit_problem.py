@@ -24,7 +24,7 @@ class Places:
     points : ndarray (k, 2)
         The points in m.
     near : ndarray (k, 2)
-        The middle of the edge of each point, in m.
+        Middle of the edge to which each point belongs, in m.
     stratum : ndarray (k,)
         The strata of the cells.
     normal : ndarray (k, 2)
@@ -209,7 +209,8 @@ class LimitProblem:
 
     @property
     def spread_cohesion(self) -> np.ndarray:
-        """Return cohesions (m, 3) with which dissipations D at the corners of a cell add up: ∫ c D dA <= Σ c_i D_i A/3.
+        """Return corner cohesions c_i (m, 3) with which the sum over the corner dissipations D_i is an upper limit of
+        the dissipation of a cell: ∫ c D dA <= Σ c_i D_i A/3.
 
         D is convex where the strain rate is linear, D <= Σ D_i L_i, and c = Σ c_j L_j with the area coordinates L, so
         that ∫ c D dA <= Σ_ij c_j D_i ∫ L_i L_j dA, which is A/6 for i = j and A/12 otherwise. With a tension cut-off D

@@ -49,10 +49,10 @@ class SafetyBounds:
     proven, they are 0 and inf.
 
     ``shallow_failure`` is the factor at which a cohesionless face fails, or shallow ground slips where two faces meet
-    or water stands close below a face, if it is below ``upper``; it equals ``upper`` if no stress was found in the
-    ground as given. The ground down to the least depth below such faces is then strengthened, as in the finite
-    elements, and the bounds are strict for this strengthened ground: they are bounds of the whole slope. Without a
-    shallow failure they are strict for the ground of the section file, except at ends of loads on bare sand
+    or water stands close below a face, if it is below ``upper``; it equals ``upper`` if no admissible stress was found
+    in the ground without strengthening. The ground down to the least depth below such faces is then strengthened, as in
+    the finite elements, and the bounds are strict for this strengthened ground: they are bounds of the whole slope.
+    Without a shallow failure they are strict for the ground of the section file, except at ends of loads on bare sand
     (``load_ends.py``). ``direction`` is the direction of the seismic force at failure, None without force; ``ended``
     says why the bounds are not closer.
     """
@@ -123,9 +123,9 @@ def _with_given_ground(
     start: TrialStart,
     work: FactorWork,
 ) -> SafetyBounds:
-    """Return the bounds of a section whose strengthened faces meet. If the ground as given resists what the
-    strengthened ground resists (``deeper``), they are those of the ground as given; else they are ``deeper`` with the
-    factor at which shallow ground slips.
+    """Return the bounds of a section whose strengthened faces meet. If the ground without strengthening resists as much
+    as the strengthened ground, whose bounds are ``deeper``, the result has no shallow failure. Otherwise the result is
+    ``deeper`` with the factor at which shallow ground slips.
     """
     if deeper.lower > 0.0:
         start = replace(start, factor=deeper.lower, enough=deeper.lower, slips=deeper.lower)
@@ -186,7 +186,7 @@ def _coarse(
 def _first_mesh(
     section: Section, fem: FemSettings, settings: BoundsSettings, start: TrialStart, work: FactorWork
 ) -> TriMesh:
-    """Return a mesh of the known bounds of Kh if they are of the same section, else a coarse one."""
+    """Return a mesh of the known bounds of Kh if these bounds are of the same section, else a coarse mesh."""
     known = start.known
     mesh = known.mesh_for_factors if known is not None and known.section == section else None
     return mesh or first_mesh(section, cells_of_first_search(settings.max_cells, work.left / FACTOR_TRIALS), fem.sides)

@@ -184,8 +184,9 @@ def loaded_ground(
 ) -> LoadedGround:
     """Return the ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; else
     return the ground at rest. Without ``faces``, all cohesionless faces are strengthened if any of them fails at a
-    smaller Kh than the ground below, as in the bounds: where a layer thins out, its neighbour may reach the face in the
-    mesh. If there is no limit load, the faces that fail under their weight are strengthened.
+    smaller Kh than the ground below, as in the bounds. All of them are strengthened, since where a layer thins out at a
+    face, cells of the mesh there may belong to the neighbouring layer. If there is no limit load, the faces that fail
+    under their weight are strengthened.
     """
     first = 0.0  # Kh at which the first face fails
     if faces is None:

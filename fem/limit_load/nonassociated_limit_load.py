@@ -4,9 +4,9 @@ problems.
 The ground yields at t = c cos φ + p sin φ, where t is the radius of Mohr's circle and p the pressure in the plane, and
 it flows with ψ. In each step of the iteration the ground is replaced by ground with associated flow and the strength t
 <= k + p sin ψ with k = c cos φ + (sin φ - sin ψ) p*, where p* is the pressure of the last solution (Krabbenhoft, Karim,
-Lyamin & Sloan 2012, Int. J. Numer. Meth. Engng 90, 1089). One elastoplastic step takes the ground from rest to a
-seismic load far beyond its elastic displacement. p* is the mean over each cell: with a separate pressure at every point
-the iteration does not settle at ψ = 0.
+Lyamin & Sloan 2012, Int. J. Numer. Meth. Engng 90, 1089). One elastoplastic step, with a prescribed displacement of 8
+times the elastic displacement under Kh = 1, leads from rest to failure. p* is the mean over each cell: with a separate
+pressure at every point the iteration does not settle at ψ = 0.
 
 The result is no bound, and it depends on element and mesh by 5 to 15 %. The result counts as an answer only if the
 pressures settle and another start of the iteration leads to the same result.

@@ -66,8 +66,8 @@ def gravity_equilibrium(
     strength_factor: float = 1.0,
     excess_pressure: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, EquilibriumPath]:
-    """Bring the section to equilibrium under its weight; return it, the nodal forces (N/m) that act on it, and the path
-    that led there.
+    """Bring the section to equilibrium under its weight; return the section in equilibrium, the constant nodal forces
+    (N/m) on it, and the path of equilibria under the rising weight.
 
     Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
     forces. Periodic sides are periodic from the start and have no reactions (``repetition.py``). Displacement and
@@ -157,10 +157,8 @@ def fixed_components(settings: FemSettings) -> dict[str, str]:
 def under_weight(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: Sequence[ShallowFailure] = ()
 ) -> tuple[PlaneStrain, np.ndarray]:
-    """Return the section without stress, fixed as under gravity, and the nodal forces (N/m) of its weight.
-
-    Return the section without stress, held as under gravity, and the nodal forces (N/m) of its weight.
-    """
+    """Return the elements of the section without stress, with the displacements that are fixed under gravity, and the
+    nodal forces (N/m) of the weight. Below ``faces`` the ground is strengthened."""
     api.require()
     strata = soils(section)
     element, strong = element_for(section, settings), strengthened(section, faces, settings) if faces else section

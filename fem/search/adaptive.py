@@ -75,9 +75,9 @@ def next_mesh(
     sizes follow the shear displacement across the cells of the last mesh. Along a shear band this displacement does not
     depend on the width of the cells, while shear strains would draw all new cells to the narrowest ones. Cell sizes
     also follow the strips of the ``strong`` section, whose cohesionless faces are strengthened: a cell with half of its
-    points in a strip would be neither strengthened nor unchanged. Periodic sides (``repeats``) get the same points.
-    Raises what ``adapted`` does. ``section``: the section of the ground; ``meshing``: settings of the meshes; ``mesh``:
-    the last mesh.
+    points in a strip would be neither strengthened nor unchanged. Both sides of a periodic section (``repeats``) get
+    corresponding points. Raises what ``adapted`` does. ``section``: the section of the ground; ``meshing``: settings of
+    the meshes; ``mesh``: the last mesh.
     """
     if meshing.method == "mapped":
         return with_finer_strips(mesh, strain, cells)
@@ -95,8 +95,8 @@ def strong_below(section: Section, faces: Sequence[ShallowFailure], settings: Fe
 def adapted_to(
     like: AdaptiveResult[LimitLoadResult], faces: Sequence[ShallowFailure]
 ) -> AdaptiveResult[LimitLoadResult] | None:
-    """Return the first limit load on a mesh that is adapted to its mechanism; None if there is no such mesh, or if
-    other ``faces`` than these are strengthened on it, whose strips the mesh follows.
+    """Return the first result in the sequence ``like`` on a mesh that is adapted to a mechanism. Return None if there
+    is no such mesh, or if this mesh follows the strips below other strengthened faces than ``faces``.
     """
     first = next(iter([*like.earlier, *([like] if len(like.rounds) > 1 else [])]), None)
     if first is None or first.result.mechanism is None:
@@ -108,10 +108,11 @@ def adapted_to(
 
 
 def factor_like(limit: AdaptiveResult[LimitLoadResult], kh: float) -> float:
-    """Return about the factor of safety at ``kh`` of ground whose limit load is known: that of a block on the chord of
-    the slip surface; 1 without a slip surface that descends.
+    """Estimate the factor of safety at ``kh`` of ground whose critical Kh is known, by a block on the chord of the slip
+    surface. Return 1 without a slip surface that descends.
 
-    At its critical Kh a block on a plane at β needs the friction tan(β + atan Kh) whole, at another Kh a share of it.
+    A block on a plane at the angle β needs the friction tan(β + atan Kh). The estimate is the friction needed at the
+    critical Kh over the friction needed at ``kh``, and a little more.
     """
     assert limit.result.mechanism is not None
     line = slip_surface(limit.mesh, limit.result.mechanism)
@@ -301,10 +302,10 @@ class AdaptiveSearch:
 
     def safety_by_other_rule(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
         """Find the factor of safety by the flow rule of ``other`` settings: the factor of ``base`` times the ratio of
-        both factors on one mesh, in which errors of the mesh cancel. This is the mesh before the last one if the
-        sequence of ``base`` converged, else its last mesh. If the mesh does not resolve the mechanism, another mesh
-        with as many cells is made that resolves it, and the smaller factor counts. Davis's estimate is not above the
-        factor with ψ = φ, since ground of higher strength resists every load that weaker ground resists.
+        both factors on one mesh, in which errors of the mesh cancel. The ratio is computed on the mesh before the last
+        one if the sequence of ``base`` converged, else on the last mesh. If the mesh does not resolve the mechanism,
+        another mesh with as many cells is made that resolves it, and the smaller factor counts. Davis's estimate is not
+        above the factor with ψ = φ, since ground of higher strength resists every load that weaker ground resists.
 
         Raises what ``limit_load_safety_factor`` does.
         """

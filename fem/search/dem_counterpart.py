@@ -80,7 +80,8 @@ def associated_kc(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
 ) -> float:
     """Compute the critical Kh between the sides of the ``settings`` with ψ = φ: ground that dilates less does not
-    resist more (Radenkovic 1961). It is the limit load of the mesh, or that of a path if the solver leaves none.
+    resist more (Radenkovic 1961). The critical Kh is the limit load of the mesh or, if the cone solver finds none, the
+    limit load of an equilibrium path.
 
     ``section``, ``mesh``, ``settings``, ``comm``, ``listener``: as in ``non_associated_path``. Raises InputError,
     UnstableError and NoEquilibriumError.

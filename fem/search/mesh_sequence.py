@@ -103,7 +103,7 @@ class AdaptiveResult(Generic[F]):
     other : AdaptiveResult or None
         The result for the opposite direction, where both directions were analysed.
     earlier : list of AdaptiveResult
-        The answers on the meshes before that are adapted to a mechanism, each alone, coarsest first.
+        The answers on those earlier meshes of the sequence that are adapted to a mechanism, coarsest first.
     """
 
     result: F

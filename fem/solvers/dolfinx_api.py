@@ -64,7 +64,7 @@ class RankDistribution:
     cell : ndarray (nc,)
         Numbers of the cells in the undistributed mesh.
     corners : ndarray (nc, 4)
-        Numbers of their corners in the undistributed mesh, in the order of dolfinx.
+        Numbers of the corners of the cells in the undistributed mesh, in the order of dolfinx.
     nodes : ndarray (nc, nodes of an element)
         Global numbers of the nodes of the space.
     total, owned : int

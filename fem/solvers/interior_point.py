@@ -64,8 +64,8 @@ class Corners:
 
 @dataclass(frozen=True, eq=False)
 class Standard:
-    """Holds the problem min cost·y subject to matrix y + s = offset. The slack s is zero in the first rows and lies in
-    the cones in the others.
+    """Holds the problem min cost·y subject to matrix y + s = offset. The slack s is zero in the first rows, which are
+    equations, and lies in the cones in the other rows.
 
     Rows are [load, volume of clay, cones of corners, cones of openings with three unknowns, openings with one], columns
     [velocities, dissipation of clay, openings with one unknown, openings with three].
@@ -91,8 +91,9 @@ def interior_solution(
 
     ``check_cancelled`` is called before each of at most ``most_iterations`` iterations. If the factorisation breaks
     down, the best iterate that satisfies the equations is returned, if there is one. ``start`` is an iterate of the
-    same mesh with another strength: one well inside the cones saves half of the iterations, one near the solution often
-    breaks down. ``standard``: the program in standard form; ``matrix``: the normal equations to factorise.
+    same mesh with another strength: an iterate well inside the cones saves half of the iterations; with an iterate near
+    the solution the method often breaks down. ``standard``: the program in standard form; ``matrix``: the normal
+    equations to factorise.
     """
     return _Method(standard, unit, tolerance, matrix).run(check_cancelled, start, most_iterations)
 
