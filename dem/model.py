@@ -213,7 +213,7 @@ class DiscModel(DiscState):
         return int(new.sum())
 
     def cut_pore_springs(self, layers: Sequence[int] | None = None) -> int:
-        """Remove the pore springs with one or both discs in these layers; all of them without ``layers``.
+        """Remove the pore springs with one or both discs in these layers; without ``layers``, remove all pore springs.
 
         Removed springs, unlike cracked ones, do not resist compression. Returns the number of removed springs.
         """
@@ -314,7 +314,8 @@ class DiscModel(DiscState):
         return element + pore, self.shear + self.pore_shear
 
     def _change_forces(self, before: tuple[np.ndarray, np.ndarray]) -> None:
-        """Replace the forces of the last step by those of the present springs, for the means of the energy balance."""
+        """Replace the forces of the last step by the forces of the present springs; the energy balance takes means of
+        both."""
         normal, tangential = (a - b for a, b in zip(self._spring_forces(), before, strict=True))
         nx, nz = self.branch() / self.distance()
         self.force_x += normal * nx + tangential * nz

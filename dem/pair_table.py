@@ -174,7 +174,7 @@ def strength_of_each(strengths: LineStrengths, count: int) -> tuple[Strength | N
 def with_line_strengths(table: PairTable, strengths: Sequence[Strength | None], law: Law) -> PairTable:
     """Return the table with a block of columns for every strength given to lines.
 
-    Stiffness and dashpots of a line are always those of the disc in contact with it. Raises ValueError if friction or
+    A line always has the stiffness and the dashpots of the disc that touches the line. Raises ValueError if friction or
     cohesion is negative, and if lines with a cohesion touch discs with the law "paper", whose contacts have none.
     """
     distinct = list(dict.fromkeys(strength for strength in strengths if strength is not None))

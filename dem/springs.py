@@ -13,8 +13,8 @@ import numpy as np
 
 from meshes.section.section import Stratum
 
-PORE_SHARE = 0.1  # t_n = t_s of eq. (13), Iwashita (1988)
-VOID_RATIO = 2.0 * np.sqrt(3.0) / np.pi - 1.0  # eq. (6): discs on a triangular lattice
+PORE_SHARE = 0.1  # t_n = t_s in equation 13 of the paper, by Iwashita (1988)
+VOID_RATIO = 2.0 * np.sqrt(3.0) / np.pi - 1.0  # equation 6 of the paper: discs on a triangular lattice
 
 SHEAR_STIFFNESS = 0.5  # ks over kn of soil discs
 ATTRACTION = 1.0  # of soil discs: pull that a contact with cohesion bears, over its cohesion
@@ -30,7 +30,8 @@ Law = Literal["paper", "soil"]
 
 @dataclass(frozen=True)
 class LayerSprings:
-    """Holds the constants of one layer: those of a column of Table 2, and additional constants of soil discs.
+    """Holds the constants of one layer: the constants in a column of Table 2 of the paper, and additional constants of
+    soil discs.
 
     Attributes
     ----------
@@ -51,7 +52,7 @@ class LayerSprings:
         Cohesion of the pore springs: the force b C in equation 16 of the paper (N).
     alpha, beta : float
         alpha: distance of the centres over the sum of the radii up to which a pore spring is set (equation 14 of the
-        paper); beta: length over initial length at which a pore spring cracks (equation 15).
+        paper); beta: length over initial length at which a pore spring cracks (equation 15 of the paper).
     pore_friction : float or None
         Friction coefficient of the pore springs: tan(theta) in equation 16 of the paper; `friction` if None.
     allowed_overlap : float
@@ -175,13 +176,13 @@ def from_stratum(
     """Return the constants of discs with the law "paper" in a stratum.
 
     The horizontal force acts on the seismic density, the weight on the ordinary one (buoyant below water). Seismic and
-    ordinary density are those of the soil, not corrected for the voids between the discs. radius: mean radius of the
-    discs (m), b in equation 17 of the paper. stiffness_scale: factor on the springs of equations 9 to 13; Table 2 was
-    printed with 0.01. damping_ratio: factor on sqrt(m K), which is half of critical for one disc on a fixed spring.
-    Element and pore spring in series make the spring of the soil (equations 11 to 13): K_e = (1 + 1/t) K, K_p = t K_e.
-    pore_share: t in these equations; void_ratio: void ratio of the soil (-); alpha: distance of the centres over the
-    sum of the radii up to which a pore spring is set; beta: length over initial length at which a pore spring cracks
-    (equation 15).
+    ordinary density are the densities of the soil, not corrected for the voids between the discs. radius: mean radius
+    of the discs (m), b in equation 17 of the paper. stiffness_scale: factor on the springs of equations 9 to 13 of the
+    paper; its Table 2 was printed with the factor 0.01. damping_ratio: factor on sqrt(m K), which is half of critical
+    for one disc on a fixed spring. A contact spring K_e and a pore spring K_p in series have the stiffness K of the
+    soil (equations 11 to 13 of the paper): K_e = (1 + 1/t) K, K_p = t K_e. pore_share: t in these equations;
+    void_ratio: void ratio of the soil (-); alpha: distance of the centres over the sum of the radii up to which a pore
+    spring is set; beta: length over initial length at which a pore spring cracks (equation 15 of the paper).
     """
     density = stratum.density_seismic
     vp, vs = wave_speeds(stratum.youngs_modulus, stratum.poissons_ratio, density)
@@ -212,8 +213,9 @@ def soil_discs(
 ) -> LayerSprings:
     """Return the constants of a layer of soil discs (law "soil"), without pore springs.
 
-    The saturated and buoyant densities of discs of void ratio e are 1 + e times those of the soil, so that mass, weight
-    and horizontal force are those of the soil. (Table 2 subtracts buoyancy once, not 1 + e times.)
+    The saturated and buoyant densities of discs of void ratio e are 1 + e times the densities of the soil, so that the
+    discs have the mass, the weight and the horizontal force of the soil. (Table 2 of the paper subtracts buoyancy once,
+    not 1 + e times.)
 
     Parameters
     ----------

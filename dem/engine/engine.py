@@ -90,9 +90,9 @@ class Engine:
     pulls : bool
         Whether dashpots of contact springs may pull (only for comparison with closed forms).
     crack_by : "contact" or "pore"
-        Normal force in the crack criterion of pore springs, equation 16 of the paper: that of contact and pore spring
-        together, or of the pore spring alone. For soil discs the force in the criterion is always that of the pore
-        spring alone.
+        Normal force in the crack criterion of pore springs, equation 16 of the paper: the normal force of contact and
+        pore spring together ("contact"), or of the pore spring alone ("pore"). For soil discs the criterion always has
+        the normal force of the pore spring alone.
     checkpoint, checkpoint_every : path, float
         File of the checkpoint, and model time between two checkpoints (s); the last checkpoint is kept when a run stops
         with an error.

@@ -15,7 +15,8 @@ def pull_added_mass(p: int, layout: Layout, level: float) -> None:
 
 @device_function(nogil=True)
 def added_momentum(p: int, layout: Layout) -> float:
-    """Return the momentum (kg/s) of the added mass in slice p: its power over the horizontal acceleration."""
+    """Return the momentum (kg m/s per metre) that the added mass in slice p has in the direction of its inertia force,
+    which is the power of this force over the horizontal acceleration."""
     momentum = 0.0
     for k in range(layout.added_mass_start[p], layout.added_mass_start[p + 1]):
         disc = layout.added_mass_disc[k]

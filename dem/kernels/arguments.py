@@ -21,7 +21,7 @@ class Springs(NamedTuple):
     pairs : (CONSTANTS, kinds)
         Constants of contacts between discs, a column for each kind of pair.
     records : (kinds * CONSTANT_RECORD,)
-        The same constants, kind by kind.
+        The constants in ``pairs``, one record for each kind of pair.
     lines : (CONSTANTS, layers + 1)
         Constants of contacts with rigid lines, a column for each layer.
     walls : (k, 6)
@@ -57,11 +57,11 @@ class Law(NamedTuple):
     ----------
     soil : bool
         Whether the law is that of soil discs (weaker of two strengths, cohesion, rolling resistance, stiffening at
-        large overlap); otherwise it is the law of the paper.
+        large overlap); otherwise the law is that of the paper on the section S-13.
     pores : bool
         Whether there are pore springs.
     floor : float
-        Least normal force of an contact (N): 0, or -inf if the dashpot may pull.
+        Least normal force of a contact (N): 0, or -inf if the dashpot may pull.
     share : float
         Share of the contact spring's normal force in Fn of equation 16 of the paper, the crack criterion of pore
         springs.

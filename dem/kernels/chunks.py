@@ -30,8 +30,8 @@ def contact(
 
     d, w: places at which the chunk begins in `state.links` and `state.rolling`; state: arrays of discs and contacts;
     buffer: rows that `load_geometry` filled; slip_time: length of the last step (s); law: law of the contacts; soil,
-    pores, with_losses: see `between_discs`. Returns whether the overlap is too large, and twice what dashpots, sliding,
-    cracks and rolling dissipated since the last step (J).
+    pores, with_losses: see `between_discs`. Returns whether the overlap is too large, and twice the energy (J)
+    dissipated by dashpots, sliding, cracks and rolling since the last step.
     """
     links = state.links
     m, now = between_discs(d, q, w, state, buffer, slip_time, law, soil, pores, with_losses)
@@ -74,8 +74,8 @@ def all_lanes(
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
     """Compute the contacts of one chunk.
 
-    state, buffer, slip_time, law, soil, pores, with_losses: as in `contact`.
-    Returns whether an overlap is too large, and the sums of what dashpots, sliding, cracks and rolling dissipated (J).
+    state, buffer, slip_time, law, soil, pores, with_losses: as in `contact`. Returns whether an overlap is too large,
+    and the energy (J) dissipated by dashpots, sliding, cracks and rolling.
     """
     wide_vectors()
     too_deep = False
@@ -131,7 +131,8 @@ def line_contact(
     """Compute the contact e of a disc with a rigid line, and write its forces and history variables.
 
     layout: discs and contacts; springs: constants; slip_time: length of the last step (s); law: law of the contacts.
-    Returns whether the overlap is too large, and what dashpots, sliding and rolling dissipated since the last step (J).
+    Returns whether the overlap is too large, and the energy (J) dissipated by dashpots, sliding and rolling since the
+    last step.
     """
     links = layout.links
     at, w = line_lane(e, layout)

@@ -71,7 +71,7 @@ def normal_force(over: float, vn: float, floor: float, spring: float, cn: float,
 @device_function(forceinline=True)
 def friction_limit(normal: float, mu: float) -> float:
     """Return the largest tangential force (N) of a contact of discs with the law "paper": Coulomb friction, with the
-    coefficient of Table 2.
+    coefficient in Table 2 of the paper.
     """
     limit = mu * normal
     return limit if limit > 0.0 else 0.0
@@ -100,11 +100,11 @@ def friction_spring(
     """Compute the force of a spring and a dashpot in parallel with a common limit, equations 3 and 4 of the paper, for
     slip or for rolling.
 
-    force: force of the spring in the last step (N); way: slip since then (m); speed: speed of slip (m/s); stiffness:
-    stiffness of the spring (N/m); dashpot: coefficient of the dashpot (N s/m); limit: limit of the force (N). The force
-    of the spring is limited, and so is the sum of spring and dashpot: sliding then dissipates exactly the limit per
-    metre, and neither part can add energy. Returns (force, force of the spring before the limit, stored force of the
-    spring).
+    force: force of the spring in the last step (N); way: slip since the last step (m); speed: speed of slip (m/s);
+    stiffness: stiffness of the spring (N/m); dashpot: coefficient of the dashpot (N s/m); limit: limit of the force
+    (N). The force of the spring is limited, and so is the sum of spring and dashpot: sliding then dissipates exactly
+    the limit per metre, and neither part can add energy. Returns (force, force of the spring before the limit, stored
+    force of the spring).
     """
     trial = force + stiffness * way
     cut = clamp(trial, limit)

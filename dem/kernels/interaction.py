@@ -117,8 +117,8 @@ def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law,
     """Write direction, distance and lever arms of the contact in lane q into the rows of `buffer`.
 
     d: place at which the chunk begins in `state.links`; law: contact law with the period of the ground, which only
-    `soil` discs have. One square root and one division take longer than the rest of the contact law. The root and the
-    division are therefore computed separately, while the records of the next partners are fetched.
+    `soil` discs have. One square root and one division take longer than the rest of the contact law. They are therefore
+    computed in a loop of their own, while the records of the next partners are fetched.
     """
     radii = state.links[d + field.RADII + q]
     dx = buffer[field.X + q] - buffer[OWNED_DISCS + field.X + q]
@@ -152,8 +152,8 @@ def motion(q: int, buffer: np.ndarray, slip_time: float) -> Motion:
 
 @device_function(forceinline=True)
 def rolling_motion(q: int, buffer: np.ndarray, share: float, slip_time: float) -> tuple[float, float]:
-    """Return R times the rotation of j less that of i since the last step (m), and R times the difference of their
-    angular velocities at the end of the step (m/s).
+    """Return R times the difference of the rotations of the discs j and i since the last step (m), and R times the
+    difference of their angular velocities at the end of the step (m/s); R = r_i r_j/(r_i + r_j).
 
     q: lane of the contact; buffer: rows that `load_geometry` filled; slip_time: length of the last step (s); share:
     r_i/(r_i + r_j). With the circumferential speeds r_i w_i, R (w_j - w_i) is share (r_i w_i + r_j w_j) - r_i w_i.

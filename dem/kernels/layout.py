@@ -61,7 +61,8 @@ class Layout(NamedTuple):
     kinds : (chunks * 64,)
         Column of each contact in the table of constants.
     fresh : (groups of eight lanes,)
-        Places in `kinds` of groups of lanes whose kinds differ from those of the chunk before.
+        Places in `kinds` of the groups of eight lanes whose kinds of pairs differ from the kinds in the same lanes of
+        the chunk before.
     fresh_start : (chunks + 1,)
         First entry of `fresh` of each chunk.
     chunk_start : (slices + 1,)

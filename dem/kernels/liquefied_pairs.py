@@ -15,10 +15,11 @@ resultant is at most c_ij = (pi/2) FITTED (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i 
 r_ij does not depend on the packing, and ground that slips has the shear stress s. The stiffness of the bond is
 c_ij/(gamma r).
    Ground with a strain potential is soft at first: the force-displacement law is a straight line up to the potential,
-   with a dashpot in parallel, and a steep one from there to the limit (`kernels.bond_law`). Part of a bond with ground
-   that has not liquefied lies in that ground, which does not strain: its displacements are `STRAINED` of those of other
-   bonds. Bonds that exist from the onset have 1 + FIRST times this limit until they have slipped: discs that lose their
-   contacts rearrange, and until slip has aligned all bonds, those at their limit give only 0.77 s.
+   with a dashpot in parallel, and a steep one from there to the limit (`kernels.bond_law`). A part of a bond between
+   liquefied and other ground lies in the other ground, which does not strain: the displacements of such a bond are
+   multiplied by `STRAINED`. Bonds that exist from the onset have 1 + FIRST times this limit until they have slipped:
+   discs that lose their contacts rearrange, and until slip has aligned all bonds, those at their limit give only 0.77
+   s.
 
 Each sum over a pair has one term for each of its two discs. If the partner is fixed or has not liquefied, the term of
 the liquefied disc is counted twice, in place of the term of the partner. In a bond between two strata the term of the
@@ -168,8 +169,8 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool)
     """Compute densities, relative positions and relative speeds of a block of pairs, after `fetch_motion`; `wet`:
     liquefied pairs; `period`: period of the ground.
 
-    With `with_losses` the function returns the work (J), since the last evaluation, of those terms of the sums that
-    stand for discs which have not liquefied.
+    With `with_losses` the function returns the work (J), since the last evaluation, of the terms that are counted twice
+    because a partner has not liquefied.
     """
     wide_vectors()
     w, reach = wet.working, wet.reach
@@ -302,8 +303,9 @@ def press_pairs(
     """Compute forces and history variables of the pairs of a block, after `fetch_strength` has read their strength.
 
     Returns energies (J) since the last evaluation: dissipation of bonds by slip and by dashpots, and the work of the
-    terms that replace discs which have not liquefied. damping_time: dashpot over stiffness of a bond (s); relaxation:
-    share of the force of the spring in series with the second dashpot that remains at the next evaluation.
+    terms that are counted twice because a partner has not liquefied. damping_time: dashpot over stiffness of a bond
+    (s); relaxation: share of the force of the spring in series with the second dashpot that remains at the next
+    evaluation.
     """
     wide_vectors()
     w, memory, reach = wet.working, wet.memory, wet.reach

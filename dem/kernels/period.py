@@ -1,6 +1,7 @@
 """Computes distances in periodic ground, of which one period is computed (kernel).
 
-Positions are never mapped back into the period; distances are those of the nearest image.
+Positions are never mapped back into the period; the distance of two discs is the distance to the nearest periodic
+image.
 """
 
 import math

@@ -171,8 +171,8 @@ def contacts_of_slice(
     """Compute all contacts that slice p owns; return True if an overlap is too large.
 
     layout: discs and contacts; springs: constants; buffer: rows to work in; slip_time: length of the last step (s);
-    law: law of the contacts; entries: entries of the energy balance. unknown: the first chunk of the thread, before
-    which the buffer holds no constants.
+    law: law of the contacts; entries: entries of the energy balance. unknown: the first chunk of the thread, for which
+    all constants have to be loaded into the buffer; later chunks only load constants that differ from the chunk before.
     """
     too_deep = False
     load_own(p, layout.shared, buffer)
@@ -237,7 +237,7 @@ def move_slice(p: int, layout: Layout, buffer: np.ndarray, step: Step, entries: 
 def interpolate(time: float, times: np.ndarray, values: np.ndarray, place: int) -> float:
     """Interpolate `values`, given at `times` (s), linearly at `time`. Outside the times the value is constant.
 
-    place: an interval at or before that of `time`.
+    place: number of an interval between two `times` that contains `time` or lies before it.
     """
     if time <= times[0]:
         return values[0]

@@ -139,8 +139,9 @@ def spread(context: Any, rows: Any, at: Any, records: Any, to: Any) -> Any:
 def add_gathered(context: Any, values: Any, places: Any, first: Any, rows: Any, to: Any) -> Any:
     """Add eight values from arbitrary places to each of three rows: rows[to : to + 8], rows[to + 64 : to + 72], ...
 
-    The first row gets the values at places[first] to places[first + 7], the others the values 64 and 128 places
-    further. LLVM decides whether the processor gathers them with one instruction. context: typing context of Numba.
+    The first row gets the values at places[first] to places[first + 7], the second and third row get the values 64 and
+    128 places further. LLVM decides whether the processor gathers them with one instruction. context: typing context of
+    Numba.
     """
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

@@ -1,8 +1,8 @@
 """Defines the dimensionless numbers of contacts that govern a patch of soil discs.
 
-Two patches with equal dimensionless numbers of their contacts differ only by their scale. The strength of a patch is
-proportional to the pressure and the modulus to kn; size and weight of the discs have no influence. The module
-`strength_map` describes the dimensionless numbers.
+Two patches whose contacts have equal dimensionless numbers behave alike, except for the scales of stress and length.
+The strength of a patch is proportional to the pressure and the modulus to kn; size and weight of the discs have no
+influence. The module `strength_map` describes the dimensionless numbers.
 """
 
 from typing import NamedTuple

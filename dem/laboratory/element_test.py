@@ -76,7 +76,7 @@ class ElementTest:
     dilation : float
         Mean dilation angle at the peaks of the biaxial tests (rad).
     tests : tuple of PressureTest
-        One test for each pressure, rising.
+        The tests, in the order of rising pressure.
     """
 
     sample: PatchSample

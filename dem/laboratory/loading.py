@@ -1,7 +1,7 @@
 """Loads a patch quasi-statically: confinement, small strains, compression, shear.
 
 In stress-controlled directions the strain rate is proportional to the error of the stress and its integral (servo
-control). Pressures are positive (Pa); strains are those of the frame.
+control). Pressures are positive (Pa); strains are the strains of the frame.
 """
 
 from dataclasses import dataclass

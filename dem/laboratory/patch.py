@@ -131,7 +131,7 @@ class Patch:
 
     @property
     def layout(self) -> Layout:
-        """Return the layout of discs and contacts: that of the press, or a layout made from the model."""
+        """Return the layout of discs and contacts of the press or, without a press, a layout made from the model."""
         return pack(self.model) if self.run is None else self.run.pack()
 
     def stress_state(self) -> "StressState":
@@ -227,7 +227,8 @@ class Press:
 def lattice_patch(layer: LayerSprings, radius: float, size: tuple[int, int] = SIZES["lattice"]) -> Patch:
     """Arrange rows of discs that just touch, along x; the outermost ring of discs is the frame.
 
-    The region spans whole columns and rows, so that the mean over it is that of the lattice.
+    The region spans whole columns and rows, so that the mean stress over the region is the stress of a periodic
+    lattice.
     """
     columns, rows = size
     step = 2.0 * radius

@@ -6,8 +6,8 @@ The discs have the law "soil" and random packings of porosity `patch.POROSITY`. 
 kappa: the friction mu of the contacts, and the cohesion number C / (2 r p) with the mean radius r and the cohesion C of
 a contact (N per metre). The tensile strength of a contact is a = `springs.ATTRACTION` times C; this attraction acts
 like an additional pressure a C / (2 r), which counts in kappa. Strength is half the deviator stress at 8 to 15 % of
-axial compression, since the continuum is perfectly plastic without a peak. The peak is that of the mean curve of all
-patches, since the peak of a single patch includes its largest jerk.
+axial compression, since the continuum is perfectly plastic without a peak. The peak is taken from the mean curve of all
+patches, since the curve of a single patch is jerky, and its peak is higher.
 
 There are two strength maps. Discs of soil with friction rotate, with rolling resistance (`springs.ROLLING`), so that
 rigid rotation of the ground needs no work. Discs without rotation have about the same biaxial strength and peak, but

@@ -2,7 +2,7 @@
 
 A factor multiplies constants of all layers: all springs, and dashpots by its square root (parameter stiffness); the
 friction of contacts and pore springs (friction); the cohesion of pore springs and the stretch at which they break, or
-the cohesion of soil discs (pore_strength); the last two together (strength); or all of these (all).
+the cohesion of soil discs (pore_strength); friction and cohesion (strength); or all of these constants (all).
 
 For soil discs one factor multiplies the strength, as in strength reduction: friction and cohesion, but not rolling
 friction and stiffness. The uncalibrated critical Kh of soil discs is a prediction.
@@ -236,10 +236,9 @@ def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:
 
 
 def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], target: float) -> str:
-    """Return the parameter with the largest influence among those that reach the target.
+    """Return the parameter with the largest influence among those that reach the target with half or twice their value.
 
-    A parameter reaches the target if the critical Kh does with half or twice its value. If no parameter reaches it, the
-    ends of the ranges are tried, and otherwise the parameter that comes closest to the target is taken.
+    If none reaches the target, the ends of the ranges are tried; then the parameter that comes closest is chosen.
     """
     base = middle(next(s for p, _, s in table if not p))
     weaker = target < base
@@ -262,7 +261,7 @@ def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], t
 def best(
     calibrator: Calibrator, target: float, parameter: str, table: Sequence[tuple[str, float, Search]]
 ) -> Calibration:
-    """Calibrate one parameter; "auto" is that of `choose`, or all together if the critical Kh jumps past the target.
+    """Calibrate one parameter; "auto" is that of `choose`, or "all" if the critical Kh jumps past the target.
 
     calibrator: calibrator of the discs; target: critical Kh to reach; parameter: name of the parameter; table: searches
     that were done (name, factor, result).
@@ -280,7 +279,8 @@ def best(
 
 def calibrated(calibrator: Calibrator, continuum: Continuum, one_at_a_time: bool, first: float = 1.0) -> Calibration:
     """Return the factor with which the discs reach the nearest critical Kh within the bracket of the continuum.
-    ``one_at_a_time`` computes all sensitivities before; ``first``: factor of another packing, tried first."""
+    ``one_at_a_time``: whether all sensitivities are computed before the calibration; ``first``: factor that is tried
+    first, such as the factor of another packing."""
     table = sensitivities(calibrator) if one_at_a_time else []
     base = calibrator.search(calibrator.settings.parameter.replace("auto", "strength"), first)
     target = continuum.kc if base.kc is None else continuum.nearest(middle(base))

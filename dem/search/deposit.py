@@ -3,7 +3,7 @@ and settled again.
 
 Random packings settle by some per cent of their height. The box is therefore filled above the surface of the section.
 After settling, discs above the surface are removed, and every other disc is assigned to the stratum in which it lies.
-After this cut, surface and interfaces are those of the section. Weight and mass follow from the void ratio of this
+After this cut, surface and interfaces agree with the section. Weight and mass follow from the void ratio of this
 packing: area of the section over area of discs. Settling and cutting are done `ROUNDS` times, the last time with the
 hollows at the surface filled, which is repeated where a column still deviates (`dem.search.levelling`).
 
@@ -84,7 +84,8 @@ def deposit(
     settings : DemSettings
         Radius, spread of the radii and packing of the discs.
     soil : sequence of SoilLayer or None
-        Contacts of the discs of every stratum; None for those of `soil_layers`, which have the strength of the soil.
+        Contacts of the discs of every stratum; None for the contacts by `soil_layers`, which have the strength of the
+        soil.
     periodic : bool
         Whether the sides are periodic; else the discs are in a box.
 

@@ -89,7 +89,7 @@ class Trial:
     unbalanced_ratio, kinetic_ratio : float
         Measures of rest at the last record, see `Rest`.
     displacement_m, elastic_displacement_m : float
-        Mean displacement downhill of the discs, and that of elastic ground (m).
+        Mean displacement downhill of the discs, and mean displacement downhill of elastic ground under the same Kh (m).
     seconds : float
         Model time of the trial (s).
     """
@@ -150,8 +150,8 @@ def period(model: DiscModel, ground: Ground) -> float:
     """Return the period of the lowest shear mode of the ground (s): 4 times the travel time of a shear wave from base
     to surface.
 
-    V_s of each layer is that of the triangular lattice, r sqrt(1.5 (kn + ks) / m); its thickness follows from its share
-    of the discs.
+    V_s of each layer is the wave velocity of a triangular lattice, r sqrt(1.5 (kn + ks) / m); its thickness follows
+    from its share of the discs.
     """
     free = ~model.fixed
     u, v = ground.to_section(model.x[free], model.z[free])

@@ -1,9 +1,9 @@
 """Levels the surface of soil discs to that of the section: discs above the surface are removed, and hollows are filled.
 
 A removed disc leaves a hollow of its size, into which its neighbours slide. Therefore a new disc is added wherever
-there is room for it on two other discs. The radius of the new disc, within the spread of the packing, is the one that
-brings its top nearest to the surface. If a column has no such room, one of its discs is exchanged for others.
-Positions, radii and order follow from the discs, not from random numbers.
+there is room for it on two other discs. The new disc gets the radius, within the spread of the packing, with which its
+top is nearest to the surface. If a column has no such room, one of its discs is exchanged for others. Positions, radii
+and order follow from the discs, not from random numbers.
 """
 
 import numpy as np
@@ -25,8 +25,9 @@ def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
     """Return the height of the discs above the surface of the section (m), column by column of two diameters or a
     little less.
 
-    The value of a column is that of the disc whose top is highest above the surface vertically below it. (Across a
-    column a face may fall by more than the tolerance.) Discs among the fixed discs of the sides are left out.
+    The value of a column is the largest height of the top of one of its discs above the surface vertically below this
+    top. (Across a column a face may fall by more than the tolerance.) Discs among the fixed discs of the sides are left
+    out.
     """
     left, right = section.extent
     free = ~model.fixed & (model.x >= left) & (model.x <= right)

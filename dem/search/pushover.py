@@ -6,7 +6,8 @@ curves of discs and FEM model are Kh over the mass-weighted mean displacement in
 Both curves are compared at the same displacement, since neither has a limit load in a box: loose ground hardens as it
 is compressed. The critical Kh of the discs is the largest moving average of Kh, over a fifth of the displacement that
 counts: `DemSettings.ductility` times the yield displacement of the FEM model. Discs require a larger strain than an
-elastic-plastic body with the same E to reach the same strength: `settings.GROWTH` describes how it was measured.
+elastic-plastic body with the same E to reach the same strength: `settings.GROWTH` describes how this larger strain was
+measured.
 
 The place of failure is visible only later: at their critical Kh discs still harden, and shear everywhere. The test
 therefore continues until the discs have a slip surface.
@@ -169,8 +170,9 @@ def _points(
     until_failed: bool,
 ) -> Iterator[Trial | str | None]:
     """Move the loading end of the spring, and with it the discs, to the end of the curve or until they have failed.
-    Yields the points of the curve, each a mean over the time since the last point; then None at the end of the curve, a
-    little beyond the reach; and finally the displacement at the end of the test and the reason why it ended.
+    Yields the points of the curve, each a mean over the time since the last point. Then yields None at the end of the
+    curve, a little beyond the prescribed displacement ``reach``. The last value is a sentence with the displacement at
+    the end of the test and the reason why the test ended.
 
     Between two points Kh is the force of spring and dashpot over the weight.
     """

@@ -97,8 +97,8 @@ def set_strengths(model: DiscModel, layers: Sequence[LayerSprings]) -> None:
 
 
 def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.ndarray:
-    """Return the undrained strength s_u (n,) of all discs of clay in Pa, and 0 for other discs. Parameters are those of
-    `replace_contacts_of_clay`.
+    """Return the undrained strength s_u (n,) of all discs of clay in Pa, and 0 for other discs. The parameters are
+    explained in `replace_contacts_of_clay`.
 
     Ground that is too strong to fail, such as rock, gets a multiple (``ENOUGH``) of the largest total overburden as
     strength.

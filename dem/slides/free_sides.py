@@ -10,10 +10,11 @@ v increases by
     Δv = `RELIEF` ((N - N_0) / (ρ V_p h) - v),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν).
 
 Here h is the height of a strip and V_p the velocity of P-waves. As a stratum liquefies, its K_0 becomes 1, and the
-ground settles by the water that drains. The stress σ'_v is that of the section at the side, times the ratio of the
-weight of all discs to that of the section. Both sides of level ground therefore carry the same force. The discs nearest
-to each side are heavier or lighter by a few per cent; under such a difference liquefied ground would drift without end.
-Walls move by `ROOM` diameters at most, since the floor ends there. Positive velocities are outwards.
+ground settles by the water that drains. The stress σ'_v is the vertical effective stress of the section at the side,
+times the ratio of the weight of all discs to the weight of the section. Both sides of level ground therefore carry the
+same force. The discs nearest to each side are heavier or lighter by a few per cent; under such a difference liquefied
+ground would drift without end. Walls move by `ROOM` diameters at most, since the floor ends there. Positive velocities
+are outwards.
 """
 
 from collections.abc import Sequence
@@ -196,7 +197,7 @@ def _vertical_stress(section: Section, x: np.ndarray, z: np.ndarray, strata: np.
 
 
 def _heavier(start: DiscModel, ground: Ground, section: Section) -> float:
-    """Return the ratio of the overburden of all discs to that of the section."""
+    """Return the ratio of the overburden of all discs to the overburden of the section."""
     free = ~start.fixed
     x, z = ground.to_section(start.x[free], start.z[free])
     design = _vertical_stress(section, x, z, start.layer[free])

@@ -74,8 +74,8 @@ class Slide:
     notes: list[str] = field(default_factory=list)
 
     def as_json(self, alone: "Slide | None" = None) -> dict[str, Any]:
-        """Return the numbers of a case. alone: the same ground under Kh alone; a disc counts as sliding if it moves
-        twice as far as under Kh alone.
+        """Return the numbers of a case. alone: the slide of the same ground under Kh without liquefaction; a disc
+        counts as sliding if it moves more than twice as far as in ``alone``.
         """
         last = asdict(self.rows[-1])
         answers = {key: last[key] for key in last if key.startswith(("settlement", "slide", "crack_"))}

@@ -119,7 +119,7 @@ CHECKS: tuple[tuple[str, Check], ...] = (
         lambda s, kh: _near(kh, min(s["fem"]["kc"], s["bounds"]["upper"])),
     ),
     (
-        rf"^The finite elements give {NUMBER} % more, but the section fails at the strict upper bound at the latest",
+        rf"^The finite elements give a Kh that is {NUMBER} % higher, but the section cannot resist more than",
         lambda s, more: _near(more, 100.0 * (s["fem"]["kc"] / s["bounds"]["upper"] - 1.0)),
     ),
     (rf"^With Davis reduced strength the factor of safety is {NUMBER}\.", lambda s, factor: _safe(s, factor, "davis")),

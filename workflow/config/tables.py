@@ -29,7 +29,9 @@ class FigureSettings(Model):
         default=1280, ge=400, le=1600, description="width of the pictures in the report in pixels, from 400 to 1600"
     )
     report_animations: StrictBool = Field(
-        default=True, description="true to include animations of the slides, and of the path of Kh, in the report"
+        default=True,
+        description="true to include animations of the slides, and of the equilibrium path under rising Kh, in the "
+        "report",
     )
 
 

@@ -1,4 +1,5 @@
-"""Draws pictures of the finite element analysis: displacement and mobilised strength at each Kh, and the path of Kh."""
+"""Draws pictures of the finite element analysis: displacement and mobilised strength at each Kh, and the equilibrium
+path under rising Kh."""
 
 from typing import NamedTuple, assert_never
 

@@ -126,7 +126,9 @@ def _water(section: Section) -> str:
 def _of_the_paper(config: Config) -> str:
     """Return the loading of the paper's own discs, if they are computed in addition to soil discs."""
     both_models = config.dem.model == "soil" and config.dem.paper
-    return f"On the discs of the paper, Kh = {PAPER_LOADING['kh']:g} acts without end. " if both_models else ""
+    if not both_models:
+        return ""
+    return f"On the discs of the paper, Kh = {PAPER_LOADING['kh']:g} is constant until their computation ends. "
 
 
 def _driven(config: Config) -> str:

@@ -54,7 +54,7 @@ CAPTIONS = (
         "both",
         "Kh over displacement of the continuum and of the discs. Bands: brackets of the critical Kh. The critical Kh "
         "of soil discs, which harden and have no plateau, is the largest moving average of Kh up to the "
-        "vertical line, over a fifth of the displacement there.",
+        "displacement at the vertical line; the average is over a fifth of this displacement.",
         True,
     ),
     Caption(

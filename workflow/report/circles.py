@@ -140,9 +140,9 @@ def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
         values = listed([f"{coefficient(far.bishop)} instead of {coefficient(circle.bishop)}" for circle, far in pairs])
         which, has = ("circles", "end") if len(pairs) > 1 else ("circle", "ends")
         yield (
-            f"the critical slip {which} towards {ways} {has} at the {side} side of the section, with a critical Kh of "
-            f"{values} where the ground continues: give {more:g} m more of the ground at this side, or "
-            f'beyond = "{more:g} m"'
+            f"the critical slip {which} towards {ways} {has} at the {side} side of the section; in a section that is "
+            f"lengthened beyond its sides the critical Kh is {values}: extend the section by {more:g} m at this side, "
+            f'or set beyond = "{more:g} m"'
         )
 
 

@@ -161,13 +161,14 @@ def _contradicted(results: Results, fem: FemAnswer, kh: GoverningKh, conditions:
     opinion.
     """
     word = (
-        "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give {excess} % more, but the "
-        "section fails at the strict upper bound at the latest, so that the upper bound counts."
+        "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give a Kh that is {excess} % higher, "
+        "but the section cannot resist more than the strict upper bound, which is therefore reported."
     )
     if kh.is_limit:
         word = (
-            "The section fails {way} at Kh = {kc} or less ({conditions}). The finite elements give {excess} % more, "
-            "but the section fails at the strict upper bound at the latest, so that the upper bound counts, as a limit."
+            "The section fails {way} at Kh = {kc} or less ({conditions}). The finite elements give a Kh that is "
+            "{excess} % higher, but the section cannot resist more than the strict upper bound, which is therefore "
+            "reported as an upper limit."
         )
     phrase = _(
         word,
@@ -215,8 +216,8 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
     phrase = _(word, factor=f"{governing:.2f}", flow=_(FLOW[fem.flow]))
     if governing < factor.factor:
         phrase += " " + _(
-            "The finite elements give {excess} % more, but the section fails at the strict upper bound at the latest, "
-            "so that the upper bound counts.",
+            "The finite elements give a factor of safety that is {excess} % higher, but the section cannot resist more "
+            "than the strict upper bound, which is therefore reported.",
             excess=f"{100.0 * (factor.factor / governing - 1.0):.1f}",
         )
     if factor.davis is not None:

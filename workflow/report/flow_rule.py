@@ -10,8 +10,9 @@ from workflow.results.continuum import FemAnswer
 
 # When Davis's estimate counts, and when ψ = φ does.
 WHEN = (
-    "Strict bounds, limit equilibrium and most strength reduction results are for ψ = φ. Davis's estimate, with "
-    "reduced strength, is low. Davis's estimate governs if dense ground is confined, or if a dilation angle is given."
+    "Strict bounds, limit equilibrium and most results of strength reduction are for ψ = φ. Davis's estimate has a "
+    "reduced strength, and is a low estimate. Davis's estimate should be used where dense ground is confined, or where "
+    "a dilation angle is given."
 )
 # Davis's estimate lies far below ψ = φ where it is less than this share of it.
 FAR_APART = 0.85

@@ -1,5 +1,5 @@
-// Plays the slides and the path of Kh within the report. Films stand in scripts of the kind application/json; where
-// this script does not run, the players stay hidden and the still pictures serve.
+// Plays the slides and the equilibrium path under rising Kh within the report. Films stand in scripts of the kind
+// application/json; where this script does not run, the players stay hidden and the still pictures serve.
 "use strict";
 (() => {
   const INK = "#26323a", BOUNDARY = "#4a4f55", NOW = "#0b3c6f", CRITICAL = "#b3202c", GRID = "#dddddd";

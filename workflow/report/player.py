@@ -1,4 +1,5 @@
-"""Makes the animations of the report: every slide as its discs in time, and the path of Kh with the stored fields.
+"""Makes the animations of the report: every slide as its discs in time, and the equilibrium path under
+rising Kh with the stored fields.
 
 A film is a small table and an array of integers. Positions are in units of ``quantum`` metres, and only their changes
 from frame to frame are stored. `player.js` draws the film; without scripts the page has still pictures.
@@ -124,8 +125,8 @@ def _surface(frame: Frame) -> np.ndarray:
 
 
 def _path(results: Results) -> Iterator[Film]:
-    """Yield a film of the path of Kh: the mesh, and displacement and mobilised strength of every state in
-    equilibrium."""
+    """Yield a film of the equilibrium path under rising Kh: the mesh, and displacement and mobilised strength of every
+    state in equilibrium."""
     if results.kc is None or not results.store.has(COLLECTION):
         return
     fields_of_fem = FemResults.load(results.config.section, results.store)
@@ -156,7 +157,7 @@ def _path(results: Results) -> Iterator[Film]:
     fields = [part for fem_state in states for part in (fem_state.displacement / fine, 1000.0 * fem_state.mobilised)]
     places = np.column_stack([points[:, 0] - left, points[:, 1] - bottom]) / quantum
     numbers = [np.rint(places), fields_of_fem.mesh.cells, *(np.rint(field) for field in fields)]
-    yield Film.of("path", "the path of Kh", table, numbers)
+    yield Film.of("path", "the equilibrium path under rising Kh", table, numbers)
 
 
 def _step(path: Sequence[Any], kh: float, label: str) -> int:

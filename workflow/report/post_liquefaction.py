@@ -92,7 +92,9 @@ class Enough:
             f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)} ({s.over_effective:.2g} of its mean effective stress)"
             for s in self.strata
         ]
-        more = "; a case with more strength would determine the required strength" if self.how == "more than" else ""
+        more = (
+            "; add a case with more residual strength to find the required strength" if self.how == "more than" else ""
+        )
         return f"The residual strength required to stand without shaking is {self.how} {listed(phrases)}{more}"
 
 

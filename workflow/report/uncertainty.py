@@ -22,8 +22,8 @@ def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
     if results.older:
         yield (
             "Version of the program",
-            f"Not the version of the program that wrote this report, but another one computed {listed(results.older)}; "
-            "noshiro run computes again.",
+            f"Results of {listed(results.older)} were computed by another version of the program than this report; "
+            "noshiro run computes them again.",
         )
     if results.fem is not None:
         variants = results.variants.variants if results.variants is not None else ()
@@ -91,8 +91,8 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
     )
     yield (
         "Step",
-        f"The first step of Kh was {settings.first_step:g}. Kh is an unknown on the path, not a value at which the "
-        "solver failed to converge.",
+        f"The first step of Kh was {settings.first_step:g}. Kh is an unknown of the equilibrium path: the critical Kh "
+        "is not the value at which the solver failed to converge.",
         "step",
     )
     yield "Dilation", _dilation(fem), "dilation"
@@ -138,14 +138,14 @@ def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
     if surfaces.mean_distance_m is not None and surfaces.same_stratum_share is not None:
         deeper = ""
         if surfaces.excess_above is not None and surfaces.excess_above < NO_MORE:
-            deeper = " The discs fail higher up than the continuum, which fails there at the same Kh."
+            deeper = " The slip surface of the discs lies higher; along it the continuum would fail at the same Kh."
         elif surfaces.excess_above is not None:
             deeper = (
-                f" The discs fail higher up than the continuum, which would fail there only if Kh were larger by "
-                f"{100 * surfaces.excess_above:.0f} %."
+                " The slip surface of the discs lies higher; along it the continuum would fail at a Kh that is "
+                f"{100 * surfaces.excess_above:.0f} % larger."
             )
         yield (
             "Slip surface",
-            f"Discs and continuum fail {surfaces.mean_distance_m:.1f} m apart on average, in the same layer along "
-            f"{100 * surfaces.same_stratum_share:.0f} % of the length." + deeper,
+            f"The slip surfaces of the discs and of the continuum lie {surfaces.mean_distance_m:.1f} m apart on "
+            f"average, and in the same layer along {100 * surfaces.same_stratum_share:.0f} % of their length." + deeper,
         )

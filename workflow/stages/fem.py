@@ -55,7 +55,7 @@ def work(job: Job) -> None:
     """Find the critical Kh in both directions, with ψ = φ and by Davis's estimate, and factors of safety; writes fem/.
 
     Every MPI rank computes; only the first one writes. Raises InputError, UnstableError, NoEquilibriumError, and, when
-    all is written, NoAnswerError if the path of Kh showed no limit load.
+    all is written, NoAnswerError if the equilibrium path showed no limit load.
     """
     from fem.search.assessment import assess
     from meshes.quad_mesh import save
