@@ -7,7 +7,6 @@ it.
 import hashlib
 import os
 from contextlib import suppress
-from pathlib import Path
 
 import numba
 import numpy as np
@@ -18,7 +17,6 @@ from numba.core.types import Type
 from dem.assembly import DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, EngineRun, largest_step
 from dem.engine.packer import pack, unpack
-from dem.kernels import stepping
 from dem.kernels.stepping import take_steps
 from dem.model import DiscModel
 from dem.springs import LayerSprings
@@ -43,12 +41,9 @@ def precompile(executor: Executor, tell: Tell) -> None:
 
 
 def _conditions() -> str:
-    """Return the fingerprint of the conditions on which Numba's compiled files depend: Numba's version, the processor,
-    the file of the step loop.
-    """
-    source = Path(stepping.__file__)
-    conditions = (numba.__version__, get_host_cpu_name(), str(source), source.stat().st_mtime_ns)
-    return hashlib.sha256(repr(conditions).encode()).hexdigest()[:16]
+    """Return the fingerprint of the conditions on which Numba's compiled files depend beside their sources: Numba's
+    version and the processor."""
+    return hashlib.sha256(repr((numba.__version__, get_host_cpu_name())).encode()).hexdigest()[:16]
 
 
 def _compiled(what: str, _: Tell) -> None:

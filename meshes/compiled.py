@@ -5,7 +5,7 @@ functions that are called from there (Numba's issue 1833): after a change in `co
 still be used with the old contact law. So the name of the folder contains a hash of all kernels.
 
 The folder is in the cache folder of the user, since an installation may be read-only, or in NUMBA_CACHE_DIR if that is
-set.
+set. Copies of the program with the same kernels share it (`meshes.kernel_places`).
 """
 
 import atexit
@@ -21,6 +21,9 @@ from pathlib import Path
 PACKAGES = ("dem", "fem")  # those with kernels, folders beside this package
 PREFIX = "noshiro-kernels-"
 VARIABLE = "NUMBA_CACHE_DIR"
+LOCATORS = "NUMBA_CACHE_LOCATOR_CLASSES"
+OWN_LOCATOR = "meshes.kernel_places.KernelPlace"
+NUMBAS_LOCATORS = "UserProvidedCacheLocator,InTreeCacheLocator,UserWideCacheLocator,IPythonCacheLocator"
 FORGOTTEN_AFTER = 28 * 86400.0  # s since a folder was last used
 
 
@@ -41,6 +44,9 @@ def keep_compiled_kernels() -> None:
     folder = base / name
     forget(base, folder)
     os.environ[VARIABLE] = str(folder)
+    others = os.environ.get(LOCATORS) or NUMBAS_LOCATORS
+    if not others.startswith(OWN_LOCATOR):
+        os.environ[LOCATORS] = f"{OWN_LOCATOR},{others}"
     if "numba" in sys.modules:
         sys.modules["numba.core.config"].reload_config()
 
