@@ -10,22 +10,35 @@ import pytest
 from PIL import Image
 from pyvista import Plotter
 
-from meshes.executor import SERIAL
+from meshes.executor import SERIAL, Executor, Processes
 from tests.support import TOP
 from workflow.cli import main
 
 
-def run(*arguments: object, side_by_side: bool = False, painted: bool = False) -> int:
+def in_another_process(_: int) -> Executor:
+    """One process beside this one, which does all tasks that several would do: each takes seconds to import what it
+    draws and computes with."""
+    other = Processes(1)
+    other.count = 2  # a single one would leave tasks to this process
+    return other
+
+
+# Who does the tasks of a command: this process, another one, or as many as a person would have.
+EXECUTORS: dict[str, Callable[[int], Executor]] = {
+    "here": lambda count: SERIAL, "in another": in_another_process, "side by side": Processes,
+}  # fmt: skip
+
+
+def run(*arguments: object, tasks: str = "here", painted: bool = False) -> int:
     """The exit code of the command, in this process.
 
-    Unless its tasks are to be done ``side_by_side`` this process does them all, which finds the same: each other one
-    takes seconds to import what it draws and computes with. Where a test looks at its pictures they are ``painted``;
+    Unless its ``tasks`` are to be done by others (`EXECUTORS`) this process does them all, which finds the same.
+    Where a test looks at its pictures they are ``painted``;
     else each is made up to its last steps, the views of VTK are white, and a line of white is saved, which takes half
     of the time of drawing, and of compressing for the report.
     """
     with pytest.MonkeyPatch.context() as patch:
-        if not side_by_side:
-            patch.setattr("workflow.cli.terminal.Processes", lambda count: SERIAL)
+        patch.setattr("workflow.cli.terminal.Processes", EXECUTORS[tasks])
         if not painted:
             unpainted(patch)
         try:

@@ -168,9 +168,12 @@ def test_discs_of_an_endless_slope_move_by_most_of_it() -> None:
     assert slid(Case(residual_strength=STRENGTH)) < 0.03
 
 
-@pytest.mark.parametrize("rows", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_layers_of_a_row_of_discs_strain_by_their_own_thickness(rows: int) -> None:
-    """Mean of six packings within a fifth; 1.5 and 1.1 times as far where bonds with firm ground strained all along."""
+@pytest.mark.parametrize(
+    ("rows", "packings"),
+    [(1, 3), pytest.param(1, 6, marks=pytest.mark.slow), pytest.param(2, 6, marks=pytest.mark.slow)],
+)
+def test_layers_of_a_row_of_discs_strain_by_their_own_thickness(rows: int, packings: int) -> None:
+    """Mean of packings within a fifth; 1.5 and 1.1 times as far where bonds with firm ground strained all along."""
     case = Case(residual_strength=STRENGTH, strain_potential=POTENTIAL)
-    moved = [slid(case, 0.5 * rows, seed) for seed in range(6)]
+    moved = [slid(case, 0.5 * rows, seed) for seed in range(packings)]
     assert np.mean(moved) == pytest.approx(wanted_below_water(0.5 * rows), rel=0.2)

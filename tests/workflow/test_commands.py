@@ -20,7 +20,7 @@ from workflow.stages import NAMES
 def small(folder: Path, **soil: Any) -> Path:
     """A slope that is computed in a second."""
     quick = {"element": "bilinear", "kh": [], "accuracy": 0.0, "direction": "downhill"}
-    data = {**slope(), "mesh": {"size": 3.0}, "fem": quick}
+    data = {**slope(), "mesh": {"size": 3.0}, "fem": quick, "bounds": {"max_cells": 200, "gap": 0.3}}
     data["strata"] = [{**stratum, **soil} for stratum in data["strata"]]
     path = folder / "slope.toml"
     path.write_text(tomli_w.dumps(data))

@@ -121,7 +121,7 @@ def test_the_pictures(whole: Path) -> None:
 
 @pytest.mark.slow
 def test_the_same_bits_with_any_number_of_workers(whole: Path, tmp_path: Path) -> None:
-    assert run("slide", written(tmp_path, dem={"workers": 3}), "--out", tmp_path / "out", side_by_side=True) == 0
+    assert run("slide", written(tmp_path, dem={"workers": 3}), "--out", tmp_path / "out", tasks="side by side") == 0
     for name in ("calibration.json", "cases.json", "history.csv"):
         assert (tmp_path / "out/dem" / name).read_bytes() == (whole / "dem" / name).read_bytes()
 

@@ -22,7 +22,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("whole")
     with pytest.MonkeyPatch.context() as patch:
         dem_fixture.stand_in(patch)
-        assert run("run", written(folder), "--out", folder / "out", side_by_side=True, painted=True) == 0
+        assert run("run", written(folder), "--out", folder / "out", tasks="in another", painted=True) == 0
         yield folder
 
 

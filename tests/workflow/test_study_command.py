@@ -16,7 +16,7 @@ from tests.support import TOP
 from tests.support.sections import slope
 from workflow.cli import main
 
-SAMPLES = 6
+SAMPLES = 4
 UNCERTAIN = {
     "strata.upper.friction_angle": {"normal": ["25 deg", "2 deg"]},
     "strata.*.cohesion": {"lognormal": [1.0, 0.3], "does": "factor"},

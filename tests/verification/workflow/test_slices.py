@@ -60,10 +60,12 @@ def _arc(centre: tuple[float, float], radius: float, ends: tuple[float, float], 
         ("acads_1a", 0.0, 0.987, 0.986),  # Slide2 manual, verification problem 1
         ("acads_1c", 0.0, 1.405, 1.375),  # Slide2 manual, 3
         ("acads_1d", 0.15, None, 0.991),  # Slide2 manual, 4
-        ("arai_tagyo_1", 0.0, 1.409, 1.406),  # Slide2 manual, Arai & Tagyo 1985, example 1
+        # Slide2 manual, Arai & Tagyo 1985, example 1
+        pytest.param("arai_tagyo_1", 0.0, 1.409, 1.406, marks=pytest.mark.slow),
         ("arai_tagyo_3", 0.0, 1.118, 1.118),  # the same, example 3, with water
-        ("duncan_wright_627", 0.0, None, 1.599),  # Slide2 manual, Duncan & Wright 2005
-        ("pruska_14_c", 0.0, None, 0.53),  # Pruška 2009
+        # Slide2 manual, Duncan & Wright 2005, and Pruška 2009
+        pytest.param("duncan_wright_627", 0.0, None, 1.599, marks=pytest.mark.slow),
+        pytest.param("pruska_14_c", 0.0, None, 0.53, marks=pytest.mark.slow),
     ],
 )
 def test_published_factors_by_slices(name: str, kh: float, bishop: float | None, spencer: float) -> None:
