@@ -25,7 +25,7 @@ class Acceleration:
             values = np.atleast_1d(np.asarray(getattr(self, name), float))
             object.__setattr__(self, name, values)
         if not (len(self.times) == len(self.x) == len(self.z) and np.all(np.diff(self.times) > 0.0)):
-            raise ValueError("acceleration: times must increase, and x and z have one value for each")
+            raise ValueError("acceleration: times must increase, and x and z must have one value for each time")
         if not all(np.isfinite(v).all() for v in (self.times, self.x, self.z)):
             raise ValueError("acceleration: a time or value is not finite")
 

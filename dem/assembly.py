@@ -43,11 +43,11 @@ class DiscGeometry:
         self.x, self.z = np.array(x, float), np.array(z, float)
         n = len(self.x)
         if n == 0 or self.z.shape != (n,) or not (np.isfinite(self.x).all() and np.isfinite(self.z).all()):
-            raise ValueError("discs: x and z must be finite, of one length, and not empty")
+            raise ValueError("discs: x and z must be finite, of equal length, and not empty")
         self.radius = np.array(np.broadcast_to(np.asarray(radius, float), n))
         if not (self.radius > 0.0).all():
             smallest = int(np.argmin(self.radius))
-            raise ValueError(f"discs: radius of disc {smallest} is {self.radius[smallest]}, must be positive")
+            raise ValueError(f"discs: radius of disc {smallest} is {self.radius[smallest]}; expected a positive radius")
         self.layer = np.array(np.broadcast_to(layer, n), np.int32)
         self.fixed = np.array(np.broadcast_to(fixed, n), bool) | (self.layer < 0)
 

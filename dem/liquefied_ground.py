@@ -140,7 +140,9 @@ def liquefy(model: DiscState, onset: Onset) -> None:
     with the law "paper", and for a period that is too short.
     """
     if model.law != "soil":
-        raise ValueError("discs: only those of law='soil' liquefy; the paper's discs have the factors of their case")
+        raise ValueError(
+            "discs: the laws of liquefied ground need law='soil'; for law='paper' a case has factors on the springs"
+        )
     reach = model.reach or 2.0 * REACH * float(model.radius[~model.fixed].mean())
     if model.period is not None and model.period[0] < NEEDED * (reach + model.skin):
         raise ValueError(

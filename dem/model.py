@@ -233,7 +233,7 @@ class DiscModel(DiscState):
         All spring forces, including stored ones, therefore change with the stiffness. Masses are unchanged.
         """
         if len(layers) != len(self.springs.layers):
-            raise ValueError(f"{len(layers)} layers given, the discs have {len(self.springs.layers)}")
+            raise ValueError(f"{len(layers)} layers were given; the discs have {len(self.springs.layers)} layers")
         new = _table(layers, self.mean, self.law, self.skin, self.line_strength)
         before = self._spring_forces()
         kind = self.kind(self.pair_i, self.pair_j)
@@ -269,7 +269,9 @@ class DiscModel(DiscState):
         """
         count = len(self.lines)
         if any(not 0 <= k < count for k in which):
-            raise ValueError(f"there is no rigid line {[k for k in which if not 0 <= k < count]}: there are {count}")
+            raise ValueError(
+                f"there is no rigid line {[k for k in which if not 0 <= k < count]}; there are {count} lines, from 0 on"
+            )
         remaining = np.setdiff1d(np.arange(count), which)
         number = np.full(count, -1, np.int32)
         number[remaining] = np.arange(len(remaining), dtype=np.int32)

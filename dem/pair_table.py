@@ -57,7 +57,7 @@ def pair_table(
     law "paper": ValueError for constants of soil discs.
     """
     if not layers:
-        raise ValueError("no layers: the table of springs needs at least one")
+        raise ValueError("there are no layers; the table of springs needs at least one layer")
     if mean not in ("arithmetic", "harmonic"):
         raise ValueError(f"mean is 'arithmetic' or 'harmonic', not {mean!r}")
     if law not in ("paper", "soil"):

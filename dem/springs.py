@@ -157,7 +157,7 @@ def wave_speeds(youngs_modulus: float, poissons_ratio: float, density: float) ->
     """Return the wave velocities V_p and V_s (m/s), equations 7 and 8 of the paper; modulus in Pa, density in kg/m3."""
     e, nu, rho = youngs_modulus, poissons_ratio, density
     if not (e > 0.0 and 0.0 <= nu < 0.5 and rho > 0.0):
-        raise ValueError(f"not an elastic soil: E = {e} Pa, nu = {nu}, density = {rho} kg/m3")
+        raise ValueError(f"these are no constants of an elastic soil: E = {e} Pa, nu = {nu}, density = {rho} kg/m3")
     vp = np.sqrt((1.0 - nu) * e / (rho * (1.0 - 2.0 * nu) * (1.0 + nu)))
     return float(vp), float(np.sqrt(e / (2.0 * rho * (1.0 + nu))))
 
@@ -282,5 +282,5 @@ def table2(states: Mapping[int, str] | None = None) -> list[LayerSprings]:
     wanted = {n: "normal" for n in range(1, 11)} | dict(states or {})
     missing = [key for key in wanted.items() if key not in rows]
     if missing:
-        raise KeyError(f"Table 2 has no layer and state {missing}; it has {sorted(rows)}")
+        raise KeyError(f"Table 2 of the paper has no layer and state {missing}; it has {sorted(rows)}")
     return [rows[key] for key in sorted(wanted.items())]

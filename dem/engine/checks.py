@@ -27,7 +27,7 @@ def check_finite(model: DiscModel, checkpoint_note: str) -> None:
     fine &= np.isfinite(model.vr)
     raise NotFiniteError(
         f"{_place(model, int(np.argmin(fine)))} has a position or velocity that is no number; {int((~fine).sum())} "
-        f"discs in all. Check the input of this disc, or use a smaller step. {checkpoint_note}"
+        f"discs have such values. Check the input of this disc, or use a smaller step. {checkpoint_note}"
     )
 
 
@@ -63,9 +63,9 @@ def check_overlap(model: DiscModel, checkpoint_note: str) -> None:
     if len(share) and np.any(share > allowed):
         c = int(np.argmax(share - allowed))
         raise OverlapError(
-            f"{_place(model, int(model.line_disc[c]))} is in rigid line {model.line_id[c]} by {share[c]:.3g} of "
-            f"its radius, allowed are {allowed[c]:.3g}. Find out what drove it "
-            f"there, or allow more with `allowed_overlap`. {checkpoint_note}"
+            f"{_place(model, int(model.line_disc[c]))} overlaps rigid line {model.line_id[c]} by {share[c]:.3g} "
+            f"of its radius, allowed are {allowed[c]:.3g}. Find the cause, or allow more with `allowed_overlap`. "
+            f"{checkpoint_note}"
         )
 
 

@@ -198,7 +198,7 @@ class Calibrator:
         settings = self.settings
         if settings.model == "soil":
             if self.continuum is None:
-                raise ValueError("the displacement of soil discs follows from a continuum: give `continuum`")
+                raise ValueError("soil discs need the yield displacement of the continuum: give `continuum`")
             search, self.displaced[key] = pushover_critical_kh(
                 settled, self.ground, settings, self.continuum, threads=self.threads, on_trial=self.on_trial,
                 until_failed=self.until_failed,

@@ -80,7 +80,7 @@ def run_until_rest(
         If times or the displacement are not positive.
     """
     if not (still > 0.0 and longest > 0.0 and every > 0.0):
-        raise ValueError(f"expected positive still, longest and every, not {still} m, {longest} s and {every} s")
+        raise ValueError(f"still, longest and every must be positive, but are {still} m, {longest} s and {every} s")
     begin, free = model.time, ~model.fixed
     times, moved = [], []
     quiet = 0

@@ -143,7 +143,7 @@ def update(
     """
     n = len(strain_increment)
     if material.shape != (n,) or material.dtype.kind not in "iu":
-        raise ValueError(f"material is {material.dtype} {material.shape}; integer {(n,)} wanted")
+        raise ValueError(f"material is {material.dtype} {material.shape}; expected integers of shape {(n,)}")
     if n and not (material.min() >= 0 and material.max() < len(table)):
         raise ValueError(f"material must be in 0 to {len(table) - 1}, the rows of the table")
     _require("table", table, (len(table), rm.COLUMNS))
@@ -187,7 +187,7 @@ def _in_chunks(work: Callable[[int, int], None], n: int, threads: int) -> None:
 
 def _require(name: str, array: NDArray, shape: tuple[int, ...], dtype: type = np.float64) -> None:
     if array.shape != shape or array.dtype != dtype or not array.flags.c_contiguous:
-        raise ValueError(f"{name} is {array.dtype} {array.shape}; C-contiguous {dtype.__name__} {shape} wanted")
+        raise ValueError(f"{name} is {array.dtype} {array.shape}; expected C-contiguous {dtype.__name__} {shape}")
 
 
 def _output(name: str, array: NDArray | None, shape: tuple[int, ...], dtype: type = np.float64) -> NDArray:

@@ -165,7 +165,7 @@ def _stop_reason(path: EquilibriumPath, ductility: float, limit: float, rule: Pl
     if ductility >= rule.earliest and last < (1.0 - rule.fall) * highest:
         return StopReason("peak", f"the load fell by {100 * (1.0 - last / highest):.0f} % from its peak", "")
     if ductility >= rule.earliest and growth < rule.growth:
-        return StopReason("plateau", f"it {doubled}", "")
+        return StopReason("plateau", f"the load {doubled}", "")
     if ductility >= rule.latest or len(path.steps) >= path.settings.most_steps:
         verdict: PathVerdict = "plateau" if growth < rule.tolerated_growth else "undecided"
         remedy = "" if verdict == "plateau" else 'refine the mesh, or use the reduced element with flow = "davis"'

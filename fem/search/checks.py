@@ -65,7 +65,7 @@ def of_dilation(
         return
     if result.kc > (1.0 + SAME_MESH) * associated.kc:
         yield ResultWarning(
-            f"The critical Kh with ψ < φ, {result.kc:.3f}, is above {associated.kc:.3f}, that with ψ = φ.",
+            f"The critical Kh with ψ < φ, {result.kc:.3f}, is above the critical Kh with ψ = φ, {associated.kc:.3f}.",
             f'take {associated.kc:.3f} as an upper limit, use flow = "davis", or refine the mesh',
         )
 

@@ -98,7 +98,7 @@ def as_input_errors(path: Path, expected: str) -> Iterator[None]:
 def within_reason(entries: Sequence[zipfile.ZipInfo]) -> Sequence[zipfile.ZipInfo]:
     """Return the documents of a model. Raises ValueError if they are too large."""
     if (size := sum(entry.file_size for entry in entries)) > LARGEST:
-        raise ValueError(f"documents of {size / 1e6:.0f} MB: at most {LARGEST / 1e6:.0f} MB are read")
+        raise ValueError(f"the documents in the file have {size / 1e6:.0f} MB; at most {LARGEST / 1e6:.0f} MB are read")
     return entries
 
 

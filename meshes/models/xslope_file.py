@@ -134,7 +134,7 @@ def _soil(row: dict[str, Any], units: XslopeUnits, water: bool, notices: list[st
     """Return the keys of a stratum. Properties of the material that a stratum cannot have are reported in a notice."""
     name, option = row.get("name"), str(row.get("option") or "").strip().lower()
     if option not in OPTIONS:
-        raise ValueError(f'material "{name}" has the strength option "{option}", of {", ".join(OPTIONS)}')
+        raise ValueError(f'material "{name}" has the strength option "{option}"; expected one of {", ".join(OPTIONS)}')
     weight = f"{float(row['g']) * units.stress / units.length:.5g} kN/m^3"
     keys: dict[str, Any] = {"density": weight, "density_saturated": weight}
     if option == "cp":

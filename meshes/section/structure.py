@@ -31,7 +31,7 @@ def structure_problems(structures: Sequence[Structure], extent: tuple[float, flo
     for k, structure in enumerate(structures, start=1):
         where = f'structures {k} "{structure.name}", from = {structure.start:g} m, to = {structure.end:g} m'
         if not structure.end > structure.start:
-            problems.append(f"{where}: expected the left foot, then the right one")
+            problems.append(f"{where}: expected the left foot, then the right foot")
         elif structure.start < left or structure.end > right:
             problems.append(f"{where}: lies off the section, which reaches from {left:g} to {right:g} m")
     names = [structure.name for structure in structures]

@@ -58,7 +58,7 @@ class Surcharge(Model):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if not self.end > self.start:
-            raise ValueError(f"from = {self.start:g} m, to = {self.end:g} m: expected the left end, then the right one")
+            raise ValueError(f"from = {self.start:g} m, to = {self.end:g} m: expected the left end, then the right end")
         return self
 
     def at(self, x: np.ndarray, near: np.ndarray) -> np.ndarray:

@@ -126,7 +126,7 @@ def test_plot_draws_again_without_computing(whole: Path, capsys: pytest.CaptureF
     assert imread(whole / "plot/figures/field_shear_strain_kh_0.200.png").shape[1] == 1600
     for options, words in (
         (("--field", "strain"), "expected one of displacement, displacement_x"),
-        (("--at", "0.77"), "there is no state at this Kh; expected one of 0.200"),
+        (("--at", "0.77"), "no state is stored at this Kh; expected one of 0.200"),
     ):
         capsys.readouterr()
         assert run("plot", whole / "plot", *options) == 2

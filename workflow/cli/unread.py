@@ -30,7 +30,8 @@ def is_read(key: str, reads: Iterable[str]) -> bool:
 
 
 def reads_of(stages: Sequence[Stage]) -> list[str]:
-    """Return the settings that stages and the engine of a run read, without those of studies for the report."""
+    """Return the settings that the stages and the engine of a run read; settings of studies that only the report reads
+    are left out."""
     names = [name for stage in stages for name in stage.reads if not (stage.of_all and name in OF_STUDIES)]
     return [*names, *OF_EVERY_RUN]
 

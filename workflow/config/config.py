@@ -124,7 +124,8 @@ class Config(Tables):
     def to_toml(self) -> str:
         """Return the config as TOML with all defaults filled in and quantities as they were written.
 
-        With uncertain numbers the strata are those of the file, to which their paths refer.
+        If there are uncertain numbers, the strata are written as in the file, since the paths of these numbers refer to
+        them.
         """
         if not self.uncertain.numbers:
             return tomli_w.dumps(self.to_data())
@@ -201,7 +202,8 @@ class Config(Tables):
 
     @property
     def left_open(self) -> dict[str, str]:
-        """Return the keys of [slide] that other tables determine, each with the word that names the other table."""
+        """Return the keys of [slide] whose value another table determines, each with the value that refers to this
+        table."""
         return self._left_open
 
     def analysed(self, section: Section, slide: SlideSettings, cases: Sequence[Case], keys: Sequence[str]) -> Self:
@@ -263,7 +265,8 @@ class Config(Tables):
 
     @property
     def sides_of_slides(self) -> Sides:
-        """Return the boundary condition of the sides in slides: that of `fem`, unless `slide.mpm_sides` is given."""
+        """Return the boundary condition of the sides in slides: the sides of the finite elements, unless
+        `slide.mpm_sides` is given."""
         return self.slide.mpm_sides or self.fem.sides
 
     def called(self, *numbers: int) -> str:

@@ -130,8 +130,8 @@ def _notice(rule: Renamed, word: str) -> str:
 def rewritten(text: str, source: str) -> tuple[str, list[str]]:
     """Return the text of a section file with new names; everything else, including comments, is unchanged.
 
-    A word is replaced only if the file then reads as ``current`` returns it, since a stratum may have an old name as
-    its own.
+    A word is replaced only if the file then has the content that ``current`` returns, since the name of a stratum may
+    be equal to an old name of a setting.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ Preset = Literal["hynes_griffin_franklin_1984", "nchrp_611"]
 @dataclass(frozen=True)
 class PublishedCriterion:
     """Holds a published criterion: the required factor of safety under a share of the peak acceleration, and the
-    displacement to which it limits slides.
+    largest displacement of ground with this factor.
 
     Attributes
     ----------
@@ -108,8 +108,8 @@ class CriteriaSettings(Model):
     )
 
     def resolved(self, peak: float | None) -> Self:
-        """Return the limits together with those of the preset. The factor of the preset applies to a ``peak``
-        acceleration of the ground (over gravity)."""
+        """Return the limits of the settings, completed by the limits of the preset. The factor of the preset applies to
+        a ``peak`` acceleration of the ground (over gravity)."""
         if self.preset is None:
             return self
         preset, factor = PRESETS[self.preset], self.factor_of_safety

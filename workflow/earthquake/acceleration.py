@@ -9,7 +9,8 @@ from meshes.section.quantity import NUMBER_AND_UNIT, Kind, with_a_point
 
 
 class AccelerationKind(Kind):
-    """Describes an acceleration, whose units are those of ground motion: pint reads g as grams and gal as gallons."""
+    """Describes an acceleration in the units of ground motion, such as g and gal, which the library pint would read as
+    grams and gallons."""
 
     def _convert(self, text: str) -> float:
         if comma := with_a_point(text):

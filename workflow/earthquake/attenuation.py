@@ -66,9 +66,10 @@ def si_midorikawa(magnitude: float, distance: float, depth: float, mechanism: Me
     """Return the peak acceleration by Si & Midorikawa (1999): log A = b - log(X + c) - 0.003 X, A in gal, X in km.
 
     b = 0.50 Mw + 0.0043 D + d + 0.61, c = 0.0055 10^(0.50 Mw), d = 0.00, 0.01, 0.22 for crustal, interplate and
-    intraplate earthquakes; σ = 0.27. ``magnitude`` is the moment magnitude, ``distance`` X the shortest to the fault
-    plane, ``depth`` D that of the fault plane's middle. A is the larger of both horizontal components. Raises
-    InputError outside Mw 5.8-8.3, X up to 300 km, D up to 120 km. ``mechanism``: crustal, interplate or intraplate.
+    intraplate earthquakes; σ = 0.27. ``magnitude`` is the moment magnitude, ``distance`` X the shortest distance to the
+    fault plane, ``depth`` D the depth of the middle of the fault plane. A is the larger of both horizontal components.
+    Raises InputError outside Mw 5.8-8.3, X up to 300 km, D up to 120 km. ``mechanism``: crustal, interplate or
+    intraplate.
     """
     kilometres, deep = distance / 1000.0, depth / 1000.0
     relation = "Si & Midorikawa (1999)"
@@ -89,9 +90,9 @@ def fukushima_tanaka(magnitude: float, distance: float, site: Site) -> PeakMotio
     """Return the peak acceleration by Fukushima & Tanaka (1990): log A = 0.41 M - log(R + 0.032 10^(0.41 M)) - 0.0034 R
     + 1.30, A in gal, R in km.
 
-    σ = 0.21. ``distance`` R is the shortest to the fault. The relation is for average ground; the authors say that the
-    peak is 40 % smaller on rock and 40 % larger on soft soil. The peak is the mean of both horizontal components.
-    Raises InputError outside M 4.6-8.2, R up to 300 km.
+    σ = 0.21. ``distance`` R is the shortest distance to the fault. The relation is for average ground; the authors say
+    that the peak is 40 % smaller on rock and 40 % larger on soft soil. The peak is the mean of both horizontal
+    components. Raises InputError outside M 4.6-8.2, R up to 300 km.
     """
     kilometres = distance / 1000.0
     relation = "Fukushima & Tanaka (1990)"

@@ -143,7 +143,8 @@ class EarthquakeSettings(Model):
         return [text for text in notices if text]
 
     def _overruled(self, slide: SlideSettings) -> str:
-        """Return a notice if slides have another Kh or duration than that of the earthquake; else empty."""
+        """Return a notice if slides have another Kh or duration than the Kh and duration that follow from the
+        earthquake; else empty."""
         cycles = None if slide.accelerogram or slide.kh == 0.0 else self.equivalent()
         if cycles is None:
             return ""
@@ -193,8 +194,8 @@ class EarthquakeSettings(Model):
         return self.equivalent() is None and not slide.accelerogram and loading == assumed_loading(self.magnitude)
 
     def equivalent(self) -> EquivalentKh | None:
-        """Return the equivalent cycles of Kh. If there is a record, the cycles are those of the record, also if the
-        peak is given. The result is None if there is no peak acceleration.
+        """Return the equivalent cycles of Kh. If there is a record, number and period of the cycles follow from the
+        record, also if the peak is given. The result is None if there is no peak acceleration.
         """
         try:
             motion = self.motion()

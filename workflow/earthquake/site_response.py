@@ -87,8 +87,8 @@ class Response:
 def stiffness_and_damping(strain: float, mean_stress: float, plasticity: float) -> tuple[float, float]:
     """Return G/G_max and damping at a shear strain, of normally consolidated soil (Darendeli 2001).
 
-    G/G_max = 1/(1 + (γ/γ_r)^0.919), γ_r = (0.0352 + 0.0010 PI) σ'^0.3483 in percent, σ' in atmospheres. Damping is that
-    of Masing's rule, scaled, plus the smallest damping.
+    G/G_max = 1/(1 + (γ/γ_r)^0.919), γ_r = (0.0352 + 0.0010 PI) σ'^0.3483 in percent, σ' in atmospheres. Damping is the
+    scaled damping by Masing's rule plus the damping at very small strain.
     """
     pressure = max(mean_stress, 1e3) / ATMOSPHERE
     reference = (0.0352 + 0.0010 * plasticity) * pressure**0.3483  # %
@@ -166,7 +166,7 @@ def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcro
         now = curves
     if least > ENOUGH:
         raise ValueError(
-            f"stiffness and damping still change by {100.0 * least:.1f} % after {ROUNDS} rounds (SHAKE: 5 %)"
+            f"stiffness and damping still change by {100.0 * least:.1f} % after {ROUNDS} iterations; 5 % is accepted"
         )
     return _response(best, base, motion, rounds, least)
 

@@ -33,7 +33,8 @@ __all__ = ["BlockDrive", "Estimate", "EstimateKind", "block_drive", "constant_kh
 
 
 def constant_kh(settings: Tables) -> float:
-    """Return the constant Kh of the settings of the sliding block, or else that of the slides."""
+    """Return the constant Kh in the settings of the sliding block or, if it is not given there, in the settings of the
+    slides."""
     return settings.slide.kh if settings.sliding_block.kh is None else settings.sliding_block.kh
 
 
@@ -78,10 +79,11 @@ def is_s13(section: Section) -> bool:
 def estimates(
     section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray = NO_LINE
 ) -> list[Estimate]:
-    """Return all estimates that this input allows. Estimates by a block with resistance need the critical Kh.
+    """Return all estimates that this input allows. Estimates by a sliding block with friction need the critical Kh.
 
-    ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty. The estimates of the paper are only
-    made for its own section. ``settings``: settings of all tables; ``kc``: critical Kh, None if there is none.
+    ``slip_surface`` (n, 2) in m is the slip surface by the finite elements; it may be empty. The estimates of the paper
+    on S-13 are only made for the section S-13. ``settings``: settings of all tables; ``kc``: critical Kh, None if there
+    is none.
     """
     rows: list[Estimate] = []
     if kc is not None and kc > 0.0:

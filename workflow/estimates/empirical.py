@@ -75,8 +75,8 @@ ZHANG_RANGE = (
 
 def empirical(section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray) -> Iterator[Estimate]:
     """Return the estimates of all relations for which the input has data. The displacement is None outside the range of
-    a relation. ``slip_surface`` (n, 2) in m is that of the finite elements; it may be empty. ``section``: the section
-    of the ground; ``settings``: settings of all tables; ``kc``: critical Kh, None without one.
+    a relation. ``slip_surface`` (n, 2) in m is the slip surface by the finite elements; it may be empty. ``section``:
+    the section of the ground; ``settings``: settings of all tables; ``kc``: critical Kh, None without one.
     """
     try:
         motion = settings.earthquake.motion()

@@ -13,8 +13,8 @@ def hamada(thickness: float, gradient: float) -> float:
 
     M. Hamada, S. Yasuda, R. Isoyama, K. Emoto, Study on liquefaction induced permanent ground displacement, Association
     for the Development of Earthquake Prediction in Japan (1986): regression over 60 sections in Niigata and Noshiro.
-    ``thickness`` H (m) is that of the liquefied layer; ``gradient`` θ (%) is the larger of the gradients of the ground
-    surface and of the lower boundary of the liquefied layer.
+    ``thickness`` H (m) is the thickness of the liquefied layer; ``gradient`` θ (%) is the larger of the gradients of
+    the ground surface and of the lower boundary of the liquefied layer.
     """
     return 0.75 * float(np.sqrt(thickness)) * float(np.cbrt(gradient))
 
@@ -45,8 +45,8 @@ def liquefied(section: Section, case: int, columns: int = 400) -> LiquefiedLayer
     """Return the liquefied layers of a case taken together; None if none liquefies.
 
     The thickness is the mean of the total thickness of these layers over the part of the section where it is not zero.
-    The gradient is that of a straight line fitted, over the same part of the section, to the ground or to the lowest
-    boundary of the layers, whichever is steeper.
+    The gradient is the slope of a straight line fitted, over the same part of the section, to the ground or to the
+    lowest boundary of the layers, whichever is steeper.
     """
     which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
     left, right = section.extent

@@ -59,7 +59,8 @@ def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> RigidSlide
 
 
 def _slide_on(t: list[float], v: list[float], u: list[float], a: float, slope: float, span: float) -> None:
-    """Append the end of a span with the excess acceleration a + slope s of one sign, or the stop of the block."""
+    """Append time, speed and slide of the block at the end of a span of the record, and before it the stop of the
+    block, if it stops. Within the span the excess acceleration is a + slope s after a time s."""
     speed = v[-1]
     if speed == 0.0 and a + 0.5 * slope * span <= 0.0:
         t.append(t[-1] + span)

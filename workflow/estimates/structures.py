@@ -24,7 +24,8 @@ class Standing:
 
 
 def structures_of(section: Section) -> tuple[Standing, ...]:
-    """Return the structures of a section: those of the section file, or else the embankments of the ground surface."""
+    """Return the structures of a section: the structures in the section file or, if it has none, the embankments found
+    in the ground surface."""
     ground = section.ground
     if section.structures:
         return tuple(

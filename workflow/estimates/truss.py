@@ -49,8 +49,8 @@ class Truss:
 def truss_of(section: Section, case: int) -> Truss | None:
     """Return the strata above the uppermost liquefying stratum of a case as one bar; None if nothing lies above it.
 
-    The length of the bar is that of the part of the section with liquefying layers; density and modulus are means over
-    the area of the strata; the inclination of the bar is the mean of its lower boundary.
+    The bar is as long as the part of the section with liquefying layers; density and modulus are means over the area of
+    the strata; the inclination of the bar is the mean inclination of its lower boundary.
     """
     which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
     left, right = section.given_extent

@@ -163,7 +163,7 @@ def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
 
 
 def _draw_borders(axes: Axes, section: Section) -> None:
-    """Draw the borders of the strata, thin, so that a reader sees in which of them the ground fails."""
+    """Draw the borders of the strata as thin lines, so that a reader sees in which strata the ground fails."""
     axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=0.5, alpha=0.7))
 
 

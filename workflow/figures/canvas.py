@@ -297,8 +297,8 @@ def save(figure: Figure, path: Path | str) -> None:
 
 
 def _texts(artist: Artist) -> Iterator[Text]:
-    """Yield the texts in a figure but for the numbers at ticks, which matplotlib would make for it, and once more when
-    it draws them."""
+    """Yield the texts in a figure. Numbers at ticks are left out, since to read them would make matplotlib create the
+    ticks twice."""
     if isinstance(artist, Text):
         yield artist
     for part in artist.get_children():

@@ -91,7 +91,9 @@ def _draw_discs(job: Job, field: str, at: float | None) -> list[Path]:
     states = [state for state in stored if at is None or abs(state.kh - at) < SAME_KH]
     if not states:
         there = ", ".join(f"{kh:g}" for kh in sorted({state.kh for state in stored})) or "none"
-        raise InputError("--at", [f"{at:g}: there are no discs at this Kh; expected one of {there}, or set dem.kh"])
+        raise InputError(
+            "--at", [f"{at:g}: no state of the discs is stored at this Kh; expected one of {there}, or set dem.kh"]
+        )
     ground = ground_of(job.config.section, job.config.dem)
     paths = []
     for state in states:
@@ -171,7 +173,7 @@ def _states(results: FemResults, at: float | None) -> list[FieldState]:
     states = [state for state in results.states if abs(state.kh - at) < SAME_KH]
     if not states:
         there = ", ".join(f"{state.kh:.3f}" for state in results.states)
-        raise InputError("--at", [f"{at:g}: there is no state at this Kh; expected one of {there}, or set fem.kh"])
+        raise InputError("--at", [f"{at:g}: no state is stored at this Kh; expected one of {there}, or set fem.kh"])
     return states
 
 

@@ -72,8 +72,8 @@ def fem_sentences(
 ) -> Iterator[str]:
     """Yield sentences on the critical Kh with its interval, and the factors of safety, from fem/critical.json.
 
-    With ``every`` also details: the end of the path, the sequence of meshes, and the use of Davis's estimate. An answer
-    without a limit load always has its reason. Strict bounds among the ``results`` are part of the interval.
+    With ``every`` also details: the end of the path, the sequence of meshes, and the use of Davis's estimate. If there
+    is no limit load, the reason is always stated. Strict bounds among the ``results`` are part of the interval.
     """
     error = accuracy(results, answer) if results is not None else of_meshes(answer)
     interval = f" The range {error.method} is {between([error.low, error.high])}." if error is not None else ""
@@ -126,7 +126,7 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
         depth, faces = answer.settings.least_depth, answer.shallow_failures
         edges = bool(faces) and all(face.is_edge(depth) for face in faces)
         what = "The edge of a layer without cohesion" if edges else "A cohesionless face"
-        phrase += f" {what} fails before (shallow failure), at a factor of {factor.shallow_failure:.3f}."
+        phrase += f" {what} fails in a shallow failure at a smaller factor, {factor.shallow_failure:.3f}."
     return phrase
 
 

@@ -110,8 +110,8 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
 def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
     """Warn of slides by material points that reach a side or leave through it, or that move the uphill end.
 
-    Ground that slides as a whole, such as an infinite slope, is excluded, since it moves at its ends as everywhere
-    else.
+    Ground that slides as a whole, such as an infinite slope, is excluded, since its ends move as far as all other
+    ground.
     """
     points = answer.cases if answer is not None else {}
     stopped = {number: case for number, case in points.items() if case.stopped_by is not None}
@@ -192,8 +192,8 @@ def is_weaker(case: Case, other: Case, strata: Sequence[str], of_other: Sequence
 def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "discs") -> Iterator[str]:
     """Warn of surfaces that fall much further at one place than the reported settlement (m) of the case.
 
-    The reported settlement is the median of the upslope third for discs, and that of the highest point for material
-    points.
+    The reported settlement is the median settlement of the upslope third for discs, and the settlement of the highest
+    point for material points.
     """
     falls = {number: surface.largest_fall for number, (surface, _) in cases.items()}
     far = {k: fall for k, fall in falls.items() if fall[0] > max(FALLS, FALLS_TIMES * abs(cases[k][1]))}
@@ -221,7 +221,8 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
 
 
 def _side(surface: MovedSurface, x: float) -> str:
-    """Return the side of the model to which a place (m) on a surface is close; empty if it is close to neither."""
+    """Return the side of the model to which a place (m) on a surface is close; empty if the place is close to neither
+    side."""
     along = [point[0] for point in surface.surface_before]
     near = NEAR_SIDE * (max(along) - min(along))
     return "left" if x < min(along) + near else "right" if x > max(along) - near else ""

@@ -84,7 +84,7 @@ def reconsolidation_below(config: Config, crest: Crest, case: int) -> float | No
     """Return the settlement (m) of the middle of a crest by drainage of the strata that liquefied in a case; None if no
     strain is known.
 
-    The volumetric strain is that of the case, or else that by the blow counts of each stratum.
+    The volumetric strain is given in the case or, if it is not, follows from the blow counts of each stratum.
     """
     levels = config.section.layering.interfaces(np.array([0.5 * (crest.left + crest.right)]))[0]
     strata = [k for k, stratum in enumerate(config.section.strata) if case in stratum.liquefies_in]
@@ -107,8 +107,8 @@ def _strains_of_borings(config: Config) -> dict[int, float]:
 
 
 def water_at_crest(config: Config, crest: Crest) -> float | None:
-    """Return the elevation (m) of the water that a structure retains: that of the criteria, or the higher water level
-    at its feet."""
+    """Return the elevation (m) of the water that a structure retains: the elevation in the criteria or, without one,
+    the higher water level at the feet of the structure."""
     limit = config.criteria.freeboard
     if limit is not None and limit.water is not None:
         return float(limit.water)

@@ -37,8 +37,8 @@ class MethodValues:
 
     @property
     def governing(self) -> float | None:
-        """Return the value with ψ = φ that counts: that of the finite elements, or their strict upper bound if they
-        exceed it; None without finite elements."""
+        """Return the value with ψ = φ that counts: the value by finite elements or, if this value exceeds its strict
+        upper bound, the bound; None without finite elements."""
         return None if self.elements is None else governing_value(self.elements, self.upper)
 
     def pair(self, by: Literal["elements", "circles"], digits: int) -> tuple[str, str]:

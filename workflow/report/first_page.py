@@ -102,8 +102,8 @@ def _with_crests(
     quantity: Literal["critical", "safety"],
     _: Texts,
 ) -> HeadlinePart:
-    """Return a headline for ground whose mechanism carries no crest with it, together with the smallest value of the
-    faces of structures."""
+    """Return a headline for ground in whose mechanism no crest of a structure moves, with the smallest value of the
+    faces of structures added."""
     names = spared(results, surface)
     if not names or headline.value == "–":
         return headline
@@ -229,9 +229,9 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> str:
-    """Return the interval of a factor of safety. The interval is given by strict bounds of the same conditions, else by
-    the error of its mesh, else by the distance of the critical Kh of the same mesh from its strict bounds. The interval
-    is empty if none of these is known.
+    """Return the interval of a factor of safety. The interval follows from strict bounds under the same conditions,
+    else from the error by the mesh, else from the distance between the critical Kh on the same mesh and its strict
+    bounds. The interval is empty if none of these is known.
     """
     strict = strict_factor(results, fem, factor, fem.flow)
     if strict is not None:

@@ -7,7 +7,8 @@ from workflow.results.results import Results
 
 
 def reported_estimates(results: Results) -> list[Estimate]:
-    """Return all estimates of displacement; those of lateral spreads state whether they apply to ground that flows."""
+    """Return all estimates of displacement; estimates of lateral spreads state whether they apply to ground that
+    flows."""
     config = results.config
     cases = results.liquefied.cases if results.liquefied is not None else ()
     factors = [case.factor for case in cases if case.stands == "flows" and case.factor is not None]

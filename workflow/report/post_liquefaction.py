@@ -69,7 +69,7 @@ def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[
 
 
 def _relief(results: Results) -> float:
-    """Return the height of the ground (m), from its lowest point to its highest."""
+    """Return the height (m) from the lowest to the highest point of the ground surface."""
     return float(results.config.section.ground[:, 1].max() - results.config.section.ground[:, 1].min())
 
 

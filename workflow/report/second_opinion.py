@@ -54,7 +54,7 @@ class SecondOpinion:
         if self.resting[0] != self.resting[1]:
             return f"{both}, and only {'discs' if self.resting[0] else 'material points'} come to rest{self._nearer()}"
         intervals = f"{rough_range(*self.discs_span)} and {rough_range(*self.points_span)}"
-        return f"{both}, further apart than their intervals of {intervals}{self._nearer()}"
+        return f"{both}, which differ by more than the intervals of {intervals}{self._nearer()}"
 
     def _nearer(self) -> str:
         """Return a clause that states which method predicted known slides of this kind better."""
@@ -63,8 +63,9 @@ class SecondOpinion:
             return ""
         near, far = (discs, points) if by_weight((discs, points))[0] == "discs" else (points, discs)
         return (
-            f": rely on {NAMES[near.method].removeprefix('these ')} first, which were within a factor of "
-            f"{near.middle:.2g} in half of the known {near.kind}, the other model within {far.middle:.2g}"
+            f": rely on {NAMES[near.method].removeprefix('these ')}, which predicted half of the known {near.kind} "
+            f"within a factor of {near.middle:.2g}, while the other model predicted half of them within "
+            f"{far.middle:.2g}"
         )
 
 

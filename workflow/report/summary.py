@@ -150,8 +150,8 @@ def _variants(results: Results) -> dict[str, VariantSummary] | None:
 
 
 def _dem(results: Results) -> DemSummary | None:
-    """Return the summary of the discs. If there was a calibration, the verdict is that of the calibration, else that of
-    the search for the critical Kh.
+    """Return the summary of the discs. If there was a calibration, the verdict is the verdict of the calibration, else
+    the verdict of the search for the critical Kh.
     """
     discs, calibration = results.dem, results.calibration
     if discs is None:

@@ -212,8 +212,8 @@ def _freeboards(results: Results) -> Iterator[Interval]:
 
 
 def _blocks(results: Results) -> list[FaceRow]:
-    """Return the faces whose crest settles by no more than a rigid block slides: those of sections in which nothing
-    liquefies, so that no other slide is computed."""
+    """Return the faces whose settlement is judged by the slide of a rigid block: all faces of sections in which nothing
+    liquefies, since no other slide is computed for these sections."""
     if any(stratum.liquefies_in for stratum in results.config.section.strata):
         return []
     return [row for row in face_rows(results.config, results.slices) if row.block is not None]

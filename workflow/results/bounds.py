@@ -73,8 +73,8 @@ class DirectionPart(Part):
 
     @property
     def words(self) -> str:
-        """Return the bounds in words. If the other direction fails first, the bounds of this direction need not be
-        close."""
+        """Return the bounds in words. The bounds of the direction that does not fail first need not be close to each
+        other."""
         to, out = f"{FORCE[self.direction]} (to the {self.towards})", self.way_out
         match self.lower, self.upper:
             case None, None:

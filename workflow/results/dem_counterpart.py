@@ -40,7 +40,7 @@ class DemCounterpart(Answer):
 
     @classmethod
     def of(cls, fem: FemAnswer) -> Self:
-        """Return the result of the stage `fem` with its own sides."""
+        """Return the result of the stage `fem`, which has the sides set in [fem], in the form of this answer."""
         end = fem.last_in_equilibrium()
         return cls.taken(
             fem,

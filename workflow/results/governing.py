@@ -23,8 +23,8 @@ class GoverningKh:
     value : float
         The critical Kh (-).
     by_elements : bool
-        Whether the critical Kh is that of the finite elements; otherwise it is the upper end of its interval, which the
-        finite elements exceed.
+        Whether the critical Kh is the value by finite elements. Otherwise it is the upper end of its interval, which
+        the finite elements exceed.
     is_limit : bool
         Whether the critical Kh is only an upper limit, because the ends of its interval are far apart.
     interval : Accuracy or None
@@ -43,8 +43,8 @@ class GoverningKh:
 
 
 def governing_kh(results: Results) -> GoverningKh | None:
-    """Return the critical Kh that counts: that of the finite elements, or the upper bound if the finite elements exceed
-    it; None without any.
+    """Return the critical Kh that counts: the value by finite elements or, if this value exceeds the upper bound, the
+    bound. Return None without any value.
     """
     kc, fem = results.kc, results.fem
     if kc is None or fem is None:
@@ -56,8 +56,8 @@ def governing_kh(results: Results) -> GoverningKh | None:
 
 
 def governing_factor(results: Results, factor: FactorOfSafety) -> float:
-    """Return the factor of safety that counts: that of the finite elements, or the strict upper bound if the finite
-    elements exceed it."""
+    """Return the factor of safety that counts: the value by finite elements or, if this value exceeds the strict upper
+    bound, the bound."""
     fem = results.fem
     strict = strict_factor(results, fem, factor, fem.flow) if fem is not None else None
     return governing_value(factor.factor, None if strict is None else strict.upper)
@@ -110,7 +110,8 @@ class MethodSlides:
 
 
 def slides_by_weight(results: Results) -> tuple[MethodSlides, ...]:
-    """Return the slides by every method that has any; the first method is the one that was nearer to known slides."""
+    """Return the slides by every method that computed any, first the method whose predictions were nearer to known
+    slides."""
     discs = results.case_set()[1]
     points = dict(results.mpm.cases) if results.mpm is not None else {}
     flowing = {case.flows for case in discs.values()}

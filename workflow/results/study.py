@@ -89,9 +89,9 @@ class Result(Part):
 
     @property
     def by_chance(self) -> float:
-        """Return the 95 % limit of the largest rank correlation of independent numbers for the number n of samples.
-        Each correlation of independent numbers is nearly normal with variance 1 / (n - 1), and Bonferroni's inequality
-        gives the limit for all correlations together.
+        """Return the value that the largest rank correlation of independent numbers exceeds with a probability of 5 %,
+        for n samples. Each correlation of independent numbers is nearly normal with variance 1 / (n - 1), and
+        Bonferroni's inequality gives the limit for all correlations together.
         """
         if self.samples < 2:
             return 1.0

@@ -1,4 +1,4 @@
-"""Runs the stages one after the other, each from its input to its files."""
+"""Runs the stages of a run in their order: each reads its input and writes its files."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence

@@ -34,7 +34,7 @@ Result = TypeVar("Result")
 
 
 def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool = False) -> Bearing:
-    """Compute factor of safety and critical Kh of a section with another strength than that of the input.
+    """Compute factor of safety and critical Kh of a section whose strength differs from the strength in the input.
 
     Parameters
     ----------

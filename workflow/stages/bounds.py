@@ -76,9 +76,9 @@ def _draw(config: Config, bounds: "KhBounds", store: Store) -> None:
 
 
 def _factors(job: Job, config: Config, settings: BoundsSettings, known: "KhBounds | None") -> Iterator[SafetyPart]:
-    """Yield the factors of safety at every Kh of the settings, if they are wanted. They share the work that the
-    ``known`` bounds of Kh have left, and begin on their triangles. Without shaking, sides that are not fixed are held
-    horizontally, as in the finite elements.
+    """Yield the factors of safety at every Kh of the settings, if they are wanted. All factors share the computing work
+    that the search for the ``known`` bounds of Kh did not use. The searches begin on the triangles of these bounds.
+    Without shaking, sides that are not fixed are held horizontally, as in the finite elements.
     """
     from fem.limit.safety_bounds import safety_bounds
 

@@ -191,8 +191,8 @@ def _at_rest(config: Config, store: Store, tell: Tell) -> None:
 
 
 def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor: Executor = SERIAL) -> Searched:
-    """Return the discs of the section at rest, their critical Kh, and the factor with which it is equal to that of the
-    continuum; ``threads`` is the number of threads of a search.
+    """Return the discs of the section at rest, their critical Kh, and the factor with which their critical Kh is equal
+    to the critical Kh of the continuum; ``threads`` is the number of threads of a search.
     """
     discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
     continuum = continuum_for(config, store)
@@ -232,8 +232,8 @@ def calibration_answer(
 
 
 def _paper(config: Config, store: Store, threads: int, tell: Tell) -> Search:
-    """Search the Kh at which the paper's own discs fail, which are used as in the paper; ``threads`` is the number of
-    threads."""
+    """Search the Kh at which discs with the springs and the law of the paper fail, without calibration; ``threads`` is
+    the number of threads."""
     dem = config.dem.as_paper()
     discs = discs_at_rest(config, store, dem, PAPER, lambda what: tell((f"the paper's discs: {what}", None)))
 
@@ -332,9 +332,9 @@ def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.nd
     """Return the slip surfaces of the discs and of the continuum, and their agreement.
 
     ``before``, ``after``: slip surfaces of the discs before and after calibration, (k, 2) points [x, elevation] in m.
-    The slip surface of the continuum is that of the FEM counterpart of soil discs, else that of the last state of its
-    path. ``config``: config of the run; ``store``: store of the folder with the results; ``fem``: answer of the finite
-    elements.
+    The slip surface of the continuum is taken from the FEM counterpart of soil discs or, without one, from the last
+    state of the equilibrium path. ``config``: config of the run; ``store``: store of the folder with the results;
+    ``fem``: answer of the finite elements.
     """
     soil = config.dem.model == "soil"
     of_fem = [state.slip_surface for state in fem.states if state.slip_surface]

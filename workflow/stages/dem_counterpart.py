@@ -42,10 +42,10 @@ def dem_counterpart_piece(config: Config, store: Store, tell: Tell) -> None:
 def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounterpart:
     """Return the path with the given ψ, on the initial mesh, since discs have the strength of the soil and hardly
     dilate. If the path still rises at its end, the critical Kh lies between its last equilibrium and the limit load
-    with ψ = φ. If the path takes too long, or gives less than Davis's estimate, this estimate, which is low, replaces
-    the path; the critical Kh then lies between the estimate and the same limit load. The given ψ is also used if the
-    critical Kh of the section is with ψ = φ, since the dilation of discs does not depend on the flow rule of the
-    continuum.
+    with ψ = φ. If the path takes too long, or gives less than Davis's estimate, Davis's estimate replaces the path.
+    This estimate is low, so that the critical Kh then lies between the estimate and the limit load with ψ = φ. The
+    given ψ is also used if the critical Kh of the section is with ψ = φ, since the dilation of discs does not depend on
+    the flow rule of the continuum.
     """
     from mpi4py import MPI
 
@@ -83,8 +83,8 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
 
 def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> DemCounterpart | None:
     """Return the critical Kh of the finite elements with the sides of the box of discs, for failures that are deep
-    enough for discs to resolve. Return None if the critical Kh with these sides is not requested, is that of the stage
-    `fem`, or was not found.
+    enough for discs to resolve. Return None if the critical Kh with these sides is not requested, was already computed
+    by the stage `fem`, or was not found.
     """
     from mpi4py import MPI
 

@@ -36,7 +36,7 @@ AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
 @dataclass(frozen=True, eq=False)
 class PointRun:
     """Specifies one slide by material points, which starts from ground at rest: the case, the damping rate (1/s) of
-    velocities that the grid cannot resolve, and whether the cells are those of the settings or coarse ones."""
+    velocities that the grid cannot resolve, and whether the cells have the size in the settings or are coarse."""
 
     config: Config
     slider: "PointSlider"
@@ -140,8 +140,8 @@ def draw(job: Job) -> None:
 def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
     """Return the material points of a section at rest under their weight, and their displacement on the way (m).
 
-    The number of cells is that of the settings divided by ``fewer``. Raises FloatingPointError if the ground has no
-    equilibrium.
+    The number of cells is the number in the settings divided by ``fewer``. Raises FloatingPointError if the ground has
+    no equilibrium.
     """
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider

@@ -21,7 +21,7 @@ Packed = tuple[Seed, dict[int, Slide]]  # how it was calibrated, and its slides 
 
 @dataclass(frozen=True)
 class RandomPackingsWanted:
-    """Holds the random packings in addition to that of the run itself.
+    """Holds the random packings that are computed in addition to the packing of the run itself.
 
     A seed whose packing cannot be calibrated to the critical Kh is named with the reason, and not counted. If the
     parameter of the calibration has to be chosen, the first packing determines it for all others.

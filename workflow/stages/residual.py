@@ -32,7 +32,7 @@ def work(job: Job) -> None:
     config, section = job.config, job.config.section
     if without := _without_residual(config):
         raise InputError(
-            "strata", [f"{without}; expected residual_cohesion and residual_friction_angle in one at least"]
+            "strata", [f"{without}; expected residual_cohesion and residual_friction_angle in at least one stratum"]
         )
     mesh = stored_mesh(section, job.store)
     softened = section.with_strata([stratum.softened() for stratum in section.strata])

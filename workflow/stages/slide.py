@@ -26,8 +26,8 @@ def draw(job: Job) -> None:
 
 
 def files(job: Job) -> Mapping[str, Path]:
-    """Return the file of the record that shakes the slides: the record of the base, or that of the rock if slides use
-    the site response."""
+    """Return the file of the record that shakes the slides: the record of the base, or the record of the rock if slides
+    use the site response."""
     average = job.config.slide.accelerogram == AVERAGE
     shakes = job.config.files("site_response" if average else "slide")
     return {f"{name}, averaged" if average else name: shakes[name] for name in shakes}

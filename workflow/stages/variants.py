@@ -79,8 +79,8 @@ class Change:
 def on_a_mesh(
     change: tuple[str, str, Config], config: Config, store: Store, answer: FemAnswer, last: "QuadMesh"
 ) -> Change:
-    """Return the change on the ``last`` mesh, that of the answer, or on the first mesh if the last mesh has too many
-    cells for a path.
+    """Return the change, to be computed on the ``last`` mesh, which is the mesh of the answer, or on the first mesh if
+    the last mesh has too many cells for an equilibrium path.
 
     ``config``: config of the run; ``store``: store of the folder with the results.
     """
@@ -98,12 +98,13 @@ def on_a_mesh(
 
 
 def like_with_like(changes: Sequence[Change], config: Config, progress: Progress) -> list[Change]:
-    """Return the changes, each compared with an unchanged result of the same method. If the answer is a path, each
-    change is computed on the first mesh, together with the path of the unchanged ``config`` on this mesh.
+    """Return the changes of assumptions, each to be compared with a result without this change by the same method. If
+    the answer is a path, each change is computed on the first mesh, together with the path of the unchanged ``config``
+    on this mesh.
 
-    The critical Kh of a sequence of meshes are limit loads of the reduced element. Another element has another critical
-    Kh on the same mesh, which is no effect of a changed assumption. Changed assumptions are therefore left out if the
-    path of the unchanged config has no result.
+    The critical Kh of a sequence of meshes are limit loads of the reduced element. Another element type has another
+    critical Kh on the same mesh, and this difference is no effect of a changed assumption. Changed assumptions are
+    therefore left out if the path of the unchanged config has no result.
     """
     from fem.limit_load.limit_load import is_unique
 

@@ -98,7 +98,7 @@ def run(
     """
     if not config.section.liquefies:
         raise InputError(
-            config.section.name, ["no stratum liquefies in any case; expected liquefies_in in one at least"]
+            config.section.name, ["no stratum liquefies in any case; expected liquefies_in in at least one stratum"]
         )
     store.write_text("section.toml", config.to_toml())
     radius, step = config.dem.mean_radius(config.section), config.slide.step_of(config.dem.model)

@@ -27,7 +27,7 @@ def discs(sample: StudySample) -> Numbers:
     config = config_after_triggering(Config.parse(sample.data))
     if not config.section.liquefies:
         raise InputError(
-            config.section.name, ["no stratum liquefies in any case; expected liquefies_in in one at least"]
+            config.section.name, ["no stratum liquefies in any case; expected liquefies_in in at least one stratum"]
         )
     with TemporaryDirectory(prefix="noshiro-") as folder:
         store = Store(Path(sample.folder or folder))

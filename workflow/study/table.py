@@ -27,7 +27,7 @@ class SampleRow:
 
 @dataclass(frozen=True)
 class SampleTable:
-    """Holds all samples; ``units`` are those of the drawn numbers."""
+    """Holds all samples; ``units`` are the units of the drawn numbers."""
 
     units: dict[str, str]
     rows: Sequence[SampleRow]

@@ -41,7 +41,7 @@ class Distribution(Model):
 
     @property
     def unit(self) -> str:
-        """Return the unit of drawn values: that of the first parameter; empty for plain numbers and words."""
+        """Return the unit of drawn values: the unit of the first parameter; empty for plain numbers and words."""
         first = getattr(self, self.kind)[0]
         return "" if self.kind == "list" else measured(first)[1]
 
@@ -54,7 +54,7 @@ class Distribution(Model):
     def _one_of_them(self) -> Self:
         kinds = [kind for kind in KINDS if getattr(self, kind) is not None]
         if len(kinds) != 1:
-            raise ValueError(f"expected one of {', '.join(KINDS)}, there are {len(kinds)}")
+            raise ValueError(f"expected exactly one of {', '.join(KINDS)}; {len(kinds)} are given")
         if problem := self._problem():
             raise ValueError(problem)
         return self

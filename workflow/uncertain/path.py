@@ -78,7 +78,9 @@ def changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
         if _is_point(before):
             return [before[0], distribution.written(value)]
         if isinstance(before, dict | list):
-            raise ValueError('holds more than one number; expected the path of one, or does = "shift" or "factor"')
+            raise ValueError(
+                'holds more than one number; expected the path of one number, or does = "shift" or "factor"'
+            )
         return distribution.written(value)
     return _moved(before, distribution, value)
 

@@ -137,5 +137,5 @@ class StudySettings(Model):
     @model_validator(mode="after")
     def _power_of_two(self) -> Self:
         if self.method == "saltelli" and self.samples & (self.samples - 1):
-            raise ValueError(f"samples = {self.samples}: expected a power of two, which Sobol' indices take")
+            raise ValueError(f"samples = {self.samples}: expected a power of two, which Sobol' indices require")
         return self

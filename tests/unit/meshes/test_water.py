@@ -138,7 +138,7 @@ def test_a_surcharge_is_linear_between_its_ends_and_nothing_beside_them() -> Non
         ({"water": {"after_drawdown": 3}}, "after_drawdown without table"),
         ({"water": {"table": 3}, "water_table": {"elevation": 1}}, "water_table beside [water]"),
         ({"water": {"tabel": 3}}, 'did you mean "table"?'),
-        ({"surcharges": [{"from": 5, "to": 3, "pressure": 1e4}]}, "expected the left end, then the right one"),
+        ({"surcharges": [{"from": 5, "to": 3, "pressure": 1e4}]}, "expected the left end, then the right end"),
         ({"surcharges": [{"from": 5, "to": 70, "pressure": 1e4}]}, "lies outside the section"),
         ({"surcharges": [{"from": 5, "to": 7, "pressure": "2 m"}]}, "wrong dimension"),
         ({"strata": [soil(**PAIR)]}, "density: missing"),

@@ -133,7 +133,10 @@ def test_bad_workbooks(tmp_path: Path) -> None:
     """A sentence with the file, what is wrong with it and what is expected; exit code 2."""
     wrong = [["Fill", 20, "power", 5, 32], *SOILS[1:]]
     for path, item in (
-        (workbook(tmp_path / "a.xlsx", soils=wrong), 'material "Fill" has the strength option "power", of mc, cp'),
+        (
+            workbook(tmp_path / "a.xlsx", soils=wrong),
+            'material "Fill" has the strength option "power"; expected one of mc, cp',
+        ),
         (workbook(tmp_path / "b.xlsx", soils=SOILS[:2]), "3 profile lines and 2 materials; expected one for each line"),
         (workbook(tmp_path / "c.xlsx", lines=[]), "0 profile lines"),
     ):

@@ -60,7 +60,7 @@ def test_structures_that_do_not_fit() -> None:
     names = [("a", 10.0, 5.0), ("b", 10.0, 200.0), ("a", 1.0, 2.0)]
     messages = structure_problems([Structure(name=n, start=s, end=e) for n, s, e in names], (0.0, 140.0))
     assert messages == [
-        'structures 1 "a", from = 10 m, to = 5 m: expected the left foot, then the right one',
+        'structures 1 "a", from = 10 m, to = 5 m: expected the left foot, then the right foot',
         'structures 2 "b", from = 10 m, to = 200 m: lies off the section, which reaches from 0 to 140 m',
         'structures: 2 structures are called "a"; expected different names',
     ]
@@ -88,7 +88,7 @@ def test_a_limit_that_is_wrong_has_one_sentence() -> None:
     (unknown,) = problems(criteria={"preset": "eurocode"})
     assert unknown.startswith("criteria, preset = 'eurocode': input should be 'hynes_griffin_franklin_1984' or ")
     assert problems(structures=[{"name": "a", "from": 9, "to": 5}]) == (
-        'structures 1 "a", from = 9 m, to = 5 m: expected the left foot, then the right one',
+        'structures 1 "a", from = 9 m, to = 5 m: expected the left foot, then the right foot',
     )
 
 

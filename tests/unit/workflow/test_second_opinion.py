@@ -52,12 +52,12 @@ def test_a_contradiction_names_the_model_that_was_nearer_to_known_slides() -> No
     (warning,) = contradicting({1: opinion(3.0, 0.1)})
     assert warning.weight == 1
     assert warning.what == (
-        "Discs slide 3.0 m and material points 0.10 m, further apart than their intervals of 3 m and 0.05 to 0.2 m "
-        "(case 1)."
+        "Discs slide 3.0 m and material points 0.10 m, which differ by more than the intervals of 3 m and 0.05 to 0.2 "
+        "m (case 1)."
     )
     assert warning.remedy == (
-        "Rely on material points first, which were within a factor of 1.8 in half of the known lateral spreads, the "
-        "other model within 30."
+        "Rely on material points, which predicted half of the known lateral spreads within a factor of 1.8, while the "
+        "other model predicted half of them within 30."
     )
     assert list(agreeing({1: opinion(3.0, 0.1)})) == []
 

@@ -30,14 +30,10 @@ CLAY = 'clay by its strength, φ = 0, and its plasticity index is not known; liq
 class Judged:
     """Holds one test and its factor F_L.
 
-    Attributes
-    ----------
-    boring, x, sample : place and result of the test
-    top, bottom : range of depth (m) that the test represents, half-way to its neighbours in the same stratum
-    length : length of the section (m) that is nearest to the boring
-    where : stresses and stratum at the test
-    outcome : demand, resistance and F_L by the method; None if the method does not apply
-    reason : why the method does not apply
+    Attributes ---------- boring, x, sample : place and result of the test top, bottom : range of depth (m) that the
+    test represents, half-way to its neighbours in the same stratum length : length of the stretch of the section for
+    which this boring is the nearest one (m) where : stresses and stratum at the test outcome : demand, resistance and
+    F_L by the method; None if the method does not apply reason : why the method does not apply
     """
 
     boring: str
@@ -245,8 +241,8 @@ def point_of(sample: Sample | Cone, where: Overburden) -> BlowCount | ConeTest:
 
 
 def normalised_counts(test: Judged, settings: TriggeringSettings) -> tuple[float, float]:
-    """Return (N1)60 and (N1)60cs of a test, for residual strength and strain; for a cone test those of the same
-    relative density.
+    """Return (N1)60 and (N1)60cs of a test, for residual strength and strain; for a cone test, the blow counts of sand
+    of the same relative density.
     """
     point = point_of(test.sample, test.where)
     if isinstance(point, ConeTest):
@@ -285,8 +281,8 @@ def _pieces(section: Section, boring: Boring, depths: list[float]) -> list[tuple
 
 
 def judged_in_stratum(names: Sequence[str], number: int, tests: Sequence[Judged]) -> list[Judged]:
-    """Return the tests in a stratum. If there are none, return the tests in other parts of the same soil on the same
-    side of the water table.
+    """Return the tests in a stratum. If the stratum has no tests, return the tests in other parts of the same soil on
+    the same side of the water table.
 
     ``names`` are the names of all strata, ``number`` is the index of the stratum.
     """
@@ -308,7 +304,8 @@ def _of_stratum(section: Section, number: int, tests: list[Judged], wanted: floa
 
 
 def _stretches(section: Section, x: list[float]) -> dict[float, float]:
-    """Return for every boring, by its x, the length of the section (m) that is nearest to it."""
+    """Return for every boring, by its x, the length (m) of the stretch of the section for which this boring is the
+    nearest one."""
     left, right = section.given_extent
     limits = [left, *(0.5 * (a + b) for a, b in pairwise(x)), right]
     return {place: max(limits[k + 1] - limits[k], 1e-9) for k, place in enumerate(x)}

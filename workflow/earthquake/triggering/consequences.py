@@ -57,8 +57,9 @@ def volumetric_strain(factor: float, clean: float) -> float:
 def pore_pressure_ratio(factor: float) -> float:
     """Return the excess pore pressure over σ'v: r_u = (2/π) arcsin(F_L^(-1/(2 α b))), 1 if F_L is at most 1.
 
-    The number of cycles over that to liquefaction is F_L^(-1/b), with the slope b = 0.34 of cyclic strength (Idriss &
-    Boulanger 2008), and r_u rises with it by Seed, Martin & Lysmer (1976), α = 0.7.
+    The number of cycles of the earthquake over the number of cycles to liquefaction is F_L^(-1/b), with the slope b =
+    0.34 of cyclic strength (Idriss & Boulanger 2008), and r_u rises with this ratio as found by Seed, Martin & Lysmer
+    (1976), with α = 0.7.
     """
     if factor <= 1.0:
         return 1.0

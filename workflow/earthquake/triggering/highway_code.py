@@ -2,8 +2,8 @@
 editions.
 
 The edition of 1990 gives the F_L of the paper on section S-13. The editions of 1996 and 2002 have the same equations as
-that of 2012. The edition of 2017 has another correction for fines. Stresses are in kPa, grain sizes in mm, fines in
-percent.
+the edition of 2012. The edition of 2017 has another correction for fines. Stresses are in kPa, grain sizes in mm, fines
+in percent.
 """
 
 import math
