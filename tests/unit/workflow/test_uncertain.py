@@ -123,7 +123,7 @@ def test_all_that_is_wrong_is_told_at_once() -> None:
     text = "\n".join(caught.value.problems)
     for words in (
         "above 0",
-        "expected one of normal",
+        "expected exactly one of normal",
         "rising",
         "expected a number in m",
         "one of 0 or more",
