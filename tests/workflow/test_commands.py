@@ -111,7 +111,7 @@ def test_a_mesh_stays_until_noshiro_mesh_is_called_again(tmp_path: Path, capsys:
     assert Config.load(out / "section.toml").mesh.size == 2.0
     assert run(*planned, "--set", "mesh.size=4") == 0  # what a command says of the mesh counts
     assert "Meshed as before" not in (said := words(capsys))
-    assert "changed: [mesh]" in said
+    assert "inputs changed: [mesh]" in said
     assert run("mesh", path, "--out", out, "-q") == 0
     assert Config.load(out / "section.toml").mesh.size == 3.0
     assert run(*planned) == 0

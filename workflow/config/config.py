@@ -159,7 +159,7 @@ class Config(Tables):
         notices += below_loads(self.section, self.triggering)
         if slides and self.slide.cases and self.slide.cases == cases_of_loose_sand(self.section):
             notices.append(
-                "slide, cases: no residual strength is given; loose sand with (N1)60 = 8, 3 "
+                "no residual strength of liquefied ground is given; loose sand with (N1)60 = 8, 3 "
                 "and 12 is assumed (Olson & Stark 2002): give blow counts ([triggering]), or [[slide.cases]]"
             )
         return notices

@@ -130,12 +130,12 @@ class EarthquakeSettings(Model):
             notices.append(f"slide, kh = {cycles.kh:g} follows from [earthquake]: {cycles.words}")
         elif slide is not None and self.is_assumed(slide):
             magnitude = REFERENCE if self.magnitude is None else self.magnitude
-            why, remedy = "no shaking is given", "give [earthquake], a record"
+            why, remedy = "no shaking of the slides is given", "give [earthquake], a record"
             if self != EarthquakeSettings():
                 why = "[earthquake] has no peak acceleration"
-                remedy = "give it there, or magnitude and distance, or a record"
+                remedy = "give the peak, or magnitude and distance, or a record"
             notices.append(
-                f"slide, {slide.shaking}, is assumed (cycles of magnitude {magnitude:g}), since {why}: {remedy}, or kh "
+                f"{why}; {slide.shaking} is assumed, with the cycles of magnitude {magnitude:g}: {remedy}, or kh "
                 "(0 for a slide by its weight alone)"
             )
         elif slide is not None:

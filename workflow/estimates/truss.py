@@ -9,7 +9,7 @@ from meshes.section.layering import middles
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
-SOURCE = "I. Towhata (1987), as section 5 of the paper on levee S-13 describes it"
+SOURCE = "I. Towhata (1987), as described in Sec. 5 of the paper on section S-13"
 VALIDITY = "no strength in the liquefied layer; the layer above is elastic, one end free and the other held"
 COLUMNS = 400  # along the section
 

@@ -78,9 +78,9 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
             "Discs",
             "Some thousand discs in a plane represent the ground. "
             + (
-                "Stiffness and strength of the contacts between discs are those of the soil by element tests; one "
-                f"factor on all strengths makes the critical Kh of the discs equal to that of the finite elements. "
-                f"{DISCS}"
+                "The contacts between discs are chosen so that element tests of the discs give the stiffness and "
+                "strength of the soil; one factor on all strengths makes the critical Kh of the discs equal to that of "
+                f"the finite elements. {DISCS}"
                 if config.dem.model == "soil"
                 else "The springs of the discs are calibrated only to the critical Kh of the finite elements, not to "
                 "the stiffness after failure or the dilation of the soil."

@@ -153,7 +153,7 @@ def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
         return OTHER_VERSION if stage.name in record.outdated else "not run"
     changed = [name for name in {**prints, **entry.inputs} if prints.get(name) != entry.inputs.get(name)]
     if changed:
-        return f"changed: {', '.join(changed)}"
+        return f"inputs changed: {', '.join(changed)}"
     if entry.outcome == "begun":
         return "the stage was stopped, and continues"
     if entry.outcome == "part":

@@ -28,7 +28,7 @@ PATH_CELLS = 2500
 FLOWS: Mapping[Flow, str] = {
     "davis": "Davis's estimate",
     "associated": "ψ = φ",
-    "section": "the non-associated path with the given ψ",
+    "section": "the flow rule of the given ψ (equilibrium path)",
 }
 
 

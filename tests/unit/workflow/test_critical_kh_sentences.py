@@ -65,7 +65,7 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
 
 def test_another_flow_that_bears_more_than_strict_bounds_allow_is_left_out(run: Config) -> None:
     """No smaller ψ bears more than ψ = φ (Radenkovic 1961): a path above that was followed on too coarse a mesh."""
-    more = variant("dilation", "the non-associated path with the given ψ instead of ψ = φ", 0.30)
+    more = variant("dilation", "the flow rule of the given ψ (equilibrium path) instead of ψ = φ", 0.30)
     less = variant("dilation", "the path with less", 0.235)
     result = results(run, fem=fem(run), variants=VariantsAnswer(variants=(more, less)), bounds=bounds(run, 0.27, 0.28))
     assert "kc = 0.235 with the path with less." in report_text(result)

@@ -121,7 +121,7 @@ def test_what_is_asked_for_by_name_runs_in_whatever_order_it_is_named(toys: Toys
 
 def test_only_does_not_work_on_what_others_made(toys: Toys, tmp_path: Path) -> None:
     toys.go(tmp_path)
-    with pytest.raises(InputError, match=r"needs the stage mesh: changed: \[mesh\]"):
+    with pytest.raises(InputError, match=r"needs the stage mesh: inputs changed: \[mesh\]"):
         toys.go(tmp_path, toys.choose(only=("fem",)), mesh={"refine": 2})
     with pytest.raises(InputError, match="needs the stage fem: not run"):
         toys.go(tmp_path / "new", toys.choose(only=("mesh", "slide")))
@@ -136,9 +136,9 @@ def test_a_dry_run_says_why(toys: Toys, tmp_path: Path) -> None:
     }
     assert decisions == {
         "mesh": ("reuse", ""),
-        "fem": ("run", "changed: [fem]"),
-        "slide": ("run", "changed: fem"),
-        "report": ("run", "changed: fem, slide"),
+        "fem": ("run", "inputs changed: [fem]"),
+        "slide": ("run", "inputs changed: fem"),
+        "report": ("run", "inputs changed: fem, slide"),
     }
 
 

@@ -41,7 +41,7 @@ def test_results_are_those_of_the_same_input(outcome: Outcome, tmp_path: Path) -
     assert values.case_set() == ("calibrated", {1: dem_fixture.CASES[1]})
     other = Results.of(job(tmp_path, kh=0.2))
     assert other.cases is None
-    assert other.missing["slide"] == "changed: [slide]"
+    assert other.missing["slide"] == "inputs changed: [slide]"
 
 
 def test_a_file_of_another_version_is_computed_anew(tmp_path: Path) -> None:

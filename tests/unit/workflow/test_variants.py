@@ -25,16 +25,16 @@ from workflow.stages.variants import PATH_CELLS, Change, changed, like_with_like
         ({"fem": {"flow": "section"}}, "step", "first step of Kh 0.04 instead of 0.02"),
         ({}, "sides", "sides fixed instead of free-field"),
         ({"fem": {"sides": "fixed"}}, "sides", "sides free-field instead of fixed"),
-        ({}, "dilation", "the non-associated path with the given ψ instead of ψ = φ"),
+        ({}, "dilation", "the flow rule of the given ψ (equilibrium path) instead of ψ = φ"),
         (
             {"fem": {"flow": "davis"}},
             "dilation",
-            "the non-associated path with the given ψ instead of Davis's estimate",
+            "the flow rule of the given ψ (equilibrium path) instead of Davis's estimate",
         ),
         (
             {"fem": {"flow": "section"}},
             "dilation",
-            "Davis's estimate instead of the non-associated path with the given ψ",
+            "Davis's estimate instead of the flow rule of the given ψ (equilibrium path)",
         ),
     ],
 )
