@@ -84,7 +84,8 @@ class Ground:
         return model
 
     def weaken(self, model: DiscModel) -> bool:
-        """Apply the excess pore pressure by shaking to discs at rest; return False if there is none."""
+        """Apply the excess pore pressure by shaking to discs at rest; return False if there is no excess pore
+        pressure."""
         added = None if self.section is None else excess(self.section, self.to_section(model.x, model.z), model)
         if added is None:
             return False

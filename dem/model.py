@@ -1,4 +1,4 @@
-"""Provides DiscModel: the discs, and operations on them between runs."""
+"""Provides DiscModel: the discs, and operations on the discs between runs."""
 
 import copy
 from collections.abc import Sequence

@@ -129,7 +129,8 @@ def _of_pores(
 
 
 def _on_ground(mesh: TriMesh, traction: WaterTraction) -> tuple[np.ndarray, np.ndarray]:
-    """Return middles (k, 2) in m of the edges of the ground surface, and forces (k, 2) in N/m of a traction on them."""
+    """Return middles (k, 2) in m of the edges of the ground surface, and forces (k, 2) in N/m of a traction on these
+    edges."""
     ends = mesh.boundaries["surface"]
     normal = outward_normals(mesh, mesh.edge_cells[mesh.edge_numbers(ends), 0], ends)
     middle = mesh.points[ends].mean(axis=1)

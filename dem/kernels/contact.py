@@ -29,8 +29,8 @@ def spring(over: float, kn: float, gap: float) -> float:
     """Return the force (N) of the normal spring of a contact at an overlap (m), positive in compression.
 
     gap: largest gap across which discs of cohesive soil attract each other (m), 0 for all other discs. The spring pulls
-    up to kn times the gap; there is no force across a larger gap. The spring has no history variable, so that discs of
-    sheared soil attract each other as before.
+    up to kn times the gap; there is no force across a larger gap. The spring has no history variable, so that shearing
+    does not reduce the attraction between discs.
     """
     return kn * over if over > -gap else 0.0
 

@@ -117,8 +117,8 @@ def contact_geometry(d: int, q: int, state: State, buffer: np.ndarray, law: Law,
     """Write direction, distance and lever arms of the contact in lane q into the rows of `buffer`.
 
     d: place at which the chunk begins in `state.links`; law: contact law with the period of the ground, which only
-    `soil` discs have. One square root and one division take longer than the rest of the contact law. They are therefore
-    computed in a loop of their own, while the records of the next partners are fetched.
+    `soil` discs have. One square root and one division take longer than the rest of the contact law. Root and division
+    are therefore computed in a separate loop, while the records of the next partners are fetched.
     """
     radii = state.links[d + field.RADII + q]
     dx = buffer[field.X + q] - buffer[OWNED_DISCS + field.X + q]

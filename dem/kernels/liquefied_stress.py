@@ -37,7 +37,7 @@ def measured_shear(
     discs
         (n, FIELDS) Fields of liquefied discs.
     way
-        (2, n) Displacement since the last list (m).
+        (2, n) Displacement since the last neighbour list (m).
     pairs
         Numbers of the discs of each pair.
     memory
@@ -48,8 +48,8 @@ def measured_shear(
     Returns
     -------
     (3, n)
-        Measured shear stress (Pa), shear strain since the last list, and mobilised share of the strength of the bonds;
-        zero for discs that have not liquefied.
+        Measured shear stress (Pa), shear strain since the last neighbour list, and mobilised share of the strength of
+        the bonds; zero for discs that have not liquefied.
     """
     n = len(discs)
     sums, width = _sums(discs, way, pairs, memory, reach, period)

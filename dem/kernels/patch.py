@@ -81,8 +81,8 @@ def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def outside(layout: Layout, discs: int, back: np.ndarray) -> int:
-    """Return the number in spatial order of a free disc that is not within the frame; -1 if there is none. The
-    parameters are explained in `pair_forces`. A disc whose position is NaN counts as outside.
+    """Return the number in spatial order of a free disc that is not within the frame; -1 if all free discs are within
+    it. The parameters are explained in `pair_forces`. A disc whose position is NaN counts as outside.
     """
     shared = layout.shared
     most_x, most_z = 0.0, 0.0

@@ -73,7 +73,8 @@ class PatchSample:
             raise ValueError(f"a patch of {columns} x {rows} discs has no interior; expected at least 8 x 8")
 
     def patch(self, threads: int = 1) -> "Patch":
-        """Place the sample in its frame, not yet confined. Raises ValueError if there is no such random packing."""
+        """Place the sample in its frame, not yet confined. Raises ValueError if no random packing of the required
+        porosity fits."""
         size = self.size or SIZES[self.packing]
         if self.packing == "lattice":
             patch = lattice_patch(self.layer, self.radius, size)

@@ -4,8 +4,8 @@ rest acts on the sides.
 Walls that do not move would hold a slope that continues beyond the section. Therefore the wall discs of a side move
 horizontally, in strips two diameters high, above the lowest stratum that liquefies there. Each strip is a plate between
 the ground in the section, which pushes with a force N, and the ground beyond, which pushes with its force at rest N_0
-and takes waves away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877). In each time `EVERY` its velocity
-v increases by
+and takes waves away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877). In each time interval `EVERY` the
+velocity v of a strip increases by
 
     Δv = `RELIEF` ((N - N_0) / (ρ V_p h) - v),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν).
 

@@ -168,7 +168,7 @@ class Slider:
         return model
 
     def _cut(self, model: DiscModel, strata: list[int]) -> None:
-        """Cut the pore springs of strata that liquefy, once for each stratum; of the first ones at the beginning."""
+        """Cut the pore springs of strata that liquefy, once for each stratum; of the first strata at the beginning."""
         new = [k for k in strata if k not in self.cut]
         if self.case is not None and new:
             model.cut_pore_springs(new)
@@ -319,7 +319,7 @@ class Slider:
         return notes
 
     def _lost(self) -> list[str]:
-        """Return a sentence on lost ground; empty if there is none."""
+        """Return a sentence on lost ground; empty if no ground is lost."""
         slide, model, start = self.slide, self.model, self.start
         before, after = ground_area(start, self.ground), ground_area(model, self.ground)
         softer = [] if start.law == "soil" else self.strata

@@ -18,7 +18,8 @@ LITTLE = 0.01  # of the total energy exchanged, in a window
 
 def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: float) -> bool:
     """Return whether the ground is at rest: no displacement increased by `still` (m) within the last window of time, or
-    oscillated by more than a few times this length. `STILL_SHARE` of the largest displacement counts as still, too.
+    oscillated by more than a few times this length. An increase below `STILL_SHARE` of the largest displacement counts
+    as rest, too.
 
     The increase is twice the difference of the means over the two halves of the window: for creeping ground it is equal
     to the displacement, for oscillating ground much smaller.

@@ -54,7 +54,7 @@ def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndar
     """Return the slip surface between discs that moved since `before` and discs at rest, see `slip_line`; empty if none
     moved.
 
-    The displacement at a point is the mean of the discs within `REACH`, including fixed ones.
+    The displacement at a point is the mean displacement of the discs within `REACH`, fixed discs included.
     """
     x, z = ground.to_section(before.x, before.z)
     moved = np.column_stack(ground.to_section_axes(model.x - before.x, model.z - before.z))
@@ -70,8 +70,8 @@ def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndar
 
 
 def compare(section: Section, first: np.ndarray, second: np.ndarray) -> Agreement | None:
-    """Compare two slip surfaces, at the columns of the first within the extent of the second; return None if there is
-    none.
+    """Compare two slip surfaces, at the columns of the first surface that lie within the extent of the second; return
+    None if there are no such columns.
     """
     if len(first) == 0 or len(second) < 2:
         return None

@@ -31,8 +31,8 @@ class Discretisation:
     hourglass : ndarray (nc or 0, nd, nd)
         Stiffness against hourglass modes, for a shear modulus of 1 (-).
     divergence : ndarray (nc, nq, nd)
-        Volumetric strain (1/m) by the shape functions, on which pore pressure does work. The volumetric strain in
-        ``matrix`` may be smoothed instead.
+        Volumetric strain (1/m) by the shape functions, on which pore pressure does work. It is never
+        smoothed; the volumetric strain in ``matrix`` may be.
     weights : ndarray (nc, nq)
         Areas (m²) of the quadrature points.
     shapes : ndarray (nq, nodes)

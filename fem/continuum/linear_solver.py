@@ -23,10 +23,11 @@ class SingularMatrixError(ArithmeticError):
 
 
 class Exchange:
-    """Copies displacement components from the rank that owns them to the ranks whose cells need them, and adds up
-    contributions to them.
+    """Copies displacement components from the rank that owns them to the ranks whose cells need them, and adds up the
+    contributions of all ranks to a component.
 
-    Vectors of owned components are (owned,), of needed ones (needed,).
+    Vectors of the components that a rank owns have the shape (owned,), vectors of the components that its cells need
+    the shape (needed,).
 
     Attributes
     ----------

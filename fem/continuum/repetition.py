@@ -1,5 +1,5 @@
 """Checks whether a section can have periodic sides. The section is then one period of an endless row of equal sections,
-each higher or lower than the one before.
+each higher or lower than its neighbour by the same height.
 
 Weight, strength and effective stress repeat from period to period. The gradient of the pore pressure, through which the
 water acts on the skeleton, repeats as well. The pore pressure itself need not repeat: under still water it is larger in

@@ -1,10 +1,10 @@
 """Computes the K0 stress that acts on free-field sides, for finite elements and for limit analysis.
 
 The K0 stress grows with depth as in ground without horizontal strain: ν / (1 - ν) of the weight of the column above,
-times a factor for each stratum. The factor makes the resultant in the stratum equal to the one of plane elasticity
-under weight with the sides held horizontally. Where the ground slopes, the factor of the K0 stress is above 1 on one
-side of the section and below 1 on the other side. The stress is nearer to the plain K0 stress than to Rankine's active
-and passive stresses.
+times a factor for each stratum. The factor makes the resultant in the stratum equal to the resultant by plane
+elasticity under weight with the sides held horizontally. Where the ground slopes, the factor of the K0 stress is above
+1 on one side of the section and below 1 on the other side. The stress is nearer to the plain K0 stress than to
+Rankine's active and passive stresses.
 """
 
 from collections.abc import Sequence

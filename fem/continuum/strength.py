@@ -89,8 +89,8 @@ def flow_of(strata: Sequence[Stratum], flow: FlowSetting) -> Flow:
     strata : sequence of Stratum
         The strata, with the dilation angles of the section file.
     flow : {"auto", "davis", "associated", "section"}
-        The setting. "auto" is "associated", ψ = φ, unless a dilation angle below φ is given for any of the strata. In
-        that case "auto" is "davis", with ψ = 0 in strata without a dilation angle.
+        The setting. "auto" is "associated", ψ = φ, unless a dilation angle below φ is given for any of the strata. With
+        such an angle "auto" is "davis", and strata without a dilation angle have ψ = 0.
 
     Returns
     -------

@@ -1,8 +1,8 @@
 """Computes strict lower and upper bounds of the critical seismic coefficient of a section by limit analysis.
 
 The flow rule is associated, ψ = φ; the upper bound holds for every smaller ψ, too (Radenkovic 1961). Where ψ < φ,
-Davis's estimate (1968) has c and tan φ times cos ψ cos φ / (1 - sin ψ sin φ), and associated flow: its bounds are
-strict, too, and check the finite elements with Davis's estimate.
+Davis's estimate (1968) multiplies c and tan φ by cos ψ cos φ / (1 - sin ψ sin φ) and takes associated flow. The bounds
+of this weaker ground are strict, and check the finite elements with Davis's estimate.
 """
 
 from dataclasses import dataclass, replace
@@ -290,9 +290,9 @@ def body_of(
     Davis's estimate.
 
     Excess pore pressure by shaking acts with ``excess_pressure``. Smooth sides have no normal velocity and no shear
-    traction. Free-field sides carry the K0 stress and move horizontally; with ``smooth_sides`` they are treated as
-    smooth ones. ``mesh``: triangles of the section; ``fem``: sides and direction of the seismic force; ``davis``:
-    whether strengths are those of Davis's estimate.
+    traction. Free-field sides carry the K0 stress and move horizontally; with ``smooth_sides`` free-field sides are
+    treated as smooth sides. ``mesh``: triangles of the section; ``fem``: sides and direction of the seismic force;
+    ``davis``: whether strengths are those of Davis's estimate.
     """
     cohesion, friction = strengths(section.strata, davis)
     ordinary = GRAVITY * np.array([s.density_ordinary for s in section.strata])

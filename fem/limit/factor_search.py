@@ -128,8 +128,8 @@ class FactorSearch(WeakenedGround):
         return max(trial.work for trial in self.here)
 
     def approach(self) -> None:
-        """Bring the first factor close to the one at which the ground fails, by upper bounds alone: they take less work
-        than lower bounds, and exist on coarse triangles on which lower bounds do not."""
+        """Bring the first factor close to the factor at which the ground fails, by upper bounds alone. Upper bounds
+        take less work than lower bounds, and exist on coarse triangles on which lower bounds do not."""
         safe, unsafe, last = 0.0, math.inf, None
         for _ in range(TRIALS):
             trial = self.measure(self.factor, lower=False)
@@ -197,7 +197,7 @@ class FactorSearch(WeakenedGround):
         """Prove a bound by trials a little to the safe side of the estimated factor until no better bound is proven.
         The lower bound takes most of the work, so that its trials end as soon as the gap is small enough. Without an
         estimate, the interval of the factor is bisected. Where no stress has balanced the loads yet, the factor is
-        reduced, but only once on triangles that are not the last ones (``finally_``).
+        reduced, but only once unless the triangles are the last of the search (``finally_``).
         """
         last, work = self.trials[-1].factor, 0.5 * min(trial.work for trial in self.here)  # of one bound, at least
         decides = not self.slips <= self.root(side) * math.exp(sense * MARGIN) < self.enough

@@ -196,8 +196,8 @@ class WeakenedGround:
         return root_of(self.points(side), self.slope, math.log(STEP))
 
     def extrapolated(self, side: BoundSide) -> float:
-        """Return how far (in ln F) the factor at which a bound meets the required value lies beyond all trials. It is 0
-        if this factor is unknown or lies between trials."""
+        """Return how far (in ln F) the factor at which a bound meets the required value lies beyond all trials. The
+        result is 0 if this factor is unknown or lies between trials."""
         at = math.log(self.root(side))
         trials = [log_factor for log_factor, _ in self.points(side)]
         return max(at - max(trials), min(trials) - at, 0.0) if trials and math.isfinite(at) else 0.0

@@ -125,8 +125,8 @@ def with_other_flow(
 ) -> LimitLoadResult:
     """Compute the limit load of the ground of ``result`` with the flow rule and the sides of other ``settings``.
 
-    ``section``: the section of the ground; ``mesh``: a mesh of the section, the same as before. Raises NoAnswerError if
-    the solver leaves no answer.
+    ``section``: the section of the ground; ``mesh``: the mesh of ``result``. Raises NoAnswerError if the solver leaves
+    no answer.
     """
     ground = result.ground
     problem = copy(ground.problem)  # a path may go on with this one

@@ -150,8 +150,8 @@ class EquilibriumPath:
 
     def reach(self, factor: float) -> bool:
         """Find equilibrium at a given multiplier, without overstress. Return False, with the state unchanged, if there
-        is none. The first guess is the last increment scaled with the multiplier, which saves a quarter of the
-        iterations. After a relaxation the first guess is zero.
+        is no equilibrium. The first guess is the last increment scaled with the multiplier, which saves a quarter of
+        the iterations. After a relaxation the first guess is zero.
         """
         increment = np.zeros_like(self.control)
         if self._last is not None and self._last[2] > 0.0:
@@ -172,7 +172,7 @@ class EquilibriumPath:
     def _relax(self, constraint: Constraint | None) -> bool:
         """Relax the overstress until the forces balance without it; return False if they do not.
 
-        The multiplier is constant, unless a ``constraint`` prescribes the displacement instead.
+        The load multiplier is constant, unless a ``constraint`` prescribes the control displacement.
         """
         for _ in range(self.settings.most_relaxations):
             self.problem.overstress = 1.0 / (1.0 + self.settings.relaxation_span)

@@ -26,8 +26,8 @@ class PlateauRule:
     """Holds the rule that ends a path once the load multiplier has grown by less than ``growth`` while the displacement
     doubled.
 
-    Displacements enter as ductility: the control displacement over the one that elastic ground would have at the same
-    load (-).
+    Displacements enter as ductility: the control displacement over the control displacement of elastic ground at the
+    same load (-).
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class PlateauRule:
     first_relaxation : float
         Ductility at the first relaxation of the overstress.
     next_relaxation : float
-        Ratio of the ductilities at one relaxation and at the one before.
+        Ratio of the ductilities at two successive relaxations of the overstress.
     """
 
     growth: float = 0.01

@@ -73,11 +73,11 @@ def next_mesh(
 
     If the setting is a mapped mesh, columns and rows are added where the mechanism is; else the mesh is free. Cell
     sizes follow the shear displacement across the cells of the last mesh. Along a shear band this displacement does not
-    depend on the width of the cells, while shear strains would draw all new cells to the narrowest ones. Cell sizes
-    also follow the strips of the ``strong`` section, whose cohesionless faces are strengthened: a cell with half of its
-    points in a strip would be neither strengthened nor unchanged. Both sides of a periodic section (``repeats``) get
-    corresponding points. Raises what ``adapted`` does. ``section``: the section of the ground; ``meshing``: settings of
-    the meshes; ``mesh``: the last mesh.
+    depend on the width of the cells, while shear strains would concentrate all new cells where cells are narrowest.
+    Cell sizes also follow the strips of the ``strong`` section, whose cohesionless faces are strengthened: a cell with
+    half of its points in a strip would be neither strengthened nor unchanged. Both sides of a periodic section
+    (``repeats``) get corresponding points. Raises what ``adapted`` does. ``section``: the section of the ground;
+    ``meshing``: settings of the meshes; ``mesh``: the last mesh.
     """
     if meshing.method == "mapped":
         return with_finer_strips(mesh, strain, cells)
@@ -365,7 +365,7 @@ def ordered(
 
 
 def _with_last(base: AdaptiveResult[LimitLoadResult], result: LimitLoadResult) -> AdaptiveResult[LimitLoadResult]:
-    """Return the results of the meshes with the one on the last mesh replaced by ``result``."""
+    """Return the results of all meshes, in which the result on the last mesh is replaced by ``result``."""
     return replace(base, result=result, rounds=[*base.rounds[:-1], replace(base.rounds[-1], value=result.kc)])
 
 

@@ -332,7 +332,8 @@ class _Search:
 
     def fails(self, settings: FemSettings, error: UnstableError, known: SafetyFactor | None = None) -> UnstableError:
         """Return the error with the factor of safety added, by both flow rules if ψ < φ; ``known`` is this factor if it
-        is already computed. If pore pressure exceeds the weight above it, the factor against uplift is added instead.
+        is already computed. If pore pressure exceeds the weight above it, the factor of safety against uplift is added
+        in place of the factor of safety.
         """
         if self.section.uplift is not None:
             return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)

@@ -177,7 +177,7 @@ def _towards(
     listener: PathListener | None,
     ground: LoadedGround | None,
 ) -> CriticalResult:
-    """Return the critical seismic coefficient in the one direction of the ``settings``."""
+    """Return the critical seismic coefficient in the direction of the ``settings``, which is not "both"."""
     sign = seismic_sign(section, settings)
     ground = ground or loaded_ground(section, mesh, settings, comm)
     while True:

@@ -54,7 +54,7 @@ class MeshRound:
     change : float
         Difference from the mesh before as a share of ``value``; infinite for the first mesh.
     rest : float
-        Estimated remaining error as a share of ``value``, from this mesh and the one before; infinite for the first
+        Estimated remaining error as a share of ``value``, from this mesh and the previous mesh; infinite for the first
         mesh.
     tells : bool
         Whether the estimate of the error is meaningful; it is not if ``value`` rose on a mesh with about as many cells

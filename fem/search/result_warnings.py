@@ -43,8 +43,8 @@ class Computed:
         Whether a difference contradicts the answer, as a difference on a finer mesh does and one with a poorer element
         does not.
     without : float or None
-        Critical Kh without the change, if both were computed on another mesh than the answer; None if the answer itself
-        is the one without the change.
+        Critical Kh without the change, if the critical Kh with and without the change were computed on another mesh
+        than the answer; None if the answer is the critical Kh without the change.
     """
 
     what: str
@@ -59,9 +59,9 @@ def of_bounds(
     """Compare ``what``, a critical Kh or a factor of safety, with strict bounds of the same flow rule (``same_flow``)
     or of ψ = φ.
 
-    Only the upper bound of ψ = φ counts for a smaller ψ: ground that dilates less resists no more. A difference within
-    the error of a mesh (`NOTABLE`) is a note, a larger one a contradiction. ``kc``: the value that is checked;
-    ``lower``, ``upper``: the bounds, None if there is none.
+    If the critical Kh has a smaller ψ, only the upper bound of ψ = φ is used: ground that dilates less does not resist
+    more. A difference within the error of a mesh (`NOTABLE`) is a note, a larger one a contradiction. ``kc``: the value
+    that is checked; ``lower``, ``upper``: the bounds, None if there is none.
     """
     whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
     if upper is not None and kc > upper + max(ABOVE_BOUND * upper, SMALL_KH):

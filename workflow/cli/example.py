@@ -10,7 +10,7 @@ from meshes.errors import InputError
 
 def example(name: str | None = None) -> str:
     """Return the text of the commented example, or of a section that comes with the program; raise InputError if there
-    is none."""
+    is no section of this name."""
     if name is None:
         return resources.files("workflow.cli").joinpath("example.toml").read_text(encoding="utf-8")
     if name not in shipped.names():

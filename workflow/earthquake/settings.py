@@ -259,7 +259,7 @@ def loading_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], 
 
     The result is empty without an earthquake, or if the table [earthquake] has errors, which are reported elsewhere. If
     the input gives Kh or its duration, Kh has no cycles unless the settings request cycles. Raises InputError if a
-    setting is ``"earthquake"`` and there is no peak, or a record shakes the slides instead.
+    setting is ``"earthquake"`` although there is no peak acceleration, or although a record shakes the slides.
     """
     requested = [key for key in ("kh", *CYCLES) if slide.get(key) == EARTHQUAKE]
     kh_left = slide.get("kh", EARTHQUAKE) == EARTHQUAKE

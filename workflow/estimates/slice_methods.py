@@ -21,7 +21,8 @@ STEEPEST_SIDE = np.radians(60.0)  # of the forces between slices, by Spencer's m
 
 
 def bishop_factor(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarray, kh: float = 0.0) -> np.ndarray:
-    """Return the factor of safety of circular slip surfaces by Bishop's simplified method, NaN if there is none.
+    """Return the factor of safety of circular slip surfaces by Bishop's simplified method, NaN where no factor was
+    found.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ class SlideError:
 
 def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> SlideError | None:
     """Return the error in predicting known field slides. Only flow failures, or only lateral spreads, are compared if
-    the collection has enough cases of the kind.
+    the collection has enough cases of this kind.
 
     Parameters
     ----------
@@ -90,8 +90,8 @@ def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> Sli
 
 
 def error_of(kind: str, ratios: Sequence[float], method: SlideMethod = "discs") -> SlideError | None:
-    """Return the smallest of `FACTORS` within which two thirds of the ratios lie, or the largest of them; None without
-    any ratio.
+    """Return the smallest of `FACTORS` within which two thirds of the ratios lie, or the largest factor if none is
+    large enough; None without any ratio.
     """
     if not ratios:
         return None

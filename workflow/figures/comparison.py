@@ -29,7 +29,8 @@ SEEN = 0.005  # of Kh: less is no interval
 
 
 def draw_all(results: Results) -> list[str]:
-    """Draw the pictures that the results allow, remove outdated ones, and return the names of the pictures."""
+    """Draw the pictures that the results allow, remove outdated pictures, and return the names of the pictures
+    drawn."""
     drawn = []
     for name, draw in (
         (FRONT, front), (CURVES, _curves), (SURFACES, _surfaces), (CALIBRATION, _calibration), (BLOCK, _block),
@@ -133,7 +134,8 @@ def _handle(colour: str, marker: str, label: str) -> Line2D:
 
 
 def _surfaces(results: Results, name: str) -> bool:
-    """Draw the slip surfaces of the continuum and of the discs on the section; return False if there are none."""
+    """Draw the slip surfaces of the continuum and of the discs on the section; return False without any slip
+    surface."""
     lines = []
     both = results.dem.slip_surface if results.dem is not None else None
     if both is not None and both.fem:

@@ -168,10 +168,10 @@ def nice(value: float) -> float:
 
 
 def draw_values(plotter: pv.Plotter, model: Circles, values: np.ndarray, norm: Normalize, dark: np.ndarray) -> None:
-    """Draw discs coloured by a value, and some of them dark.
+    """Draw discs coloured by a value; discs of a mask are dark.
 
     plotter: plotter that draws; model: model of the discs; values: one value for each disc; norm: norm of the colours;
-    dark: mask of the dark ones.
+    dark: mask of the dark discs.
     """
     mesh = discs(model, ~dark)
     mesh["value"] = values[mesh["disc"]]

@@ -101,8 +101,8 @@ def _contradicted(value: float, lower: float | None, upper: float | None) -> boo
 
 
 def _why_far(results: Results, circle: CirclePart, elements: float, line: np.ndarray, kh: float | None) -> str:
-    """Return the reason why a circle is far from the result of the ``elements``, which slip along a ``line`` (m), and
-    advice on what to do."""
+    """Return the reason why the factor of safety or critical Kh of a circle is far from the result of the finite
+    ``elements``, whose slip surface is ``line`` (m), and advice."""
     section, fem = results.config.section, results.fem
     where = ""
     if len(line):

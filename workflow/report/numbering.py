@@ -1,4 +1,4 @@
-"""Numbers sections, tables, figures and notes, so that text can refer to later ones."""
+"""Numbers sections, tables, figures and notes, so that text can refer to items that follow later."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""States whether DEM and MPM agree on the slide of a case, and which of them predicts known slides better."""
+"""States whether DEM and MPM agree on the slide of a case, and which method predicts known slides better."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

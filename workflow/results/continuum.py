@@ -210,7 +210,7 @@ class FemAnswer(Answer):
         return self.verdict in ("plateau", "peak")
 
     def state_at(self, kh: float) -> StoredState | None:
-        """Return the stored state at a Kh; None if there is none."""
+        """Return the stored state at a Kh; None if no state is stored at this Kh."""
         return next((state for state in self.states if abs(state.kh - kh) < 1e-9), None)
 
     def last_in_equilibrium(self) -> StoredState | None:

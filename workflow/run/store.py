@@ -114,8 +114,8 @@ class Store:
         return (self.folder / name).is_file()
 
     def matching(self, patterns: Sequence[str]) -> list[str]:
-        """Return the names of the complete files that match any of some patterns, in the order of the numbers in
-        them."""
+        """Return the names of the complete files that match any of some patterns, sorted by the numbers in the
+        names."""
         paths = {path for pattern in patterns for path in self.folder.glob(pattern) if path.is_file()}
         names = [str(path.relative_to(self.folder)) for path in paths if not TEMPORARY.fullmatch(path.name)]
         return sorted(names, key=_by_numbers)

@@ -108,9 +108,9 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     if config.dem.out_of_reach == "stop" and calibration is not None and calibration.verdict != "calibrated":
         raise NoAnswerError(
             calibration.reason,
-            f"take another packing, dem.seed = {config.dem.seed + 1}, since packings differ by a tenth, or more "
-            "discs if the sliding ground is only a few discs thick; widen dem.range, or set "
-            'dem.out_of_reach = "go on" to continue with the closest factor',
+            f"take another packing, dem.seed = {config.dem.seed + 1}, since the critical Kh differs by about a "
+            "tenth from packing to packing, or take more discs if the sliding ground is only a few discs thick; widen "
+            'dem.range, or set dem.out_of_reach = "go on" to continue with the closest factor',
         )
 
 

@@ -58,7 +58,7 @@ class StoredStates:
     surfaces: dict[SetOfSprings, np.ndarray] = field(default_factory=dict)
 
     def surface(self, which: SetOfSprings) -> np.ndarray:
-        """Return the slip surface of one set; without points if there is none."""
+        """Return the slip surface of one set of springs; an array without points if there is no slip surface."""
         return self.surfaces.get(which, NO_LINE)
 
 

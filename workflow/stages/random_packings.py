@@ -60,7 +60,8 @@ class RandomPackingsWanted:
         ]
 
     def first_packings(self) -> list["PackingTask"]:
-        """Return the packings that can begin: all, or only the one that determines the parameter."""
+        """Return the packings that can be computed first: all packings, or only the packing that determines the
+        calibrated parameter."""
         parameter = self.config.dem.parameter
         packings = self._packings("auto" if parameter == "none" else parameter)
         return packings[:1] if self._chooses else packings

@@ -52,8 +52,8 @@ class Ensemble:
     workers
         Processes of this machine.
     scheduler
-        The address of a Dask scheduler whose workers are used instead. The workers must see the folder under the same
-        path.
+        Address of a Dask scheduler, whose workers are used in place of processes of this machine. The workers must see
+        the folder under the same path.
     """
 
     def __init__(self, folder: Path, workers: int = 1, scheduler: str | None = None) -> None:

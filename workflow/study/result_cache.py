@@ -33,9 +33,9 @@ class Outcome(BaseModel):
 class ResultCache:
     """Stores answers of tasks in a folder, which several machines may share.
 
-    A task is claimed by a file lock of the operating system. Therefore each task is computed only once by all workers
-    of one machine or several, and a worker that dies releases its claim. On a file system without locks a task may be
-    computed twice, with the same answer.
+    A task is claimed by a file lock of the operating system. Therefore the workers of all machines compute each task
+    only once, and a worker that dies releases its claim. On a file system without locks a task may be computed twice,
+    with the same answer.
     """
 
     def __init__(self, folder: Path) -> None:

@@ -68,7 +68,7 @@ def _entries(data: Any) -> dict[str, Any]:
 
 
 def _head(entries: Mapping[str, Any], path: str) -> str | None:
-    """Return the entry with which a path begins; names may have dots in them."""
+    """Return the first entry of a path; names of entries may contain dots."""
     return max((name for name in entries if path == name or path.startswith(f"{name}.")), key=len, default=None)
 
 

@@ -36,7 +36,8 @@ class ConeTest:
         """Return the soil behaviour type index I_c = √((3.47 - lg Q)² + (1.22 + lg F)²), eq. 2.26, Q with the exponent
         n of Robertson & Wride (1998).
 
-        n = 1 for clays, 0.5 for sands, 0.75 for soils that are clay with the former and sand with the latter exponent.
+        n = 1 for clays, 0.5 for sands, and 0.75 for soils whose I_c is below the limit of clay with n = 1, but above it
+        with n = 0.5.
         """
         ratio = max(0.1, 100.0 * self.sleeve / max(self.q - self.total, 1e-9))
 
@@ -102,8 +103,8 @@ def normalised(point: ConeTest) -> tuple[float, float]:
 def equivalent_count(resistance: float) -> float:
     """Return the (N1)60 of sand of the same relative density: D_R = √(N/46) = 0.478 q^0.264 - 1.063, q = qc1N.
 
-    Both relations of D_R are those of Idriss & Boulanger (2008). The consequences of liquefaction are computed from
-    this (N1)60.
+    Both relations of D_R are from Idriss & Boulanger (2008). The consequences of liquefaction are computed from this
+    (N1)60.
     """
     return 46.0 * max(0.0, 0.478 * resistance**0.264 - 1.063) ** 2
 
