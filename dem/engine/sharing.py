@@ -6,10 +6,11 @@ from dem.kernels.layout import LANES, LINK_FIELDS, Layout
 
 
 def needs(thread: int, threads: int, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-    """Return the slices of a thread that share contacts with other threads. Also return how many slices each other
-    thread must have finished before these slices move.
+    """Return the slices of a thread that share contacts with other threads, and how far the other threads must be
+    before these slices move.
 
-    Returns (slices (shared,), counts (shared, threads)).
+    Returns the shared slices (shared,), and for each of these the number of slices (shared, threads) that every other
+    thread must have finished.
     """
     slices = len(layout.chunk_start) - 1
     ends = slices * np.arange(threads + 1) // threads  # as in `stepping.slices_of`

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class LayerCheck:
-    """Compares a stratum with its discs at three confining pressures. Numbers are means over several random packings,
-    and None if they are missing.
+    """Compares a stratum with its discs at three confining pressures. Each number is a mean over several random
+    packings, or None if it is missing.
 
     Attributes
     ----------

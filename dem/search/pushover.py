@@ -9,8 +9,8 @@ counts: `DemSettings.ductility` times the yield displacement of the FEM model. D
 elastic-plastic body with the same E to reach the same strength: `settings.GROWTH` describes how this larger strain was
 measured.
 
-The place of failure is visible only later: at their critical Kh discs still harden, and shear everywhere. The test
-therefore continues until the discs have a slip surface.
+The place of failure is visible only later: at their critical Kh discs still harden, and shear everywhere. The
+displacement-controlled test therefore continues until the discs have a slip surface.
 """
 
 from collections.abc import Iterator, Sequence

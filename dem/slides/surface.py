@@ -13,7 +13,7 @@ THIRDS = ("uphill", "middle", "downhill")
 
 @dataclass(frozen=True)
 class Surface:
-    """Holds the topmost disc of every column of discs, from uphill to downhill, as they were before a slide.
+    """Holds the topmost disc of every column of discs before a slide, from uphill to downhill.
 
     Attributes
     ----------

@@ -260,8 +260,8 @@ def _forces(
     section: Section, piece: _Piece, settings: FemSettings, excess_pressure: bool
 ) -> Iterator[tuple[float, float]]:
     """Yield two forces over the seismic weight: the weight less Kv and uplift, and the seepage force to the right. The
-    first pair is that of the soil just below a piece of ground. If the layer down to the least depth reaches into
-    water, a second pair is that of this layer.
+    first pair are the forces in the soil just below a piece of ground. If the layer down to the least depth reaches
+    into water, a second pair are the forces on this whole layer.
 
     Between the two depths the forces vary linearly, so that a layer whose depth is in between never slides first.
     """

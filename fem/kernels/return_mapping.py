@@ -101,7 +101,8 @@ def _tension_return(x1: float, x2: float, x3: float, rounding: float, table: Flo
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _shear_tension_return(x1: float, x2: float, x3: float, rounding: float, table: Floats, m: int) -> Returned:
-    """Return the principal stresses where both surfaces meet, and the code of the part of the surface."""
+    """Return the principal stresses where the Mohr-Coulomb surface and the tension cut-off meet, and the code of this
+    part of the surface."""
     T, minor = table[m, TENSION], table[m, MINOR_AT_TENSION]
     s2 = x2 - table[m, POISSON] * (x1 + x3 - T - minor)
     if s2 > T + rounding:

@@ -122,8 +122,8 @@ class DirectionGround:
         strengthened. The upper bound of the coarse mesh is larger than that of a fine mesh, so that a few faces too
         many may be listed, but no face is missing. Faces inclined against the force that fail by their weight are
         strengthened in any case: no stress field is in equilibrium there. The section without strengthening is not used
-        for the comparison: where faces of different water meet, its mechanism may be shallow, too. Raises what
-        ``first_mesh`` raises.
+        for the comparison: where faces of different water meet, its mechanism may be shallow, too. Raises the errors of
+        ``first_mesh``.
         """
         faces, always = shallow_failures(section, fem), failing_at_rest(section, fem)
         whole = strengthened(section, faces + always, fem)

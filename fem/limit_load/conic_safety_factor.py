@@ -8,13 +8,13 @@ in equilibrium with the forces within
 
 s and σm being deviator and mean of the stress in the plane, c and φ those at F. The largest λ is the answer of one cone
 program (``cone_program.py``). The program always has a solution, since enough strength resists any load. F is too small
-if λ > 0 and too large if λ < 0. S is about the derivative of the strength by -ln F, so that λ is about the missing
-change of ln F. By the envelope theorem the derivative of λ by -ln F is the mean of -∂R/∂ln F at the computed stress,
-weighted by the shear rates of the mechanism, plus a term of the opening at a tension cut-off T, where -∂T/∂ln F = T.
-Newton's method with this derivative gives the share λ' of the strength that is not needed at F. As the strength is
-about proportional to 1/F, the correction of ln F is -ln(1 - λ'). The search takes one to three cone programs for every
-kind of failure: a slope to one side, an embankment that spreads to both sides, or the ground below a footing, which no
-Kh brings to failure.
+if λ > 0 and too large if λ < 0. S is about the decrease of the strength per unit of ln F, so that λ is about the
+correction of ln F. By the envelope theorem the decrease of λ per unit of ln F is the mean of -∂R/∂ln F at the computed
+stress, weighted by the shear rates of the mechanism, plus a term of the opening at a tension cut-off T, where -∂T/∂ln F
+= T. Newton's method with this rate gives the share λ' of the strength that is not needed at F. As the strength is about
+proportional to 1/F, the correction of ln F is -ln(1 - λ'). The search takes one to three cone programs for every kind
+of failure: a slope to one side, an embankment that spreads to both sides, or the ground below a footing, which no Kh
+brings to failure.
 """
 
 import math

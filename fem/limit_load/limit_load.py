@@ -3,7 +3,7 @@ analysis.
 
 The limit load of one mesh can be computed repeatedly, with another flow rule or other sides. Loads and side stresses
 stay the same, so that the results differ only by the flow rule or the sides: the limit load by Davis's estimate, with
-less strength, is never above that with ψ = φ.
+less strength, is never above the limit load with ψ = φ.
 """
 
 from copy import copy

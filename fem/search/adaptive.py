@@ -76,7 +76,7 @@ def next_mesh(
     depend on the width of the cells, while shear strains would concentrate all new cells where cells are narrowest.
     Cell sizes also follow the strips of the ``strong`` section, whose cohesionless faces are strengthened: a cell with
     half of its points in a strip would be neither strengthened nor unchanged. Both sides of a periodic section
-    (``repeats``) get corresponding points. Raises what ``adapted`` does. ``section``: the section of the ground;
+    (``repeats``) get corresponding points. Raises the errors of ``adapted``. ``section``: the section of the ground;
     ``meshing``: settings of the meshes; ``mesh``: the last mesh.
     """
     if meshing.method == "mapped":
@@ -161,7 +161,7 @@ class AdaptiveSearch:
         """Find the critical Kh, in the direction in which it is smaller.
 
         A seismic force upslope whose mechanism leaves the section through a side counts only if no other direction is
-        analysed, as in ``critical_coefficient``. Raises what ``critical_limit_load`` does on the first mesh.
+        analysed, as in ``critical_coefficient``. Raises the errors of ``critical_limit_load`` on the first mesh.
         """
         if settings.direction != "both":
             return self._towards(settings.direction, settings, nothing)
@@ -237,9 +237,9 @@ class AdaptiveSearch:
     ) -> tuple[AdaptiveResult[LimitLoadResult], AdaptiveResult[LimitLoadResult]]:
         """Return ``base``, and the answer with ψ = φ for comparison.
 
-        On one mesh the limit load by Davis's estimate is not above that with ψ = φ. Where the limit load on the mesh
-        for ψ = φ is below that of ``base``, the mesh of ``base`` is poorer, and its limit load is computed again on the
-        other mesh. Raises what `by_other_rule` does.
+        On one mesh the limit load by Davis's estimate is not above the limit load with ψ = φ. Where the limit load on
+        the mesh for ψ = φ is below that of ``base``, the mesh of ``base`` is poorer, and its limit load is computed
+        again on the other mesh. Raises the errors of `by_other_rule`.
         """
         full = settings.changed(flow="associated")
         compared = self.by_other_rule(base, full)
@@ -261,7 +261,7 @@ class AdaptiveSearch:
         """Return ``base``, whose flow has ψ = φ, and Davis's estimate of the critical Kh for comparison; 0 if such
         ground fails without a seismic force.
 
-        On the mesh of ``base`` the estimate is not above ``base``. Raises what `by_other_rule` does except
+        On the mesh of ``base`` the estimate is not above ``base``. Raises the errors of `by_other_rule` except
         UnstableError.
         """
         try:
@@ -307,7 +307,7 @@ class AdaptiveSearch:
         another mesh with as many cells is made that resolves it, and the smaller factor counts. Davis's estimate is not
         above the factor with ψ = φ, since ground of higher strength resists every load that weaker ground resists.
 
-        Raises what ``limit_load_safety_factor`` does.
+        Raises the errors of ``limit_load_safety_factor``.
         """
         shared = base.earlier[-1] if base.converged and base.earlier else base
         same = limit_load_safety_factor(

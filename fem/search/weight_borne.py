@@ -17,9 +17,9 @@ def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings, comm: 
     ground flows.
 
     Cohesionless faces that fail by themselves are strengthened, as in the search for the critical Kh: they bear no
-    share of their weight, whatever the ground below them does. The flow is associated. Raises what ``conic_limit_load``
-    does. ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``: settings of the finite
-    elements; ``comm``: MPI communicator.
+    share of their weight, whatever the ground below them does. The flow is associated. Raises the errors of
+    ``conic_limit_load``. ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``:
+    settings of the finite elements; ``comm``: MPI communicator.
     """
     faces = [face for face in faces_at(section, settings, 0.0) if face.kh < 0.0]
     problem, weight = under_weight(section, mesh, settings.changed(element="reduced"), comm, faces)

@@ -24,15 +24,16 @@ class ConeProgram:
     cohesion, friction : ndarray (k,)
         Cohesion over the unit of stress, and friction angle in rad.
     weight : ndarray (k,)
-        Weight w of each corner: the area that belongs to it, as a share.
+        Weight w of each corner, by which its dissipation is multiplied: the root of its dimensionless area if its
+        strain rates in G are multiplied by this root, 1 otherwise.
     dead, live : ndarray (n,)
         Vectors b0 and b1: work of the dead and the live load on a unit velocity.
     stress_margin : ndarray (k,) or float
         Smallest distance of the stress to the yield surface, so that rounding does not lead beyond it. No distance to
         the tension cut-off is required, since there may be no admissible stress below a reduced cut-off.
     strain_margin : ndarray (k,) or float
-        Volumetric strain rate in excess of that of the flow rule where φ > 0, so that rounding does not violate the
-        flow rule.
+        Volumetric strain rate that is required in addition to the flow rule where φ > 0, so that rounding does not
+        violate the flow rule.
     strain_share : float
         Additional volumetric strain rate where φ > 0, as a share of the shear rate.
     tension : ndarray (k,) or float

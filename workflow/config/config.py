@@ -341,7 +341,8 @@ def _find_files(data: Mapping[str, Any], folder: Path) -> None:
 
 
 def merged(lower: Mapping[str, Any], upper: Mapping[str, Any]) -> dict[str, Any]:
-    """Return two nested tables merged into one. Values of the upper table replace those of the lower table."""
+    """Return two nested tables merged into one. Values of the upper table replace values of the lower table with the
+    same key."""
     both = {**lower, **upper}
     for key in lower.keys() & upper.keys():
         if isinstance(lower[key], Mapping) and isinstance(upper[key], Mapping):

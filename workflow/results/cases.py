@@ -287,7 +287,7 @@ def alike(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dic
 
 
 class CasesAnswer(Answer):
-    """Holds all cases by number, for each set of springs. The set "calibrated" governs if it exists."""
+    """Holds all cases by number, for each set of springs. The set of springs "calibrated" governs if it exists."""
 
     FILE: ClassVar[str] = "dem/cases.json"
 

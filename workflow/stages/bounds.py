@@ -216,7 +216,7 @@ def _gap(bracket: "Bracket") -> str:
 
 
 def _wanted(bracket: "Bracket", settings: BoundsSettings) -> str:
-    """Return the required gap as a share of Kh, or for small Kh as a difference of Kh."""
+    """Return in words the required gap of the bounds: as a share of Kh, or for small Kh as a difference of Kh."""
     small = 0.5 * (abs(bracket.upper) + abs(bracket.lower)) < LEAST_KH
     return f"{settings.gap * LEAST_KH:.4f} in Kh" if small else f"{100 * settings.gap:g} %"
 

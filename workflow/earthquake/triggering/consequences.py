@@ -115,7 +115,8 @@ def _liquefying(assessment: TriggeringAssessment, number: int) -> list[Judged]:
 
 
 def pore_pressures(assessment: TriggeringAssessment, strata: int) -> list[float]:
-    """Return the mean excess pore pressure ratio of every stratum over the area of its tests: 1 if F_L is at most 1."""
+    """Return the excess pore pressure ratio of every stratum, which is the mean over the area of its tests; the ratio
+    of a test is 1 if F_L is at most 1."""
     ratios = []
     for k in range(strata):
         here = judged_in_stratum([stratum.name for stratum in assessment.strata], k, assessment.tests)
