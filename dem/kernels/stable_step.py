@@ -1,10 +1,10 @@
 """Computes the largest stable time step of any assembly of discs (kernel).
 
-For springs between pairs, K <= 2 diag(K_ii): the energy of a spring between i and j is at most twice the sum of what
-each end would store alone. Therefore omega_max^2 <= 2 max_i lambda(K_ii / M_ii), with the 3 x 3 blocks of translation
-and rotation of one disc, and likewise for the dashpots. The stepping scheme is stable for a mode of frequency omega and
-damping c = 2 zeta omega as long as h^2 omega^2 + 4 h c <= 4 (its characteristic polynomial leaves the unit circle at
--1), and a step that is stable at the bound is stable for every mode.
+For springs between pairs, K <= 2 diag(K_ii): the energy of a spring between i and j is at most twice the sum of the
+energies that it would have if only i or only j moved. Therefore omega_max^2 <= 2 max_i lambda(K_ii / M_ii), with the 3
+x 3 blocks of translation and rotation of one disc, and likewise for the dashpots. The stepping scheme is stable for a
+mode of frequency omega and damping c = 2 zeta omega as long as h^2 omega^2 + 4 h c <= 4 (its characteristic polynomial
+leaves the unit circle at -1), and a step that is stable at the bound is stable for every mode.
 
 Every listed pair counts as touching, and every pore spring as compressed, so that the bound holds until the list is
 renewed, when it is computed again. Only cracked pairs that are too far apart to touch before the list is renewed are

@@ -263,7 +263,8 @@ def _forces(
     first pair are the forces in the soil just below a piece of ground. If the layer down to the least depth reaches
     into water, a second pair are the forces on this whole layer.
 
-    Between the two depths the forces vary linearly, so that a layer whose depth is in between never slides first.
+    Between the ground surface and the least depth the forces vary linearly, so that a layer of a depth in between never
+    slides first.
     """
     layers, water = section.layering, section.water_pressure
     bounds = layers.interfaces(np.array([piece.middle]))[0]

@@ -1,8 +1,8 @@
 """Computes the motion of the background grid of material points in a time step, and of the base that supports its
 lowest nodes (kernels).
 
-Velocities are relative to the ground far below the section. In this frame Kh or a record acts as an acceleration of the
-whole mass. Vectors are positive to the right and upwards; masses (kg) and forces (N) are per metre out of plane.
+Velocities are relative to the ground far below the section. Kh or a record acts in this moving frame as an acceleration
+of the whole mass. Vectors are positive to the right and upwards; masses (kg) and forces (N) are per metre out of plane.
 """
 
 import numpy as np
