@@ -78,7 +78,7 @@ class MeshSettings(Model):
         ]
         counted, graded = bool(self.columns or self.rows), bool(self.sizes or self.towards)
         if self.method == "free" and counted:
-            problems.append('mesh, columns and rows: expected none with method = "free", which goes by size')
+            problems.append('mesh, columns and rows: expected none with method = "free", whose cells follow from sizes')
         if graded and (self.method == "mapped" or counted):
             problems.append('mesh, sizes and towards: expected none with columns and rows; they need method = "free"')
         if self.size and self.columns and self.rows:

@@ -135,7 +135,7 @@ class Tally:
                             f'{start:.6g} to {end:.6g} m: this area is given to "{self.names[owner]}"')  # fmt: skip
         sentences += [f'the outline on layer "{name}" is covered by other outlines, and not used'
                  for name, area in zip(self.names, self.owned, strict=True) if area <= 0.0]  # fmt: skip
-        sentences += [f'the outline on layer "{name}" crosses itself; expected its corners in turn'
+        sentences += [f'the outline on layer "{name}" crosses itself; expected its corners in order'
                       for name, covered, area in zip(self.names, self.covered, self.areas, strict=True)
                       if abs(covered - area) > (1.0 - INSIDE) * covered]  # fmt: skip
         return sentences

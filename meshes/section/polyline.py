@@ -57,11 +57,13 @@ def _order_problems(points: Sequence[tuple[float, float]]) -> list[str]:
         if i > 1 and x[i] == x[i - 1] == x[i - 2]:
             problems.append(f"three points at x = {x[i]:g} m: expected at most two, which make a vertical step")
     if (more := len(problems) - MOST_ALIKE) > 0:
-        problems[MOST_ALIKE:] = [f"and {more:,} more points that lie so"]
+        problems[MOST_ALIKE:] = [f"and {more:,} more points of this kind"]
     if not problems and x[0] == x[-1]:
         problems.append(f"all points at x = {x[0]:g} m: expected a line from left to right")
     if not problems and (x[0] == x[1] or x[-1] == x[-2]):
-        problems.append("a vertical step at the end of the line: expected it to run on horizontally from there")
+        problems.append(
+            "a vertical step at the end of the line: expected the line to continue horizontally after the step"
+        )
     return problems
 
 

@@ -181,7 +181,7 @@ def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[BoundsVerdic
     if bracket.ended == "gap":
         return "bracketed", f"{gap} is within the required {_wanted(bracket, settings)}."
     if bracket.ended == "enough":
-        return "unstable", f"It fails under its own weight: the critical Kh is at most {bracket.upper:.4f}."
+        return "unstable", f"The section fails under its own weight: the critical Kh is at most {bracket.upper:.4f}."
     last = bracket.meshes[-1]
     x, z = bracket.open_at or (math.nan, math.nan)
     why = f"{_why(bracket.ended, last.cells, settings)}; the gap is widest near x = {x:.1f} m, z = {z:.1f} m."
@@ -236,7 +236,7 @@ def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
                 f"({settings.seconds:g} s)"
             )
         case "stalled":
-            return f"finer meshes, up to {cells} triangles, no longer reduce it"
+            return f"finer meshes, up to {cells} triangles, no longer reduce the gap"
         case "solver":
             return f"the solver of cone programs failed on the last {FAILED_MESHES} meshes, up to {cells} triangles"
     assert_never(ended)

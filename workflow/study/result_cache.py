@@ -27,7 +27,7 @@ class Outcome(BaseModel):
     reason: str = Field(default="", description="why it failed")
     seconds: float = Field(default=0.0, description="that it took")
     host: str = Field(default="", description="that it ran on")
-    lasting: bool = Field(default=True, description="whether it would end the same way again")
+    lasting: bool = Field(default=True, description="whether the task would have the same outcome again")
 
 
 class ResultCache:

@@ -38,7 +38,7 @@ def test_a_scanned_ground_of_many_heights_at_one_x_is_told_in_four_lines() -> No
     with pytest.raises(ValueError, match="three points at x = 2 m") as caught:
         read_points([[0.0, 0.0], *([float(x), float(z)] for x in range(1, 40) for z in range(3)), [50.0, 0.0]])
     assert len(str(caught.value).splitlines()) == 4
-    assert str(caught.value).endswith("and 36 more points that lie so")
+    assert str(caught.value).endswith("and 36 more points of this kind")
 
 
 def test_every_problem_of_a_line_is_told() -> None:

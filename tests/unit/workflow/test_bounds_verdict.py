@@ -45,7 +45,7 @@ def test_every_reason_has_its_words(ended):
         "enough": "fails under its own weight: the critical Kh is at most 0.0608",
         "triangles": "900 triangles, 20000 allowed",
         "time": "more than the allowed computing work (60 s)",
-        "stalled": "no longer reduce it",
+        "stalled": "no longer reduce the gap",
         "solver": "the solver of cone programs failed on the last 2 meshes",
         None: "the other direction fails first",
     }
