@@ -231,7 +231,7 @@ def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) ->
 
 
 def _fixed_in_box(packing: Packing, base: np.ndarray, left: float, right: float) -> Packing:
-    """Return the packing with all discs fixed whose centres are beyond the base or the sides. These fixed discs form a
+    """Return the packing with all discs fixed whose centres are beyond the base or the sides. The fixed discs form a
     rough box, like the fixed nodes of the continuum.
     """
     beyond = (packing.x < left) | (packing.x > right) | (packing.z < np.interp(packing.x, *base.T))

@@ -151,7 +151,7 @@ class Bracket:
 
     @property
     def gap(self) -> float:
-        """Return the upper less lower bound over the mean of their sizes; inf if one is missing."""
+        """Return the upper less lower bound over the mean of their sizes; inf if a bound is missing."""
         if not (self.stress and self.mechanism):
             return np.inf
         return (self.upper - self.lower) / max(0.5 * (abs(self.upper) + abs(self.lower)), 1e-12)

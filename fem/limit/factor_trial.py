@@ -74,7 +74,7 @@ class FactorWork:
 
 
 def gap_of_factors(lower: float, upper: float) -> float:
-    """Return the upper less lower factor over their mean, inf if one is missing."""
+    """Return the upper less lower factor over their mean, inf if a factor is missing."""
     if lower <= 0.0 or not math.isfinite(upper):
         return math.inf
     return (upper - lower) / (0.5 * (upper + lower))

@@ -68,7 +68,7 @@ class SafetyBounds:
 
     @property
     def gap(self) -> float:
-        """Return the upper less lower bound over their mean, inf if one is missing."""
+        """Return the upper less lower bound over their mean, inf if a bound is missing."""
         return gap_of_factors(self.lower, self.upper)
 
 

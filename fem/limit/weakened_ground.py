@@ -65,7 +65,7 @@ class WeakenedGround:
 
     @property
     def gap(self) -> float:
-        """Return the upper less lower factor over their mean, inf if one is missing."""
+        """Return the upper less lower factor over their mean, inf if a factor is missing."""
         return gap_of_factors(self.lower, self.upper)
 
     def problem(self, factor: float) -> LimitProblem:

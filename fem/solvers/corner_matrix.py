@@ -34,7 +34,7 @@ class CornerMatrix:
 
     @property
     def entries(self) -> int:
-        """Return the entries of the lower triangle."""
+        """Return the entries of the lower triangle of the stiffness matrix Σ Bᵀ D B."""
         return len(self._triangle.entries)
 
     def factorise(self, stiffness: np.ndarray) -> None:

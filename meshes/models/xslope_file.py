@@ -82,7 +82,7 @@ def _model(sheets: dict[str, Rows]) -> ForeignModel:
     lines = [line_of(points) * units.length for points in _tables(sheets["profile"], "profile line", "x", "y")]
     rows = _materials(sheets["mat"])
     if not lines or len(rows) < len(lines):
-        raise ValueError(f"{len(lines)} profile lines and {len(rows)} materials; expected one for each line")
+        raise ValueError(f"{len(lines)} profile lines and {len(rows)} materials; expected a material for each line")
     tables = [line_of(points) * units.length for points in _tables(sheets["piezo"], "piezometric line", "x", "y")]
     base = _cell_after(sheets["profile"], "max depth") * units.length
     layers = []

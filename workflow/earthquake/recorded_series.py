@@ -98,6 +98,6 @@ def steps(count: int, step: float, where: str) -> np.ndarray:
     if not (np.isfinite(step) and 0.0 < step <= LONGEST_STEP):
         unit = "; is it in milliseconds?" if step > LONGEST_STEP else ""
         raise ValueError(
-            f"{where}: the time step is {step:g} s; expected one above 0, and up to {LONGEST_STEP:g} s{unit}"
+            f"{where}: the time step is {step:g} s; expected a step above 0, and up to {LONGEST_STEP:g} s{unit}"
         )
     return step * np.arange(count)

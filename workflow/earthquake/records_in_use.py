@@ -16,7 +16,7 @@ PLACES = (
 def records(config: Any) -> Iterator[tuple[str, Accelerogram]]:
     """Return every record that an input names and uses, with the place of its name, such as "slide, accelerogram".
 
-    Raises InputError if one cannot be read.
+    Raises InputError if a record cannot be read.
     """
     for table, key in PLACES:
         settings = getattr(config, table)

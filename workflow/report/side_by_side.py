@@ -31,7 +31,7 @@ class ComparedRun:
 
 
 def read(folders: Sequence[Path]) -> list[ComparedRun]:
-    """Return the runs in some folders; raise InputError with every folder that holds none."""
+    """Return the runs in some folders; raise InputError with every folder that holds no run."""
     summaries, problems = [], []
     for folder in folders:
         try:

@@ -166,7 +166,7 @@ def _alike(results: Results) -> str:
         return ""
     why = f" ({like.instead})" if like.instead else ""
     most = f" (at most {coefficient(like.kc_upper)})" if coefficient(like.kc_upper) != coefficient(like.kc) else ""
-    return f" with {like.terms}{why}, {coefficient(like.kc)}{most}"
+    return f" with {like.terms}{why}, which is {coefficient(like.kc)}{most}"
 
 
 def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:

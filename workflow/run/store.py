@@ -131,7 +131,7 @@ class Store:
         return [name for name, mark in self.marks(patterns).items() if before.get(name) != mark]
 
     def remove(self, patterns: Sequence[str]) -> None:
-        """Remove the files that match some patterns; folders stay. Raises InputError if one cannot be removed."""
+        """Remove the files that match some patterns; folders stay. Raises InputError if a file cannot be removed."""
         for name in self.matching(patterns):
             try:
                 (self.folder / name).unlink()

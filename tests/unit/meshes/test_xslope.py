@@ -137,7 +137,10 @@ def test_bad_workbooks(tmp_path: Path) -> None:
             workbook(tmp_path / "a.xlsx", soils=wrong),
             'material "Fill" has the strength option "power"; expected one of mc, cp',
         ),
-        (workbook(tmp_path / "b.xlsx", soils=SOILS[:2]), "3 profile lines and 2 materials; expected one for each line"),
+        (
+            workbook(tmp_path / "b.xlsx", soils=SOILS[:2]),
+            "3 profile lines and 2 materials; expected a material for each line",
+        ),
         (workbook(tmp_path / "c.xlsx", lines=[]), "0 profile lines"),
     ):
         with pytest.raises(InputError, match=item):

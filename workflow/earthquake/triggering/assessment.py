@@ -153,8 +153,8 @@ def _resistance_of(
     stress."""
     if point.effective <= 0.0:
         raise ValueError(
-            f"the vertical effective stress is {point.effective:.1f} kPa; the relations of triggering need one above 0 "
-            "(the pore pressure lifts the ground: see the water of the section)"
+            f"the vertical effective stress is {point.effective:.1f} kPa; the relations of triggering need a stress "
+            "above 0 (the pore pressure lifts the ground: see the water of the section)"
         )
     return relation.find(point, shaking, settings)
 
