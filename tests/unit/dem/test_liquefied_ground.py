@@ -276,7 +276,7 @@ def test_what_cannot_liquefy() -> None:
     n = 40
     x, z, nothing = np.arange(n) * 2.0 * RADIUS, np.zeros(n), np.zeros(n)
     config = Onset(np.ones(n, bool), np.ones(n), nothing, nothing, nothing)
-    with pytest.raises(ValueError, match="only those of law='soil' liquefy"):
+    with pytest.raises(ValueError, match="the laws of liquefied ground need law='soil'"):
         liquefy(DiscModel.create(DiscGeometry(x, z, RADIUS), DiscMaterials([BARE])), config)
     short = DiscModel.create(
         DiscGeometry(x[:6], z[:6], RADIUS),
