@@ -11,7 +11,7 @@ from hypothesis import settings
 # other, and beside other tests the inverse of a matrix of two rows takes milliseconds for microseconds.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-settings.register_profile("gate", deadline=None, max_examples=30)
+settings.register_profile("gate", deadline=None, max_examples=20)
 settings.register_profile("long studies", deadline=None, max_examples=100)
 
 

@@ -88,6 +88,7 @@ def crust_of_points(slope: EndlessSlope, cell: float) -> float:
     return float(points.displacement[points.stratum == 1, 0].mean())
 
 
+@pytest.mark.slow
 def test_points_of_an_endless_slope_move_by_the_integral_of_its_strain() -> None:
     """6 m of liquefied ground under 14 m of crust, dry, at 0.25°: 1.20 m, within 5 % by two sizes of cells.
 
@@ -129,7 +130,10 @@ def crust_on_thin_layer(crust: float, thickness: float, cell: float) -> tuple[fl
     return float(slide.slide[-1].mean()), potential * grade * effective / knee * thickness
 
 
-@pytest.mark.parametrize(("crust", "thickness", "cell"), [(6.0, 2.0, 1.5), (6.0, 2.0, 5.9), (4.0, 1.0, 3.0)])
+@pytest.mark.parametrize(
+    ("crust", "thickness", "cell"),
+    [pytest.param(6.0, 2.0, 1.5, marks=pytest.mark.slow), (6.0, 2.0, 5.9), (4.0, 1.0, 3.0)],
+)
 def test_a_layer_thinner_than_a_cell_strains_by_its_own_thickness(crust: float, thickness: float, cell: float) -> None:
     """0.20 and 0.10 m, within 7 % in cells from three quarters of the layer to three times as thick.
 
@@ -160,6 +164,7 @@ def wanted_below_water(thickness: float) -> float:
     return float(thickness * strain(total * np.sin(np.radians(0.5)), total - UNIT_WEIGHT * (depth - 2.0)).mean())
 
 
+@pytest.mark.slow
 def test_discs_of_an_endless_slope_move_by_most_of_it() -> None:
     """1.49 m in closed form, of which discs moved two thirds while their pressure bore shear."""
     wanted = wanted_below_water(4.0)

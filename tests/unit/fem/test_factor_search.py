@@ -15,7 +15,7 @@ def test_a_lower_bound_is_looked_for_below_a_factor_at_which_no_stress_balances_
     clay = layer("clay", cohesion="20 kPa", friction_angle="0 deg")
     ground = [[0, 0], [10, 0], [15, 5], [20, 5], [25, 0], [35, 0]]
     section = Section.parse({"name": "bank", "surface": ground, "base": {"elevation": -4}, "strata": [clay]})
-    fem, settings = FemSettings(sides="smooth"), BoundsSettings(max_cells=800, gap=0.02)
+    fem, settings = FemSettings(sides="smooth"), BoundsSettings(max_cells=800, gap=0.1)
     factor = safety_bounds(section, fem, settings)
     mesh = first_mesh(section, 800, "smooth")
     search = FactorSearch(section, mesh, fem, settings, 1, TrialStart(0.0, 2.0 * factor.upper, False), FactorWork(60.0))

@@ -82,8 +82,9 @@ def test_a_force_uphill_does_not_count_where_ground_leaves_through_the_side_that
     soil = layer("soil", cohesion="5 kPa", friction_angle="30 deg")
     ground = {"name": "cut", "surface": [[0.0, 10.0], [40.0, 0.0]], "base": {"elevation": -4.0}, "strata": [soil]}
     section = Section.parse(ground)
-    bounds = kh_bounds(section, FemSettings(sides="free-field"), ROUGHLY)
-    alone = kh_bounds(section, FemSettings(sides="free-field", direction="uphill"), ROUGHLY)
+    coarse = BoundsSettings(gap=0.1, max_cells=1000, davis=False)
+    bounds = kh_bounds(section, FemSettings(sides="free-field"), coarse)
+    alone = kh_bounds(section, FemSettings(sides="free-field", direction="uphill"), coarse)
     assert bounds.directions[0].direction == "downhill"
     by_direction = {direction.direction: direction for direction in bounds.directions}
     assert by_direction["uphill"].leaves == ("left",)
