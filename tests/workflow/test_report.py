@@ -20,7 +20,7 @@ from tests.support.sentences import disagreements
 
 COARSE = {"fem.element": "bilinear", "fem.tolerance": 1e-4, "fem.accuracy": 0.0, "fem.kh": [0.1], "variants.which": []}
 FEW_DISCS = {
-    "mesh.size": 3, "dem.elements": 50, "dem.parameter": "none", "dem.kh": [], "dem.resolution": 0.1,
+    "mesh.size": 6, "dem.elements": 50, "dem.parameter": "none", "dem.kh": [], "dem.resolution": 0.1,
     "dem.unbalanced": 1e-2, "dem.element_tests": False, "slide.kh": 0.1, "slide.duration": 2.0,
     "slide.seeds": [], "slide.frames": 5, "bounds.max_cells": 200, "bounds.gap": 0.3, "fem.direction": "downhill",
 }  # fmt: skip
