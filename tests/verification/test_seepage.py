@@ -153,7 +153,7 @@ def test_a_stratum_that_does_not_fit_flowing_water_is_refused(key: str, value: o
         Section.parse(data)
 
 
-@pytest.mark.parametrize("toe", [40.0, 40.3])
+@pytest.mark.parametrize("toe", [pytest.param(40.0, marks=pytest.mark.slow), 40.3])
 def test_a_shore_between_two_points_of_the_grid_lifts_no_ground(toe: float) -> None:
     """The pond meets a bank of sand, through which little seeps: nothing blows out there, wherever it is."""
     ground = [[0, 6], [toe, 6], [toe + 8, 10], [140, 10]]

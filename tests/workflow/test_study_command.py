@@ -71,7 +71,8 @@ def test_a_study_leaves_a_table_an_answer_and_a_page(alone: str, section: Path) 
     assert page.count("<img") == 4
 
 
-@pytest.mark.parametrize("workers", [2, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [2, 4])
 def test_more_workers_leave_the_same_table_to_the_last_bit(
     workers: int, section: Path, alone: str, tmp_path: Path
 ) -> None:

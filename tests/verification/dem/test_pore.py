@@ -60,7 +60,9 @@ def test_pulls_back_to_its_length_and_snaps_at_beta() -> None:
     assert np.all(seen[due:, 3] == 0.0)
 
 
-@pytest.mark.parametrize(("squeeze", "crack_by"), [(0.0, "pore"), (0.04, "pore"), (0.04, "contact")])
+@pytest.mark.parametrize(
+    ("squeeze", "crack_by"), [pytest.param(0.0, "pore", marks=pytest.mark.slow), (0.04, "pore"), (0.04, "contact")]
+)
 def test_snaps_in_shear_at_mohr_coulombs_limit(squeeze: float, crack_by: str) -> None:
     """|Ft| first exceeds Fn tan(theta) + b C; Fn that of the whole contact, or of the pore spring alone."""
     soil = replace(HEAVY, cohesion=3.21e4, friction=0.3)

@@ -46,7 +46,8 @@ def test_of_an_embankment_the_steeper_face_counts(tmp_path: Path, capsys: pytest
     assert f"downslope (to the left) the critical Kh is {other['lower']:.4f} to {other['upper']:.4f}" in text
 
 
-@pytest.mark.parametrize("number", [3, *(pytest.param(n, marks=pytest.mark.slow) for n in range(3))])
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(4))
 def test_both_directions_give_the_smaller_of_either_alone(number):
     """Random embankments with two faces, and their mirror images: brackets of the same Kh overlap."""
     draw = np.random.default_rng([44, number])

@@ -226,7 +226,7 @@ def test_thirty_random_sections_have_both_bounds():
     assert sum(entry.good for entry in entries) >= 28
 
 
-@settings(max_examples=5, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=3, deadline=None, suppress_health_check=list(HealthCheck))
 @given(sections())
 def test_lower_is_below_upper_for_every_section(section):
     """Those that fail under their own weight are told so; for some there is no lower bound on so few cells."""

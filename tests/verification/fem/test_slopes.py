@@ -160,7 +160,7 @@ def with_surface(ground, surface):
         ("bilinear", 0.0),
         pytest.param("bilinear", 30.0, marks=pytest.mark.slow),
         pytest.param("quadratic", 0.0, marks=pytest.mark.slow),
-        ("quadratic", 30.0),
+        pytest.param("quadratic", 30.0, marks=pytest.mark.slow),
         pytest.param("reduced", 0.0, marks=pytest.mark.slow),
         pytest.param("reduced", 30.0, marks=pytest.mark.slow),
     ],

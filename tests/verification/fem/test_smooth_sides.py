@@ -98,7 +98,9 @@ CUT_SHORT = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("ground", CUT_SHORT, ids=["dry", "water"])
+@pytest.mark.parametrize(
+    "ground", [pytest.param(CUT_SHORT[0], marks=pytest.mark.slow), CUT_SHORT[1]], ids=["dry", "water"]
+)
 def test_strict_bounds_bracket_the_elements_of_slopes_cut_short(ground: Section) -> None:
     """The mechanism reaches both sides: what is assumed there decides, and elements and bounds assume the same."""
     mesh = generate(ground, MeshSettings(size=0.75))

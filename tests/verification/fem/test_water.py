@@ -53,8 +53,14 @@ def test_level_ground_has_the_stresses_that_are_worked_out_by_hand(element, tabl
     np.testing.assert_allclose(problem.stress[:, 0], 0.3 / 0.7 * problem.stress[:, 1], rtol=1e-6, atol=1.0)
 
 
-@pytest.mark.parametrize("sides", ["fixed", "free-field"])
-@every_element
+@pytest.mark.parametrize(
+    ("element", "sides"),
+    [
+        *((element, "fixed") for element in ELEMENTS),
+        ("reduced", "free-field"),
+        *(pytest.param(element, "free-field", marks=pytest.mark.slow) for element in ELEMENTS if element != "reduced"),
+    ],
+)
 def test_a_slope_under_still_water_is_the_slope_of_buoyant_weight(element, sides):
     """Factor of safety and critical Kh; the horizontal force acts on the saturated mass of both. Measured: 1e-14;
     of limit loads found at once 5e-6, the gap at which their solver stops."""

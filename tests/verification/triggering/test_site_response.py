@@ -109,7 +109,7 @@ def sine(rate: float) -> np.ndarray:
 PULSE = 9.80665 * np.exp(-((TIME - 5.0) ** 2)) * np.sin(2.0 * np.pi * (TIME - 5.0))  # of a fault nearby
 
 
-@pytest.mark.parametrize("seed", [0, 3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2, 3))])
 @pytest.mark.parametrize("name", ["record", "sine", "pulse"])
 def test_strong_motions_have_an_answer_that_is_at_rest(name: str, seed: int) -> None:
     """Random columns under 0.2 and 0.6 g, strains from 0.1 to some per cent, of which 60 rounds refused a third."""
