@@ -14,9 +14,11 @@ from dem.laboratory.element_table import SHARES
 from dem.laboratory.strength_map import ContactStrength, strength_map
 from dem.springs import ROLLING, LayerSprings, Strength, soil_discs
 
-SOFTEST, STIFFEST = 200.0, 5000.0  # kn over the stress of the layer: below, strength falls; above, time is all it costs
-USUAL = 800.0  # kn over the stress where no modulus is given
+# kn over the stress of the layer: below the first, strength falls; above the second, it does not depend on kn any more,
+# and the time step falls. The second holds where no modulus is given, too.
+SOFTEST, STIFFEST = 200.0, 800.0
 LEAST_RIGIDITY = 50.0  # E over strength; of clays some 150 to 1000
+FIRM = 200.0  # kn over strength: cohesive ground of less opens its contacts widely, and may be stiffer than STIFFEST
 NEAR = 0.09  # of the strength wanted
 OVERLAP = 0.5  # of a radius, that soil discs may reach whatever softens
 
@@ -163,10 +165,10 @@ def soil_contacts(
         reach = np.minimum(reach, youngs_modulus / LEAST_RIGIDITY)
     aimed = np.minimum(wanted, reach)
     contacts = table.fit(aimed, pressures, cohesive)
-    real = USUAL * stress
+    real = STIFFEST * stress
     if youngs_modulus is not None:
         real = table.normal_stiffness(youngs_modulus, 0.5 * stress, contacts.friction, contacts.cohesion)
-    stiffness = float(np.clip(real, SOFTEST * stress, STIFFEST * stress))
+    stiffness = float(np.clip(real, SOFTEST * stress, max(STIFFEST * stress, FIRM * float(aimed.max()))))
     gain = table.gained_by_softness(stiffness, pressures, contacts.cohesion)
     contacts = table.fit(aimed / gain, pressures, cohesive)
     contacts = replace(contacts, expected=contacts.expected * gain)

@@ -28,7 +28,9 @@ def layers() -> list[SoilLayer]:
         "surface": [[0.0, 0.0], [40.0, 0.0]],
         "base": {"elevation": -12.0},
         "strata": [
-            layer("sand", bottom={"elevation": -4.0}, cohesion="0 kPa", friction_angle="33 deg"),
+            layer(
+                "sand", bottom={"elevation": -4.0}, cohesion="0 kPa", friction_angle="33 deg", youngs_modulus="8 MPa"
+            ),
             layer("clay", cohesion="30 kPa", friction_angle="0 deg"),
         ],
     }
