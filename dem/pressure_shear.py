@@ -56,7 +56,10 @@ def take_back_shear(state: DiscState) -> None:
         return over_pairs(values, values)
 
     mean = _mean(over_pairs, i, j, np.where(inside, width, 0.0), np.where(liquefied, area, 0.0), scale)
-    pressure_force = -twice * (wet[i, bond.PRESSURE_TERM] + wet[j, bond.PRESSURE_TERM]) * area[i] * area[j] * slope
+    of_discs, degree = wet[:, bond.PRESSURE_TERM], wet[:, bond.SHARE]
+    most = np.maximum(np.maximum(degree[i], degree[j]), NEAREST)
+    pressure = (2.0 - degree[j] / most) * of_discs[i] + (2.0 - degree[i] / most) * of_discs[j]
+    pressure_force = -pressure * area[i] * area[j] * slope
     half, voids = 0.5 * pressure_force * apart, np.where(area > 0.0, area, 1.0)
     along_axes = mean(-shared(0.5 * half * (nx * nx - nz * nz)) / voids)  # (s_xx - s_zz) / 2
     across_axes = mean(-shared(half * nx * nz) / voids)  # s_xz

@@ -22,10 +22,11 @@ c_ij/(gamma r).
    s.
 
 Each sum over a pair has one term for each of its two discs. If the partner is fixed or has not liquefied, the term of
-the liquefied disc is counted twice, in place of the term of the partner. In a bond between two strata the term of the
-weaker disc is counted twice, since the ground slips where it is weakest. Forces are evaluated every few steps, for the
-positions in the middle of these steps, and are constant in between. Sums over the pairs of a disc are in the order of
-its partners, so that they do not depend on the number of threads.
+the liquefied disc is counted twice, in place of the term of the partner; if the partner has liquefied to a smaller
+degree, such as sand beside clay, the term is counted two less the ratio of both degrees times (`stand_in_shares`). In a
+bond between two strata the term of the weaker disc is counted twice, since the ground slips where it is weakest. Forces
+are evaluated every few steps, for the positions in the middle of these steps, and are constant in between. Sums over
+the pairs of a disc are in the order of its partners, so that they do not depend on the number of threads.
 
 Work is summed from one evaluation to the next with the constant forces, except that half of the last step has the new
 forces (velocity Verlet).
@@ -38,7 +39,7 @@ import numpy as np
 
 from dem.kernels.bond_law import CREEP, energy_share, force_share, mobilised, slopes
 from dem.kernels.device_function import device_function
-from dem.kernels.liquefied_laws import bond_kernel, density_kernel, water_pressure
+from dem.kernels.liquefied_laws import bond_kernel, dashpot_share, density_kernel, stand_in_shares, water_pressure
 from dem.kernels.losses import both
 from dem.kernels.period import Period, image
 from dem.kernels.prefetch import wide_vectors
@@ -69,13 +70,14 @@ REMEMBERED = np.uint64(MEMORY * LANES)
 # What is worked out for a pair: where the second disc is from the first and how it moves (m, m/s), where it was at the
 # last look (m); what stands in between them (N m), areas (m2). The first seven give way to direction, speeds along and
 # across (m/s), stretch and slip (m), distance (m). Then what it adds to sums of its first and of its second disc:
-# density, rate of density, lever (m), which give way to strength and force.
-WORKING = 16
-DX, DZ, UX, UZ, OX, OZ, EDGE, AREA_1, AREA_2, SLOPE, WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1, LEVER_2 = (
+# density, rate of density, lever (m), which give way to strength and force. Last the time of the dashpot of soft ground
+# (s).
+WORKING = 17
+DX, DZ, UX, UZ, OX, OZ, EDGE, AREA_1, AREA_2, SLOPE, WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1, LEVER_2, CREEPS = (
     np.uint64(k * LANES) for k in range(WORKING)
 )
 NX, NZ, SPEED, TURN, STRETCH, SLIP, APART = DX, DZ, UX, UZ, OX, OZ, EDGE
-PAIR_PRESSURE, BOND_SUM, ROOM, TWICE, KNEES, ENDS = WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1, LEVER_2
+PAIR_PRESSURE, BOND_SUM, ROOM, STANDS_IN, KNEES, ENDS = WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1, LEVER_2
 FORCE_X1, FORCE_X2, FORCE_Z1, FORCE_Z2 = WIDTH_1, WIDTH_2, RATE_1, RATE_2
 WORKED = np.uint64(WORKING * LANES)
 TO_RATE, TO_LEVER = RATE_1 - WIDTH_1, LEVER_1 - WIDTH_1  # from where a member's density lies; its forces, likewise
@@ -159,9 +161,8 @@ def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, later: float, w
         area_i, area_j = discs[i, AREA], discs[j, AREA]
         w[q + AREA_1], w[q + AREA_2] = area_i, area_j
         if with_losses:
-            # of a disc that has not liquefied the push is nothing
-            alone = (discs[i, SHARE] > 0.0) != (discs[j, SHARE] > 0.0)
-            w[q + EDGE] = area_i * area_j * (discs[i, PRESSURE_TERM] + discs[j, PRESSURE_TERM]) if alone else 0.0
+            more_i, more_j = stand_in_shares(discs[i, SHARE], discs[j, SHARE])
+            w[q + EDGE] = area_i * area_j * (more_i * discs[i, PRESSURE_TERM] + more_j * discs[j, PRESSURE_TERM])
 
 
 @device_function(nogil=True, _nrt=False)
@@ -169,8 +170,8 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool)
     """Compute densities, relative positions and relative speeds of a block of pairs, after `fetch_motion`; `wet`:
     liquefied pairs; `period`: period of the ground.
 
-    With `with_losses` the function returns the work (J), since the last evaluation, of the terms that are counted twice
-    because a partner has not liquefied.
+    With `with_losses` the function returns the work (J), since the last evaluation, of the pressures that stand in for
+    partners that have liquefied less.
     """
     wide_vectors()
     w, reach = wet.working, wet.reach
@@ -286,14 +287,20 @@ def fetch_strength(block: int, wet: Liquefied) -> None:
         q = np.uint64(block) * WORKED + np.uint64(lane)
         c = block * LANES + lane
         i, j = np.int64(wet.first[c]), np.int64(wet.second[c])
-        w[q + PAIR_PRESSURE] = discs[i, PRESSURE_TERM] + discs[j, PRESSURE_TERM]
+        more_i, more_j = stand_in_shares(discs[i, SHARE], discs[j, SHARE])
+        stands_in = more_i * discs[i, PRESSURE_TERM] + more_j * discs[j, PRESSURE_TERM]
+        pressure = discs[i, PRESSURE_TERM] + discs[j, PRESSURE_TERM] + stands_in
+        w[q + PAIR_PRESSURE], w[q + STANDS_IN] = pressure, stands_in / (pressure + LESS)
         a, b = strength_weights(discs, i, j)
         w[q + BOND_SUM] = a * discs[i, BOND] + b * discs[j, BOND]
         a, b = bond_weights(a, b)
         ends = a * discs[i, SOFT_TO] + b * discs[j, SOFT_TO]
         w[q + ROOM] = (STRAINED if a != b and ends > 0.0 else 1.0) * (a * discs[i, STRAIN] + b * discs[j, STRAIN])
         w[q + KNEES], w[q + ENDS] = a * discs[i, KNEE] + b * discs[j, KNEE], ends
-        w[q + TWICE] = 1.0 if discs[i, SHARE] > 0.0 and discs[j, SHARE] > 0.0 else 2.0
+        w[q + CREEPS], soft = CREEP, i if discs[i, SOFT_TO] > 0.0 else j
+        if (discs[i, SOFT_TO] > 0.0) != (discs[j, SOFT_TO] > 0.0):
+            single = discs[soft, BOND], STRAINED * discs[soft, STRAIN]
+            w[q + CREEPS] *= dashpot_share(single, (w[q + BOND_SUM], w[q + ROOM]))
 
 
 @device_function(nogil=True, _nrt=False)
@@ -303,7 +310,7 @@ def press_pairs(
     """Compute forces and history variables of the pairs of a block, after `fetch_strength` has read their strength.
 
     Returns energies (J) since the last evaluation: dissipation of bonds by slip and by dashpots, and the work of the
-    terms that are counted twice because a partner has not liquefied. damping_time: dashpot over stiffness of a bond
+    pressures that stand in for partners that have liquefied less. damping_time: dashpot over stiffness of a bond
     (s); relaxation: share of the force of the spring in series with the second dashpot that remains at the next
     evaluation.
     """
@@ -314,10 +321,10 @@ def press_pairs(
     for lane in range(LANES):
         q = np.uint64(block) * WORKED + np.uint64(lane)
         r = np.uint64(block) * REMEMBERED + np.uint64(lane)
-        apart, factor = w[q + APART], w[q + TWICE]
+        apart, stands_in = w[q + APART], w[q + STANDS_IN]
         here = 1.0 if apart < reach else 0.0
         inside = apart if apart < reach else reach
-        pressure_force = -factor * w[q + PAIR_PRESSURE] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
+        pressure_force = -w[q + PAIR_PRESSURE] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
         strength = 0.5 * math.pi * FITTED * w[q + BOND_SUM] * bond_kernel(inside, reach)
         soft_to = 0.5 * w[q + ENDS]
         room = 0.5 * w[q + ROOM] * inside + LESS * reach  # way (m) at which the bond slips
@@ -340,7 +347,7 @@ def press_pairs(
         if with_losses:
             dashed = memory[r + DASH_ALONG] * stretch + memory[r + DASH_ACROSS] * slip
             damped = both(damped, (1.0 - part) * dashed)
-            work = both(work, (factor - 1.0) * 0.5 * part * pressure_force * stretch)
+            work = both(work, stands_in * part * pressure_force * stretch)
             weaker = 0.5 * (memory[r + YIELD] - energy) * energy_share(along, across, soft, steep, soft_to)
             was = force_share(along, across, soft, steep)
             cut = (was * along + mobilised_share * new_along) * (tried_along - new_along)
@@ -354,7 +361,7 @@ def press_pairs(
             relaxation * (memory[r + LATE_ALONG] + BEHIND * stretch * inverse),
             relaxation * (memory[r + LATE_ACROSS] + BEHIND * slip * inverse),
         )
-        delay = (damping_time + CREEP * soft) * inverse
+        delay = (damping_time + w[q + CREEPS] * soft) * inverse
         new_along, new_across = mobilised_share * new_along, mobilised_share * new_across
         soon_along, soon_across = mobilised(
             new_along + late_along + w[q + SPEED] * delay, new_across + late_across + w[q + TURN] * delay

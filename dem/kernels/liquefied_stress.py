@@ -14,7 +14,7 @@ from numba import njit
 
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.bond_law import force_share
-from dem.kernels.liquefied_laws import bond_kernel, density_kernel
+from dem.kernels.liquefied_laws import bond_kernel, density_kernel, stand_in_shares
 from dem.kernels.liquefied_pairs import bond_lines, strength_weights
 from dem.kernels.period import Period, image
 
@@ -79,14 +79,9 @@ def _sums(
             continue
         width[c], slope = density_kernel(apart, reach)
         nx, nz = dx / apart, dz / apart
-        twice = 1.0 if discs[i, bond.SHARE] > 0.0 and discs[j, bond.SHARE] > 0.0 else 2.0
-        pressure_force = (
-            -twice
-            * (discs[i, bond.PRESSURE_TERM] + discs[j, bond.PRESSURE_TERM])
-            * discs[i, bond.AREA]
-            * discs[j, bond.AREA]
-            * slope
-        )
+        more_i, more_j = stand_in_shares(discs[i, bond.SHARE], discs[j, bond.SHARE])
+        pressure = (1.0 + more_i) * discs[i, bond.PRESSURE_TERM] + (1.0 + more_j) * discs[j, bond.PRESSURE_TERM]
+        pressure_force = -pressure * discs[i, bond.AREA] * discs[j, bond.AREA] * slope
         a, b = strength_weights(discs, i, j)
         limit = 0.5 * math.pi * bond.FITTED * (a * discs[i, bond.BOND] + b * discs[j, bond.BOND])
         limit *= bond_kernel(apart, reach)

@@ -108,7 +108,7 @@ def test_a_dry_run_only_says_what_it_would_do(whole: Path, capsys: pytest.Captur
     assert run("run", whole / "slope.toml", "--out", whole / "out", "--dry-run", *changed) == 0
     messages = [text.split() for text in capsys.readouterr().out.splitlines() if text.strip()]
     assert ["slide", "be", "reused", "nothing", "has", "changed"] in messages
-    assert ["report", "run", "changed:", "[sliding_block]"] in messages
+    assert ["report", "run", "inputs", "changed:", "[sliding_block]"] in messages
 
 
 def test_plot_draws_again_without_computing(whole: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,10 +9,10 @@ from scipy.integrate import trapezoid
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.case import Case
-from dem.engine.engine import Engine
+from dem.engine.engine import Engine, largest_step
 from dem.ground import Ground
 from dem.kernels.contact import ALLOWED, CN, CT, KN, KS, MU
-from dem.kernels.liquefied_laws import bond_kernel, density_kernel
+from dem.kernels.liquefied_laws import bond_kernel, density_kernel, stand_in_shares
 from dem.kernels.liquefied_pairs import (
     AREA,
     BOND,
@@ -133,6 +133,35 @@ def test_energy_balances_better_with_smaller_steps(soft: bool) -> None:
         assert energies.viscosity > 0.0
     assert gaps[0] < 0.01
     assert gaps[1] < 0.5 * gaps[0]
+
+
+def test_the_pressure_beside_ground_that_begins_to_liquefy_changes_gradually() -> None:
+    """Between clay, which has liquefied to 1, and sand under one overburden it is the same at every degree of sand."""
+    assert stand_in_shares.py_func(1.0, 0.0) == (1.0, 0.0)
+    assert stand_in_shares.py_func(0.3, 0.3) == (0.0, 0.0)
+    for degree in (0.0, 0.05, 0.5, 1.0):
+        of_clay, of_sand = stand_in_shares.py_func(1.0, degree)
+        assert (1.0 + of_clay) * 1.0 + (1.0 + of_sand) * degree == pytest.approx(2.0)
+
+
+def test_soft_sand_that_begins_to_liquefy_on_strong_clay_loses_no_energy_to_the_steps() -> None:
+    """The dashpot of sand with the strength and the strain of clay was unstable: its losses were below zero, and slides
+    were repeated with a quarter of the step."""
+    n, clay, sand_above = 240, np.repeat([False, True, False], [20, 100, 120]), np.repeat([False, True], [120, 120])
+    x, z = np.meshgrid(np.arange(20.0), 0.9 * np.arange(12))
+    layers = [replace(LOOSE, faded=1.0), replace(LOOSE, name="sand", faded=0.05)]
+    layer = np.where(clay, 0, np.where(sand_above, 1, -1))
+    discs = DiscGeometry((x + 0.5 * (np.arange(12) % 2)[:, None]).ravel(), z.ravel(), np.full(n, 0.5), layer)
+    model = DiscModel.create(discs, DiscMaterials(layers, law="soil", turns=False), gravity=(0.0, -GRAVITY))
+    area, pressure = with_voids(model), effective_overburden(model)
+    liquefy(model, Onset(clay, area, pressure, np.full(n, 3e5), np.full(n, 0.005)))
+    liquefy(model, Onset(sand_above, area, pressure, np.full(n, 2e4), np.full(n, 0.25), 0.07, 0.65))
+    set_share(model, np.where(clay, 1.0, np.where(sand_above, 0.05, 0.0)))
+    model.set_velocity(*np.random.default_rng(3).normal(0.0, 0.1, (2, n)) * ~model.fixed)
+    energies = Engine(dt=0.6 * largest_step(model).seconds, balance=1.0).run(model, 0.1)
+    assert energies is not None
+    assert energies.viscosity > 0.0
+    assert abs(energies.gap) < 5e-3 * energies.turnover
 
 
 @pytest.mark.parametrize("seed", [3, 4])
