@@ -95,7 +95,7 @@ def _slide(results: Results, title: str, states: list[Frame], history: SlideHist
         "shades": [to_hex(colour) for colour in colormaps[FAR](np.linspace(0.0, 1.0, SHADES))],
         "soils": soil_colours([stratum.name for stratum in results.config.section.strata]),
         "history": [
-            [round(row.time_s, 2), round(row.slide_max_m, 3), round(row.settlement_uphill_m, 3)] for row in rows
+            [round(row.time_s, 2), round(row.slide_max_m, 6), round(row.settlement_uphill_m, 6)] for row in rows
         ],
     }
     return Film.of(
