@@ -138,7 +138,7 @@ class Ground:
     def shaking(self, before: float, after: float, start: float, end: float) -> Acceleration:
         """Return the acceleration of a Kh that changes along a half cosine between two times; positive is downslope.
 
-        before, after: Kh before and after (-); start, end: the times (s).
+        before, after: Kh before and after the change (-); start, end: times at which the change begins and ends (s).
         """
         change = Acceleration.seismic(self.downhill * (after - before), tilt=self.tilt, ramp=(start, end))
         before_change = self.steady(before)
@@ -220,7 +220,7 @@ def mean_slope(section: Section) -> float:
 
 
 def box_fits(section: Section, radius: float) -> bool:
-    """Return whether surface and base lie within a radius of two parallel straight lines."""
+    """Return whether surface and base are straight and parallel to within the radius of a disc."""
     outline = section.outline()
     tilt = mean_slope(section)
     start = section.ground[0]

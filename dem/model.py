@@ -68,7 +68,7 @@ class DiscModel(DiscState):
         gravity
             Gravity along x and z (m/s2).
         acceleration
-            External acceleration over time; no acceleration if left out.
+            External acceleration as a function of time; no acceleration if left out.
         skin
             Margin of the neighbour list (m); 0.4 mean radii if left out.
 

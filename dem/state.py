@@ -97,7 +97,7 @@ class DiscState:
     gravity : (float, float)
         Gravity (m/s2).
     acceleration : Acceleration
-        External acceleration over time.
+        External acceleration as a function of time.
     skin : float
         Margin of the neighbour list (m).
     time, steps, last_dt : float, int, float

@@ -233,7 +233,7 @@ class EngineRun:
             self.pool.shutdown()
 
     def pack(self) -> Layout:
-        """Return the layout in memory; without a layout, make it from the model."""
+        """Return the layout of the discs for the kernels, which is made from the model if there is none yet."""
         if self.layout is None:
             self.layout = pack(self.model, keep_pairs=False, in_ranges=self.in_ranges, room=self.room)
             self.springs, self.law = springs_of(self.model), self.engine.law_of(self.model)

@@ -127,8 +127,8 @@ def pore(
     """Compute the forces of a pore spring, equations 11 to 17 of the paper. An intact spring pulls, pushes and shears;
     a cracked one works only while compressed.
 
-    A pore spring cracks where D >= beta L (equation 15) or |Ft| > max(Fn tan(theta) + bC, 0) (equation 16). From this
-    step on it has no cohesion, and friction under its own compression limits its shear force (state 2 of the paper).
+    A pore spring cracks where D >= beta L (equation 15) or |Ft| > max(Fn tan(theta) + bC, 0) (equation 16). A cracked
+    spring has no cohesion, and friction under its own compression limits its shear force (state 2 of the paper).
 
     length: distance L of the centres at which the spring was set (m), negative once cracked, 0 if there is none;
     distance: distance D of the centres (m); slip: tangential displacement since the last step (m); shear: tangential

@@ -21,12 +21,12 @@ c_ij/(gamma r).
    discs that lose their contacts rearrange, and until slip has aligned all bonds, those at their limit give only 0.77
    s.
 
-Each sum over a pair has one term for each of its two discs. If the partner is fixed or has not liquefied, the term of
-the liquefied disc is counted twice, in place of the term of the partner; if the partner has liquefied to a smaller
-degree, such as sand beside clay, the term is counted two less the ratio of both degrees times (`stand_in_shares`). In a
-bond between two strata the term of the weaker disc is counted twice, since the ground slips where it is weakest. Forces
-are evaluated every few steps, for the positions in the middle of these steps, and are constant in between. Sums over
-the pairs of a disc are in the order of its partners, so that they do not depend on the number of threads.
+Pressure and strength of a pair are sums of two terms, one for each disc. A partner that is fixed or has not liquefied
+has no term; the term of the liquefied disc then has the weight 2. If the partner has liquefied to a smaller degree, the
+pressure term of the disc has the weight 2 less the degree of the partner over that of the disc (`stand_in_shares`). In
+a bond between two strata the term of the weaker disc has the weight 2, since the ground slips where it is weakest.
+Forces are evaluated every few steps, for the positions in the middle of these steps, and are constant in between. Sums
+over the pairs of a disc are in the order of its partners, so that they do not depend on the number of threads.
 
 Work is summed from one evaluation to the next with the constant forces, except that half of the last step has the new
 forces (velocity Verlet).

@@ -185,7 +185,7 @@ def sort_run(begin: int, end: int, key: np.ndarray, other: np.ndarray) -> None:
 def near_pairs(begin: int, end: int, near: Near, grid: Grid) -> tuple[np.ndarray, np.ndarray]:
     """Find the neighbouring pairs i < j for `find_pairs`: first pair of each i, and the j of all pairs.
 
-    begin, end: range of the lower numbers; near: discs and distance of neighbours; grid: the discs sorted into cells.
+    begin, end: range of the numbers i; near: discs and distance of neighbours; grid: the discs sorted into cells.
     """
     # by name: a field of a tuple of arrays is counted as referred to at every use
     x, z, radius, fixed, factor, skin, period = near

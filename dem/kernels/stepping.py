@@ -308,7 +308,8 @@ def take_steps(
     need: np.ndarray,
     buffer: np.ndarray,
 ) -> tuple[int, float, int]:
-    """Take the steps of the clock or fewer; each thread of the team calls this function with its own number.
+    """Advance the discs by the steps that ``clock`` requests, or by fewer; each thread calls this function with its
+    number in the ``team``.
 
     team: the threads; clock: steps to take and the time; layout: discs and contacts; springs: constants; law: law of
     the contacts; loads: acceleration; entries: entries of the energy balance; reach: square of the displacement after

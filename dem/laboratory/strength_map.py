@@ -180,8 +180,8 @@ class StrengthMap:
 
 @lru_cache(maxsize=2)
 def strength_map(turns: bool = True) -> StrengthMap:
-    """Return the map of the package: of rotating discs for soil with friction, or of discs that do not rotate for
-    clay."""
+    """Return the strength map that comes with this package: of discs that rotate (``turns``), for soil with friction,
+    or of discs that do not rotate, for clay."""
     with (files("dem.laboratory") / MAP).open(encoding="utf-8") as source:
         every = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(source)]
     rows = [row for row in every if row["turns"] == turns]

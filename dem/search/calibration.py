@@ -348,7 +348,7 @@ def calibrate(
 
 
 def _between(tried: dict[float, Search], target: float, low: float, high: float) -> float:
-    """Return the factor of the next trial: linear interpolation of Kh over the logarithm of the factor, not too near to
+    """Return the factor of the next trial: linear interpolation of Kh in the logarithm of the factor, not too near to
     either trial.
     """
     below, above = middle(tried[low]) - target, middle(tried[high]) - target

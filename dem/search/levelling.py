@@ -2,8 +2,8 @@
 
 A removed disc leaves a hollow of its size, into which its neighbours slide. Therefore a new disc is added wherever
 there is room for it on two other discs. The new disc gets the radius, within the spread of the packing, with which its
-top is nearest to the surface. If a column has no such room, one of its discs is exchanged for others. Positions, radii
-and order follow from the discs, not from random numbers.
+top is nearest to the surface. If no new disc fits into a column, one of its discs is exchanged for others. Positions,
+radii and order follow from the discs, not from random numbers.
 """
 
 import numpy as np
@@ -74,10 +74,10 @@ def _exchanged(
     radius: float,
     spread: float,
 ) -> np.ndarray:
-    """Return the discs between two ends (m) after one disc of each deviating column is removed and its gap is filled.
+    """Return the discs after one disc of each deviating column is removed and its gap is filled.
 
     The disc is removed whose exchange brings the column and its neighbours nearest to the surface; no disc is removed
-    if no exchange improves them.
+    if no exchange improves them. ``allowed`` is the range of x (m) in which the centres of new discs may lie.
     """
     left, right = section.extent
     above = _columns(section, discs, radius)
@@ -120,7 +120,7 @@ def _fillings(
     """Return the new discs (n, 3: centre and radius) that rest on two others each, those with tops nearest to the
     surface first.
 
-    The centres of the new discs are between two ends (m).
+    ``ends`` is the range of x (m) in which the centres of the new discs may lie.
     """
     # behind a steep face discs lie deep below their own surface and yet beside the places at its toe
     lowest = np.min([_level(section, discs[:, 0] + DEEP * way) for way in (-radius, 0.0, radius)], axis=0)

@@ -1,4 +1,4 @@
-"""Kh over displacement: the equilibrium path of a slope, with associated flow and by Davis's estimate."""
+"""Kh against displacement: the equilibrium path of a slope, with associated flow and by Davis's estimate."""
 
 import matplotlib.pyplot as plt
 from mpi4py import MPI

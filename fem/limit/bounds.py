@@ -118,9 +118,9 @@ class DirectionGround:
     def of(cls, section: Section, fem: FemSettings, max_cells: int) -> "DirectionGround":
         """Return the ground that is analysed for the direction of the settings.
 
-        The Kh of each face is compared with an upper bound on one coarse mesh of the section with all its faces
-        strengthened. The upper bound of the coarse mesh is larger than that of a fine mesh, so that a few faces too
-        many may be listed, but no face is missing. Faces inclined against the force that fail by their weight are
+        The critical Kh of each face is compared with an upper bound on one coarse mesh of the section with all its
+        faces strengthened. The upper bound of the coarse mesh is larger than that of a fine mesh, so that a few faces
+        too many may be listed, but no face is missing. Faces inclined against the force that fail by their weight are
         strengthened in any case: no stress field is in equilibrium there. The section without strengthening is not used
         for the comparison: where faces of different water meet, its mechanism may be shallow, too. Raises the errors of
         ``first_mesh``.

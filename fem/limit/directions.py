@@ -45,10 +45,10 @@ class DirectionBounds(Bracket):
 
 @dataclass(frozen=True, eq=False)
 class SmallerKhBounds(Bracket):
-    """Holds the bounds of the smallest Kh over all directions that count.
+    """Holds the bounds of the smallest critical Kh over the directions of the seismic force.
 
-    As in the finite elements, the uphill direction does not count if its mechanism leaves the section through a side
-    and the downhill direction was analysed: the side is where the section was cut off.
+    As in the finite elements, the uphill direction is left out if its mechanism leaves the section through a side and
+    the downhill direction was analysed: the side is where the section was cut off.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
 
 
 def smaller_of(directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
-    """Return the bounds of the smallest Kh over all directions that count (`counting_of`).
+    """Return the bounds of the smallest critical Kh over the directions that `counting_of` selects.
 
     Computing work and meshes are those of the direction with the smallest upper bound.
     """

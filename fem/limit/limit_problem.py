@@ -214,7 +214,7 @@ class LimitProblem:
 
         D is convex where the strain rate is linear, D <= Σ D_i L_i, and c = Σ c_j L_j with the area coordinates L, so
         that ∫ c D dA <= Σ_ij c_j D_i ∫ L_i L_j dA, which is A/6 for i = j and A/12 otherwise. With a tension cut-off D
-        is not proportional to c, and the largest one of the cell is taken.
+        is not proportional to c, and all corners get the largest c of the cell.
         """
         cohesion = self.cohesion_above
         spread = 0.25 * (cohesion + cohesion.sum(axis=1, keepdims=True))

@@ -144,8 +144,8 @@ def equations(problem: LimitProblem) -> tuple[sparse.csr_matrix, np.ndarray, np.
 
 
 def points_of_equations(matrix: sparse.csr_matrix, points: np.ndarray, corner_points: np.ndarray) -> np.ndarray:
-    """Return the number of the point of every equation, -1 for none. The equilibrium of a cell with only one corner
-    stress belongs to this corner.
+    """Return the number of the point to which each equation belongs, -1 for none. The equilibrium equations of a cell
+    with a stress at only one corner belong to this corner.
 
     A cell has only one corner stress if its two other corners lie at a bare surface of ground without cohesion. The
     equilibrium equations of several cells with only one corner stress around a point, as in the tip of a wedge of sand,

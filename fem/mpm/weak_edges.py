@@ -57,7 +57,8 @@ class EdgeStrength:
     strength : ndarray (k,)
         Strength of each point (Pa).
     demand : ndarray (k,)
-        Mass above each point over the mass above its donor, which is the ratio of their shear stresses (-).
+        Mass above each point over the mass above its weak point (donor), which is the ratio of the shear stresses at
+        the two points (-).
     """
 
     points: np.ndarray

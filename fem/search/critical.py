@@ -66,7 +66,7 @@ class CriticalResult:
     reason, remedy : str
         Reason why the path ended, and what to change if there is no answer.
     steps : list of PathStep
-        Steps of the path: Kh over the mean horizontal displacement.
+        Steps of the path: Kh and the mean horizontal displacement (m).
     states : list of FieldState
         The fields at the Kh of the settings, and at the end of the path.
     solves : int

@@ -37,7 +37,7 @@ class NonAssociatedPath:
     reason : str
         Reason why the path ended.
     steps : list of PathStep
-        The path: Kh over the mean horizontal displacement.
+        Steps of the path: Kh and the mean horizontal displacement (m).
     slip_surface : (k, 2)
         Points [x, elevation] (m) of the line between moving ground and ground at rest; empty without failure.
     """

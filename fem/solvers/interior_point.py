@@ -270,7 +270,7 @@ class _Method:
             raise _BreakdownError
 
     def without_load(self, ry: np.ndarray, rz: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Solve Aᵀ dz = ry, A dy - W² dz = rz without the row of the load."""
+        """Solve Aᵀ dz = ry, A dy - W² dz = rz, where A lacks its first row, which holds the load."""
         g, force = np.empty((2, len(self.corners[0]), 3))
         dy, dz = np.zeros(len(ry)), np.zeros(len(rz))
         at = self.c_inverse, self.square, self.lone, *self.eliminated
@@ -281,7 +281,7 @@ class _Method:
         return dy, dz
 
     def once(self, ry: np.ndarray, rz: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the solution dy, dz of the system with the row of the load."""
+        """Return the solution dy, dz of Aᵀ dz = ry, A dy - W² dz = rz, where the first row of A holds the load."""
         dy, dz = self.without_load(ry, rz)
         multiplier = (float(self.load @ dy) - rz[0]) / self.load_work
         dy -= multiplier * self.to_load[0]

@@ -81,8 +81,8 @@ class VariantSettings(Model):
 
 
 class FaceSettings(Model):
-    """Holds the settings for the faces of structures, the table [faces] of the input file. Every face is computed by
-    finite elements and bounds."""
+    """Holds the settings for the faces of structures, the table [faces] of the input file. The critical Kh and the
+    factor of safety of each face are computed by finite elements and by strict bounds."""
 
     run: StrictBool | Literal["auto"] = Field(
         default="auto",

@@ -99,8 +99,9 @@ def _lines(path: Path) -> list[str]:
 
 
 def _chosen(components: list[RecordedSeries], wanted: str) -> RecordedSeries:
-    """Return the chosen component; without a choice the acceleration, not velocity or displacement. Raises ValueError
-    if a choice is necessary and missing.
+    """Return the component that is ``wanted``, or, if none is named, the only component of acceleration.
+
+    Raises ValueError if the file has no such component, or several and none is named.
     """
     of_acceleration = [component for component in components if component.quantity.lower().startswith("accel")]
     components = of_acceleration or components

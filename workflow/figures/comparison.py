@@ -48,7 +48,7 @@ def _title(results: Results) -> str:
 
 
 def _curves(results: Results, name: str) -> bool:
-    """Draw Kh over displacement, of the continuum and of the discs, on one sheet."""
+    """Draw Kh against displacement, of the continuum and of the discs, on one sheet."""
     answer, discs = results.fem, results.dem
     if answer is None:
         return False
@@ -103,7 +103,7 @@ def _curves(results: Results, name: str) -> bool:
 
 
 def _discs(axes: Any, search: DiscSearch, look: dict[str, Any], soil: bool) -> float:
-    """Draw Kh over the displacement of the discs. Return the largest displacement drawn (m).
+    """Draw Kh against the displacement of the discs. Return the largest displacement drawn (m).
 
     For discs with the law "soil" the displacement is prescribed, and every measured Kh is drawn. For discs with the law
     "paper" Kh is prescribed, and only states at rest are drawn.
@@ -164,8 +164,8 @@ def _surfaces(results: Results, name: str) -> bool:
 
 
 def _one_at_a_time(sheet: Sheet, answer: CalibrationAnswer, parameters: list[str]) -> list[Line2D]:
-    """Draw the critical Kh over the factor on each parameter in the first view, and return the entries of the
-    legend."""
+    """Draw the critical Kh against the factor on each parameter in the first view of the sheet, and return the entries
+    of the legend."""
     axes = sheet.plot(0, "factor on the parameter (-)", "critical Kh (-)", "one parameter at a time")
     shades = (DISCS, CONTINUUM, "#2c7a3f", "#c77d11", INK, PALE)
     handles = []

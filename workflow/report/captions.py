@@ -52,8 +52,8 @@ CAPTIONS = (
     Caption(
         r"curves",
         "both",
-        "Kh over displacement of the continuum and of the discs. Bands: brackets of the critical Kh. The critical Kh "
-        "of soil discs, which harden and have no plateau, is the largest moving average of Kh up to the "
+        "Kh against displacement of the continuum and of the discs. Bands: brackets of the critical Kh. The critical "
+        "Kh of soil discs, which harden and have no plateau, is the largest moving average of Kh up to the "
         "displacement at the vertical line; the average is over a fifth of this displacement.",
         True,
     ),
@@ -120,7 +120,7 @@ CAPTIONS = (
 
 # Captions of pictures that show discs, if there are any, where there are none.
 WITHOUT_DISCS = {
-    "curves": "Kh over displacement of the continuum. Band: bracket of the critical Kh.",
+    "curves": "Kh against displacement of the continuum. Band: bracket of the critical Kh.",
     "slip_surfaces": "Slip surface of the continuum.",
 }
 OF_DISCS = r"(dem_|case\d).*"  # pictures that are there if discs are

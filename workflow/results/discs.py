@@ -131,7 +131,7 @@ class PaperDiscs(Part):
 
 
 class DiscsAnswer(Answer):
-    """Holds the discs, their critical Kh with both sets of springs, and the states that are drawn."""
+    """Holds the discs, their critical Kh before and after calibration, and the states that are drawn."""
 
     FILE: ClassVar[str] = "dem/critical.json"
 

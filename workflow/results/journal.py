@@ -16,7 +16,7 @@ from workflow.run.store import Store
 
 
 class JournalEntry(Part):
-    """Holds one search: factor, parameter and result."""
+    """Holds the search for the critical Kh with one factor on one parameter of the discs."""
 
     parameter: str
     factor: float

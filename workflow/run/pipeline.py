@@ -251,7 +251,7 @@ class Run:
         self.listener.end(decision, self.record.entries[stage.name])
 
     def _drawn(self, stage: Stage, before: Mapping[str, object]) -> list[str]:
-        """Return the pictures that a stage has drawn. Pictures of other inputs are removed."""
+        """Return the pictures that a stage has drawn, and delete those that it drew from earlier inputs."""
         pictures = self.job.store.written(stage.pictures, before)
         self.job.store.remove(sorted(set(self.job.store.matching(stage.pictures)) - set(pictures)))
         return pictures

@@ -90,7 +90,8 @@ class SearchShare:
         self.trials, self.done, self.before = 0, 0, 0
 
     def after_trial(self, done: int) -> float:
-        """Return the share after one more trial, with ``done`` finished searches; always below 1."""
+        """Return the finished share of all searches after one more trial, with ``done`` finished searches; always below
+        1."""
         if done > self.done:
             self.done, self.before = done, self.trials
         self.trials += 1
