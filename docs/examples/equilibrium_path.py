@@ -1,7 +1,6 @@
 """Kh against displacement: the equilibrium path of a slope, with associated flow and by Davis's estimate."""
 
 import matplotlib.pyplot as plt
-from mpi4py import MPI
 
 from fem import FemSettings, critical_coefficient
 from meshes import MeshSettings, Section, generate
@@ -12,7 +11,7 @@ mesh = generate(section, MeshSettings(method="mapped", columns=20, rows=8))
 figure, axes = plt.subplots(figsize=(5.0, 3.2), layout="constrained")
 for flow in ("associated", "davis"):
     settings = FemSettings(direction="downhill", flow=flow, element="bilinear")
-    critical = critical_coefficient(section, mesh, settings, MPI.COMM_SELF)
+    critical = critical_coefficient(section, mesh, settings)
     axes.plot(
         [step.displacement for step in critical.steps], [step.factor for step in critical.steps], ".-", label=flow
     )

@@ -6,8 +6,6 @@ from collections.abc import Collection
 from dataclasses import replace
 from typing import Any, Literal
 
-from mpi4py import MPI
-
 from docs.verify.case import Case
 from docs.verify.record import PARTS, Answer, Part
 from fem.continuum.strength import is_associated, is_dilating_fully
@@ -70,17 +68,17 @@ def _elements(case: Case, part: Part, known: Answer) -> dict[str, Any]:
     most = min(case.fem.max_cells, MOST_CELLS)
     wish = case.fem.changed(flow=flow, kh=(), max_cells=most)
     mesh = generate(case.section, case.mesh)
-    result = _adapted(case, mesh, wish, MPI.COMM_SELF)
+    result = _adapted(case, mesh, wish)
     if result is not None:
         return {part: result, f"{part}_upper": result}
     if case.published.expected == "kc":
-        path: CriticalResult | SafetyFactor = critical_coefficient(case.section, mesh, wish, MPI.COMM_SELF)
+        path: CriticalResult | SafetyFactor = critical_coefficient(case.section, mesh, wish)
     else:
-        path = safety_factor(case.section, mesh, wish, case.published.kh, MPI.COMM_SELF)
+        path = safety_factor(case.section, mesh, wish, case.published.kh)
     return {part: path.value, f"{part}_upper": path.upper}
 
 
-def _adapted(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> float | None:
+def _adapted(case: Case, mesh: QuadMesh, wish: FemSettings) -> float | None:
     """The result on adapted meshes, as of `noshiro fem`; None where the flow is not associated or the solver found
     none, so that a path is followed.
     """
@@ -88,8 +86,8 @@ def _adapted(case: Case, mesh: QuadMesh, wish: FemSettings, comm: Any) -> float 
         return None
     try:
         if case.published.expected == "kc":
-            return AdaptiveSearch(case.section, case.mesh, mesh, comm).critical(wish).result.kc
+            return AdaptiveSearch(case.section, case.mesh, mesh).critical(wish).result.kc
         kh = case.published.kh
-        return AdaptiveSearch(case.section, case.mesh, mesh, comm).safety(wish, kh).result.factor
+        return AdaptiveSearch(case.section, case.mesh, mesh).safety(wish, kh).result.factor
     except NoAnswerError:
         return None

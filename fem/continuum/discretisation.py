@@ -86,8 +86,8 @@ class Discretisation:
         return self.weights.shape[1]
 
 
-def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
-    """Distribute a mesh among the ranks and set up its elements.
+def discretise(mesh: QuadMesh, element: Element, comm: Any = None) -> Discretisation:
+    """Distribute a mesh among the ranks of ``comm``, by default this process alone, and set up its elements.
 
     "bilinear" is the 4-node quadrilateral with 2 x 2 points whose volumetric strain is its mean over the cell (B-bar,
     Hughes 1980, the out-of-plane component included). "quadratic" is the 9-node one with 3 x 3 points whose volumetric
@@ -97,6 +97,10 @@ def discretise(mesh: QuadMesh, element: Element, comm: Any) -> Discretisation:
     which follows dilating flow; its hourglass strain, which is zero at the points, is resisted by ``hourglass``.
     docs/theory/continuum.md compares them.
     """
+    if comm is None:
+        from mpi4py import MPI
+
+        comm = MPI.COMM_SELF
     degree = DEGREES[element]
     part = api.distribute(comm, mesh.points, mesh.cells, degree)
     points = mesh.points[part.corners]

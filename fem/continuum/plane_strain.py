@@ -99,7 +99,7 @@ class PlaneStrain:
         mesh: QuadMesh,
         strata: Sequence[Stratum],
         element: Element,
-        comm: Any,
+        comm: Any = None,
         threads: int = 1,
         flow: FlowSetting = "section",
         form: DavisForm = "B",

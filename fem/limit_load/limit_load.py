@@ -107,7 +107,7 @@ class LimitLoadResult:
 
 
 def critical_limit_load(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any = None, faces: list[ShallowFailure] | None = None
 ) -> LimitLoadResult:
     """Compute the limit load of the seismic force in the direction of ``settings``, always with the "reduced" element.
 
@@ -180,7 +180,7 @@ def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, grou
 
 
 def loaded_ground(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: list[ShallowFailure] | None = None
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any = None, faces: list[ShallowFailure] | None = None
 ) -> LoadedGround:
     """Return the ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; else
     return the ground at rest. Without ``faces``, all cohesionless faces are strengthened if any of them fails at a

@@ -155,7 +155,7 @@ def fixed_components(settings: FemSettings) -> dict[str, str]:
 
 
 def under_weight(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, faces: Sequence[ShallowFailure] = ()
+    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any = None, faces: Sequence[ShallowFailure] = ()
 ) -> tuple[PlaneStrain, np.ndarray]:
     """Return the elements of the section without stress, with the displacements that are fixed under gravity, and the
     nodal forces (N/m) of the weight. Below ``faces`` the ground is strengthened."""

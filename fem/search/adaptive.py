@@ -142,8 +142,8 @@ class AdaptiveSearch:
         Settings of the meshes.
     first : QuadMesh
         The first mesh; the only mesh if meshes are not adapted.
-    comm : communicator
-        MPI communicator of the ranks.
+    comm : communicator, optional
+        MPI communicator of the ranks; by default this process alone.
     tell : callable
         Function that is called with a message before each step.
     executor : Executor
@@ -153,7 +153,7 @@ class AdaptiveSearch:
     section: Section
     meshing: MeshSettings
     first: QuadMesh
-    comm: Any
+    comm: Any = None
     tell: Callable[[str], None] = _nobody
     executor: Executor = SERIAL
 

@@ -121,19 +121,18 @@ def critical_as_discs(
     meshing: MeshSettings,
     first: QuadMesh,
     settings: FemSettings,
-    comm: Any,
     listener: AssessmentListener,
 ) -> AdaptiveResult[CriticalResult]:
     """Find the critical Kh in one direction with the sides of the settings, on meshes refined for it. Failures
     shallower than ``settings.least_depth`` below cohesionless faces do not count.
 
     The critical Kh follows from Davis's estimate instead of ψ = φ where the ground then stands under its weight: discs
-    hardly dilate. Raises InputError, NoEquilibriumError, UnstableError. ``section``, ``meshing``, ``first``, ``comm``,
+    hardly dilate. Raises InputError, NoEquilibriumError, UnstableError. ``section``, ``meshing``, ``first``,
     ``listener``: as in ``assess``.
     """
     own_flow = settings.changed(flow=flow_of(section.strata, settings.flow), kh=())
-    with one_more_thread(comm.size == 1) as executor:
-        search = _Search(section, meshing, first, comm, listener, executor)
+    with one_more_thread() as executor:
+        search = _Search(section, meshing, first, None, listener, executor)
         if search.dilates_more(own_flow):
             try:
                 return search.between_sides(own_flow.changed(flow="davis"))
@@ -265,7 +264,7 @@ class _Search:
             return None
         full = adapted if settings.flow == "associated" else other
         self.tell("Kh for the dilation angles of the strata", None)
-        return own_dilation(self.section, settings, full.result, self.comm)
+        return own_dilation(self.section, settings, full.result)
 
     def by_other_flow(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult] | None:
         """Return the limit load by the other flow rule, if the flow rule of the settings has only an equilibrium path;

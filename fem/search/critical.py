@@ -120,7 +120,7 @@ def critical_coefficient(
     section: Section,
     mesh: QuadMesh,
     settings: FemSettings,
-    comm: Any,
+    comm: Any = None,
     listener: PathListener | None = None,
     ground: LoadedGround | None = None,
 ) -> CriticalResult:
@@ -137,8 +137,8 @@ def critical_coefficient(
         Its mesh.
     settings : FemSettings
         Sides, direction, flow rule and largest Kh of the path.
-    comm : MPI.Comm
-        The communicator of the finite elements.
+    comm : MPI.Comm, optional
+        The communicator of the ranks that share the finite elements; by default this process alone.
     listener : callable, optional
         Called with every converged step of the path.
     ground : LoadedGround, optional

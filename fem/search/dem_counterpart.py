@@ -7,7 +7,6 @@ non-associated equilibrium path.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -51,12 +50,12 @@ class NonAssociatedPath:
 
 
 def non_associated_path(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
+    section: Section, mesh: QuadMesh, settings: FemSettings, listener: PathListener | None = None
 ) -> NonAssociatedPath:
     """Compute the path with non-associated flow between the sides and in the direction of the ``settings``.
 
-    ``section``: the section of the ground; ``mesh``: a mesh of the section; ``comm``: MPI communicator; ``listener`` is
-    called after every step. Raises InputError, UnstableError and NoEquilibriumError.
+    ``section``: the section of the ground; ``mesh``: a mesh of the section; ``listener`` is called after every step.
+    Raises InputError, UnstableError and NoEquilibriumError.
     """
     # fields are asked for beyond the path alone, so that it is not taken once more for some on its way
     wish = settings.changed(flow="section", kh=(LARGEST,))
@@ -67,7 +66,7 @@ def non_associated_path(
         if listener is not None:
             listener(path)
 
-    result = critical_coefficient(section, mesh, wish, comm, step)
+    result = critical_coefficient(section, mesh, wish, listener=step)
     line = np.zeros((0, 2))
     if result.verdict != "no failure":
         last = next(state for state in reversed(result.states) if not state.past_equilibrium)
@@ -77,18 +76,18 @@ def non_associated_path(
 
 
 def associated_kc(
-    section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any, listener: PathListener | None = None
+    section: Section, mesh: QuadMesh, settings: FemSettings, listener: PathListener | None = None
 ) -> float:
     """Compute the critical Kh between the sides of the ``settings`` with ψ = φ: ground that dilates less does not
     resist more (Radenkovic 1961). The critical Kh is the limit load of the mesh or, if the cone solver finds none, the
     limit load of an equilibrium path.
 
-    ``section``, ``mesh``, ``settings``, ``comm``, ``listener``: as in ``non_associated_path``. Raises InputError,
+    ``section``, ``mesh``, ``settings``, ``listener``: as in ``non_associated_path``. Raises InputError,
     UnstableError and NoEquilibriumError.
     """
     wish = settings.changed(flow="associated", kh=())
     if wish.direction != "both" and is_unique(section, wish):
-        ground = loaded_ground(section, mesh, wish, comm)
+        ground = loaded_ground(section, mesh, wish)
         if ground.limit is not None:
             return min(ground.limit.multiplier, wish.kh_limit)
-    return critical_coefficient(section, mesh, wish, comm, listener).upper
+    return critical_coefficient(section, mesh, wish, listener=listener).upper

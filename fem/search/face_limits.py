@@ -1,7 +1,6 @@
 """Computes the critical Kh and factor of safety of ground with strong zones, by limit analysis on adapted meshes."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -45,14 +44,11 @@ class FaceSearch:
         Settings of the meshes.
     settings : FemSettings
         Sides, accuracy and number of cells.
-    comm : communicator
-        MPI communicator of one rank.
     """
 
     section: Section
     meshing: MeshSettings
     settings: FemSettings
-    comm: Any
 
     def critical(self, direction: str) -> FaceLimit:
         """Find the critical Kh in one direction, "downhill" or "uphill"; raise NoAnswerError without an answer."""
@@ -83,4 +79,4 @@ class FaceSearch:
         return FaceLimit(result.result.factor, davis, slip_surface(result.mesh, mechanism))
 
     def _adaptive(self) -> AdaptiveSearch:
-        return AdaptiveSearch(self.section, self.meshing, generate(self.section, self.meshing), self.comm)
+        return AdaptiveSearch(self.section, self.meshing, generate(self.section, self.meshing))

@@ -8,7 +8,6 @@ and reported only if all four results agree.
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -50,11 +49,11 @@ class OwnDilation:
     reason: str = ""
 
 
-def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult, comm: Any) -> OwnDilation:
+def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult) -> OwnDilation:
     """Compute the critical Kh of a section for the dilation angles of its strata, in the direction of the limit load
     ``known``. The cohesionless faces that were strengthened for ``known`` are also strengthened for this critical Kh.
 
-    ``settings``: settings of the finite elements; ``comm``: MPI communicator of one rank.
+    ``settings``: settings of the finite elements.
     """
     settings = settings.changed(flow="associated", direction=known.direction)
     values: list[float] = []
@@ -67,7 +66,7 @@ def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult
             sizes.append(len(mesh.cells))
             if sizes[-1] > MOST_TIMES * cells:
                 return OwnDilation(None, None, None, tuple(sizes), "thin layers need too many cells")
-            full = critical_limit_load(section, mesh, settings, comm, known.ground.faces)
+            full = critical_limit_load(section, mesh, settings, faces=known.ground.faces)
         except (NoAnswerError, InputError) as error:
             return OwnDilation(None, None, None, tuple(sizes), str(error))
         if full.mechanism is None or full.kc <= 0.0 or np.isfinite(full.ground.problem.strength.tension).any():

@@ -5,7 +5,6 @@ their distance, but also by the critical Kh of ground that can fail only above o
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -37,17 +36,15 @@ class PrescribedSurface:
         return self.kc_above / self.kc - 1.0
 
 
-def critical_above(
-    section: Section, mesh: QuadMesh, settings: FemSettings, line: np.ndarray, comm: Any
-) -> PrescribedSurface:
+def critical_above(section: Section, mesh: QuadMesh, settings: FemSettings, line: np.ndarray) -> PrescribedSurface:
     """Compute the limit loads with and without fixing the nodes on and below ``line`` (k, 2), points [x, elevation] in
     m.
 
-    Beyond its ends the line continues at the depth of these ends below the ground. Runs on one MPI rank only. Raises
-    the errors of ``critical_limit_load``. ``section``: the section of the ground; ``mesh``: a mesh of the section;
-    ``settings``: settings of the finite elements; ``comm``: MPI communicator.
+    Beyond its ends the line continues at the depth of these ends below the ground. Raises the errors of
+    ``critical_limit_load``. ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``:
+    settings of the finite elements.
     """
-    ground = critical_limit_load(section, mesh, settings, comm).ground
+    ground = critical_limit_load(section, mesh, settings).ground
     assert ground.limit is not None
     problem, below = ground.problem, _below(section, line, ground.problem.grid.node_points)
     problem.fix_components(~problem.free | np.repeat(below, 2))

@@ -97,7 +97,7 @@ def limit_load_safety_factor(
     mesh: QuadMesh,
     settings: FemSettings,
     kh: float,
-    comm: Any,
+    comm: Any = None,
     guess: float = 1.0,
     start: FactorStart | None = None,
 ) -> SafetyFactor:
@@ -130,7 +130,7 @@ def safety_factor(
     mesh: QuadMesh,
     settings: FemSettings,
     kh: float,
-    comm: Any,
+    comm: Any = None,
     listener: PathListener | None = None,
 ) -> SafetyFactor:
     """Find the factor of safety of a meshed section under its weight and a seismic coefficient.
@@ -150,8 +150,8 @@ def safety_factor(
         Sides, direction and flow rule.
     kh : float
         The seismic coefficient (-).
-    comm : MPI.Comm
-        The communicator of the finite elements.
+    comm : MPI.Comm, optional
+        The communicator of the ranks that share the finite elements; by default this process alone.
     listener : callable, optional
         Called with every converged step of the path.
 

@@ -10,7 +10,6 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-import workflow.stages
 from meshes.errors import NoAnswerError
 from meshes.executor import Executor
 from workflow.config import Config
@@ -39,6 +38,7 @@ from workflow.results.history import write_histories
 from workflow.run.progress import Progress
 from workflow.run.stage import Job
 from workflow.run.store import Store
+from workflow.stages import declared
 
 SPRINGS = Parameters(springs="table2", stiffness_scale=0.01, mean="arithmetic")
 
@@ -193,7 +193,5 @@ def stand_in(patch: pytest.MonkeyPatch, calibrate: Any = calibrate_stage, slide:
     """Put these in the place of what computes; their pictures cannot be drawn again."""
     patch.setattr("workflow.stages.calibrated_discs.calibrate_stage", calibrate)
     patch.setattr("workflow.stages.liquefied_slides.slide_stage", slide)
-    made = (
-        replace(stage, draw=None) if stage.name in ("calibrate", "slide") else stage for stage in workflow.stages.STAGES
-    )
-    patch.setattr("workflow.stages.STAGES", tuple(made))
+    made = (replace(stage, draw=None) if stage.name in ("calibrate", "slide") else stage for stage in declared.STAGES)
+    patch.setattr("workflow.stages.declared.STAGES", tuple(made))

@@ -14,7 +14,7 @@ from workflow.earthquake.triggering.assessment import assess
 from workflow.run.fingerprint import inputs
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
-from workflow.stages import STAGES
+from workflow.stages.declared import STAGES
 
 TABLES = {type(Config.model_fields[table].default): table for table in Config.tables()}
 KEYS = tuple(f"{table}.{key}" for model, table in TABLES.items() for key in model.model_fields)

@@ -23,9 +23,9 @@ from meshes.section.polyline import Line
 from tests.support import TOP
 from tests.support.command_line import run
 from tests.support.docs import DOCS, PACKAGES, blocks, commands, pages, program
-from workflow import stages
 from workflow.cli import app
 from workflow.config import Config
+from workflow.stages import declared
 
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 EXAMPLES = sorted((DOCS / "examples").glob("*.py"))
@@ -92,7 +92,7 @@ def test_every_key_stands_in_the_reference_with_what_is_checked() -> None:
 def test_every_file_of_a_run_stands_in_the_reference() -> None:
     text = (DOCS / "reference/files.md").read_text(encoding="utf-8")
     named = re.findall(r"`([^` ]+)`", text)
-    for stage in stages.STAGES:
+    for stage in declared.STAGES:
         for file in (*stage.results, *stage.pictures):
             assert any(fnmatch.fnmatch(file.replace("*", "x"), pattern) for pattern in named), f"{stage.name}: {file}"
 

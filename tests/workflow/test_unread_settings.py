@@ -12,7 +12,8 @@ from workflow.cli.invocation import Invocation
 from workflow.cli.study import _unread
 from workflow.cli.unread import in_words
 from workflow.config import Config
-from workflow.stages import STAGES, command_of
+from workflow.stages import command_of
+from workflow.stages.declared import STAGES
 
 NAMES = [stage.name for stage in STAGES]
 

@@ -22,7 +22,7 @@ from workflow.run.fingerprint import title
 from workflow.run.plan import Choice
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.stages import STAGES
+from workflow.stages.declared import STAGES
 
 Reads = dict[str, set[str]]
 

@@ -122,8 +122,9 @@ def run_all(
     from workflow.cli.invocation import Invocation
     from workflow.cli.terminal import execute, show_plan, show_strata
     from workflow.run.plan import Choice
+    from workflow.stages import declared
 
-    choice = Choice.of(stages.STAGES, start, only or (), force)
+    choice = Choice.of(declared.STAGES, start, only or (), force)
     verbosity = Verbosity.of(quiet, verbose, json)
     invocation = Invocation.of(section, folder, {}, settings)
     warnings = _warn(verbosity, invocation, "run", choice.chosen)

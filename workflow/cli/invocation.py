@@ -11,7 +11,6 @@ from typing import Any
 from fem.continuum.repetition import refuse_other_sides
 from meshes.errors import InputError
 from meshes.section.section import read_toml
-from workflow import stages
 from workflow.cli.unread import keys_of, unread
 from workflow.config import Config, merged, renamed
 from workflow.config.after_triggering import load_config
@@ -20,6 +19,7 @@ from workflow.run.mesh_options import stored_options
 from workflow.run.record import Record
 from workflow.run.stage import Job
 from workflow.run.store import Store
+from workflow.stages import declared
 from workflow.stages.mesh import MESH_FILE
 
 Tables = Mapping[str, Mapping[str, Any]]
@@ -87,7 +87,7 @@ class Invocation:
     def job(self, **more: Any) -> Job:
         """Return the job of all stages."""
         origin: dict[str, Any] = {"mesh_options": self.mesh_options, "section_file": self.section}
-        return Job(self.config, self.store, stages.STAGES, **origin, **more)
+        return Job(self.config, self.store, declared.STAGES, **origin, **more)
 
     def with_bounds(self) -> "Invocation":
         """Return the invocation with bounds, whatever the setting bounds.run says."""
@@ -139,7 +139,7 @@ def stored_job(folder: Path) -> Job:
     left = Record(store)["mesh"]
     has_own_mesh = left is not None and MESH_FILE in left.inputs
     mesh_file = folder / "mesh/section.msh" if has_own_mesh else None
-    return Job(load_config(path), store, stages.STAGES, mesh_file=mesh_file)
+    return Job(load_config(path), store, declared.STAGES, mesh_file=mesh_file)
 
 
 def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:

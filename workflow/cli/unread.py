@@ -62,9 +62,9 @@ def _changes(stages: Sequence[Stage], job: Job, key: str, without: Callable[[str
 def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list[str]:
     """Return one sentence on each setting that a ``command`` does not read. Each sentence names the ``commands`` that
     read the setting."""
-    from workflow.stages import STAGES, command_of
+    from workflow.stages import command_of, declared
 
-    reads = {command_of(stage.name): stage.reads for stage in STAGES if not stage.of_all}
+    reads = {command_of(stage.name): stage.reads for stage in declared.STAGES if not stage.of_all}
     phrases = []
     for key in keys:
         others = [name for name, used in reads.items() if name in commands and is_read(key, used)

@@ -1,15 +1,10 @@
 """Contains the stages of a run, one file for each, which ends with its STAGE. Heavy packages are only imported inside
 functions.
 
-The program therefore starts quickly, and each command needs only the packages that it uses. The files are imported when
-STAGES is first used. Work that is too long for one file, or common to two stages, is in other files: bearing,
-calibrated_discs, liquefied_slides, random_packings, sliding.
+The program therefore starts quickly, and each command needs only the packages that it uses. Work that is too long for
+one file, or common to two stages, is in other files: bearing, calibrated_discs, liquefied_slides, random_packings,
+sliding.
 """
-
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from workflow.stages.declared import STAGES
 
 # Names of the stages in the order in which they run: the help names them without importing the stages.
 NAMES = (
@@ -21,12 +16,3 @@ NAMES = (
 def command_of(stage: str) -> str:
     """Return the command that runs a stage; `noshiro run` if the stage has no command."""
     return {"triggering": "liquefaction", "mpm": "slide"}.get(stage, stage)
-
-
-def __getattr__(name: str) -> Any:
-    """Import STAGES, the declarations of all stages, when they are first used (PEP 562)."""
-    if name != "STAGES":
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from workflow.stages import declared
-
-    return declared.STAGES

@@ -118,17 +118,13 @@ def _critical(
     ``section``: section with changed strength; ``config``: config with the settings of the mesh; ``mesh``: initial
     mesh; ``fem``: settings; ``notes``: list to which notes are added.
     """
-    from mpi4py import MPI
-
     from fem.continuum.strength import is_associated
     from fem.search.adaptive import AdaptiveSearch
     from fem.search.critical import critical_coefficient
 
     if not is_associated(section.strata, fem.flow):
-        return tried("finite elements", notes, lambda: critical_coefficient(section, mesh, fem, MPI.COMM_SELF))
-    return tried(
-        "finite elements", notes, lambda: AdaptiveSearch(section, config.mesh, mesh, MPI.COMM_SELF).critical(fem).result
-    )
+        return tried("finite elements", notes, lambda: critical_coefficient(section, mesh, fem))
+    return tried("finite elements", notes, lambda: AdaptiveSearch(section, config.mesh, mesh).critical(fem).result)
 
 
 def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float:
@@ -138,14 +134,12 @@ def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float
 
     ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``: settings.
     """
-    from mpi4py import MPI
-
     from fem.continuum.strength import is_associated
     from fem.search.weight_borne import weight_borne
 
     if not is_associated(section.strata, fem.flow):
         return math.inf
-    borne = tried("finite elements", [], lambda: weight_borne(section, mesh, fem, MPI.COMM_SELF))
+    borne = tried("finite elements", [], lambda: weight_borne(section, mesh, fem))
     return math.inf if borne is None else borne
 
 
@@ -159,12 +153,10 @@ def _factors(
     ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``, ``bounds_settings``: settings
     of both methods; ``notes``: list to which notes are added.
     """
-    from mpi4py import MPI
-
     from fem.limit.safety_bounds import safety_bounds
     from fem.search.strength_reduction import safety_factor
 
-    safety = tried("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF))
+    safety = tried("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0))
     guess = safety.factor if safety is not None else 1.0
     strict = tried(
         "strict bounds", notes, lambda: safety_bounds(section, fem, bounds_settings, 0.0, guess, smooth_sides=True)

@@ -356,8 +356,6 @@ def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.nd
 def _excess_above(config: Config, store: Store, line: np.ndarray, fem: FemAnswer) -> float | None:
     """Return the relative increase of the critical Kh of the continuum if it can fail only above the slip surface of
     the discs; None if no critical Kh is found so."""
-    from mpi4py import MPI
-
     from fem.search.prescribed_surface import critical_above
 
     mesh = fem_mesh(config.section, store, fem.mesh.method)
@@ -365,7 +363,7 @@ def _excess_above(config: Config, store: Store, line: np.ndarray, fem: FemAnswer
     depth = like.deeper_than_m or config.fem.least_depth
     settings = config.fem.changed(sides=like.sides, direction=fem.direction, least_depth=depth)
     try:
-        excess = critical_above(config.section, mesh, settings, line, MPI.COMM_SELF).excess
+        excess = critical_above(config.section, mesh, settings, line).excess
     except NoAnswerError:
         return None
     return excess if np.isfinite(excess) else None

@@ -47,8 +47,6 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
     given ψ is also used if the critical Kh of the section is with ψ = φ, since the dilation of discs does not depend on
     the flow rule of the continuum.
     """
-    from mpi4py import MPI
-
     from fem.search.dem_counterpart import associated_kc
 
     fem = FemAnswer.read(store)
@@ -65,7 +63,7 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
     most = known.kc_upper if isinstance(path, str) else path.upper
     if not sharp:
         try:
-            most = associated_kc(config.section, mesh, settings, MPI.COMM_SELF, _watch("ψ = φ", mesh, tell))
+            most = associated_kc(config.section, mesh, settings, _watch("ψ = φ", mesh, tell))
         except NoAnswerError as error:
             if isinstance(path, str):
                 path += f"; with ψ = φ there is no answer ({error.reason}): the upper limit is not known"
@@ -86,8 +84,6 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
     enough for discs to resolve. Return None if the critical Kh with these sides is not requested, was already computed
     by the stage `fem`, or was not found.
     """
-    from mpi4py import MPI
-
     from fem.search.assessment import critical_as_discs
     from fem.search.slip_surface import slip_surface
 
@@ -104,9 +100,7 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
         tell((f"the continuum: {what}" + (f" = {path.factor:.4f}" if path is not None else ""), None))
 
     try:
-        box = critical_as_discs(
-            config.section, config.mesh, stored_mesh(config.section, store), settings, MPI.COMM_SELF, report
-        )
+        box = critical_as_discs(config.section, config.mesh, stored_mesh(config.section, store), settings, report)
     except NoAnswerError:
         return None
     result = box.result
@@ -128,12 +122,10 @@ def _with_own_psi(
     section: Section, mesh: QuadMesh, settings: FemSettings, davis: float, tell: Tell
 ) -> "NonAssociatedPath | str":
     """Return the path, or the reason why Davis's estimate (critical Kh = ``davis``) has to replace it."""
-    from mpi4py import MPI
-
     from fem.search.dem_counterpart import non_associated_path
 
     try:
-        path = non_associated_path(section, mesh, settings, MPI.COMM_SELF, _watch("ψ as given", mesh, tell))
+        path = non_associated_path(section, mesh, settings, _watch("ψ as given", mesh, tell))
     except NoAnswerError as error:
         return f"with the given ψ there is no answer: {error.reason}"
     if path.verdict == "no failure":

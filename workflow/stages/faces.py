@@ -212,11 +212,9 @@ def _direction(config: Config, side: int) -> Direction:
 
 def _computed(config: Config, quantity: Quantity, side: int, zones: tuple[StrongZone, ...]) -> ElementValue:
     """Return a quantity by finite elements, in ground with strong zones; raise InputError, NoAnswerError."""
-    from mpi4py import MPI
-
     from fem.search.face_limits import FaceSearch
 
-    search = FaceSearch(_ground(config, zones), config.mesh, config.fem, MPI.COMM_SELF)
+    search = FaceSearch(_ground(config, zones), config.mesh, config.fem)
     limit = search.critical(_direction(config, side)) if quantity == "critical Kh" else search.safety()
     return ElementValue(limit.value, limit.davis, line(limit.surface))
 

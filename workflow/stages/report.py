@@ -1,12 +1,11 @@
 """Defines the stage `report`: the pictures of several stages, summary.json and report.html."""
 
 import time
-from collections.abc import Mapping
-from pathlib import Path
 
 from workflow.config import FILES, Config
 from workflow.results.summary import Summary
 from workflow.run.stage import Job, Stage
+from workflow.stages import NAMES
 
 REPORT, PDF = "report.html", "report.pdf"
 
@@ -38,34 +37,15 @@ def draw(job: Job) -> None:
     draw_all(Results.of(job))
 
 
-def named(job: Job) -> Mapping[str, Path]:
-    """Return the files that the input names. The fingerprint contains their contents, not their places."""
-    return job.config.files()
-
-
 STAGE = Stage(
     name="report",
     what="pictures of several stages, summary and report",
     work=work,
     draw=draw,
-    needs=(
-        "triggering",
-        "response",
-        "mesh",
-        "fem",
-        "variants",
-        "bounds",
-        "slices",
-        "faces",
-        "residual",
-        "liquefied",
-        "mpm",
-        "calibrate",
-        "slide",
-    ),
+    needs=NAMES[:-1],
     reads=tuple(Config.tables()),  # it tells of every setting that is not the default
     ignores=lambda config: [f"{table}.{key}" for table, key in FILES],
-    files=named,
+    files=lambda job: job.config.files(),  # their contents count, not their places
     results=(Summary.FILE, REPORT),
     read=Summary.read,
     pictures=(

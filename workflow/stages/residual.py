@@ -66,8 +66,6 @@ def _peak(config: Config, mesh: "QuadMesh", notes: list[str]) -> "AdaptiveResult
     """Return the factor of safety of the section at Kh = 0 with peak strength, and its mesh. If the finite elements
     have no answer, return None and add a note with the reason.
     """
-    from mpi4py import MPI
-
     from fem.continuum.strength import is_associated
     from fem.search.adaptive import AdaptiveSearch
     from fem.search.mesh_sequence import AdaptiveResult
@@ -77,8 +75,8 @@ def _peak(config: Config, mesh: "QuadMesh", notes: list[str]) -> "AdaptiveResult
 
     def find() -> "AdaptiveResult[SafetyFactor]":
         if is_associated(section.strata, fem.flow):
-            return AdaptiveSearch(section, config.mesh, mesh, MPI.COMM_SELF).safety(fem, 0.0)
-        return AdaptiveResult(safety_factor(section, mesh, fem, 0.0, MPI.COMM_SELF), mesh)
+            return AdaptiveSearch(section, config.mesh, mesh).safety(fem, 0.0)
+        return AdaptiveResult(safety_factor(section, mesh, fem, 0.0), mesh)
 
     answer = tried("finite elements, peak strength", notes, find)
     if answer is not None and answer.result.verdict == "undecided":

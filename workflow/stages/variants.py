@@ -171,8 +171,6 @@ def variant(change: Change, tell: Tell) -> Variant:
 
 def _limit(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
     """Return the limit load by limit analysis where it is unique, else by a path; raise NoAnswerError."""
-    from mpi4py import MPI
-
     from fem.limit_load.limit_load import critical_limit_load, is_unique
     from fem.search.critical import critical_coefficient
     from meshes.quad_mesh import divided
@@ -183,8 +181,8 @@ def _limit(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
     mesh, settings = divided(change.mesh) if change.halved else change.mesh, change.config.fem
     if is_unique(change.config.section, settings):
         tell(f"limit load of {len(mesh.cells)} cells")
-        return critical_limit_load(change.config.section, mesh, settings, MPI.COMM_SELF)
-    return critical_coefficient(change.config.section, mesh, settings, MPI.COMM_SELF, step)
+        return critical_limit_load(change.config.section, mesh, settings)
+    return critical_coefficient(change.config.section, mesh, settings, listener=step)
 
 
 STAGE = Stage(

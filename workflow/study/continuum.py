@@ -2,8 +2,6 @@
 
 from typing import TYPE_CHECKING
 
-from mpi4py import MPI
-
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
 from fem.limit.bounds import kh_bounds
@@ -41,13 +39,13 @@ def continuum(sample: StudySample) -> Numbers:
 def _critical(config: Config, first: "QuadMesh") -> "tuple[LimitLoadResult | CriticalResult, QuadMesh]":
     if is_associated(config.section.strata, config.fem.flow):
         try:
-            critical = AdaptiveSearch(config.section, config.mesh, first, MPI.COMM_SELF).critical(config.fem)
+            critical = AdaptiveSearch(config.section, config.mesh, first).critical(config.fem)
             return critical.result, critical.mesh
         except UnstableError:
             raise
         except NoAnswerError:  # the solver left none: a path has to do
             pass
-    return critical_coefficient(config.section, first, config.fem, MPI.COMM_SELF), first
+    return critical_coefficient(config.section, first, config.fem), first
 
 
 def bounds(sample: StudySample) -> Numbers:

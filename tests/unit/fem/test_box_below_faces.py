@@ -22,7 +22,7 @@ def test_below_a_face_of_sand_the_box_bears_more() -> None:
     layer_springss = config.fem.changed(sides="fixed")
     deeper = layer_springss.changed(least_depth=2.0)
     box, deep_box = (
-        critical_as_discs(config.section, config.mesh, mesh, fem, MPI.COMM_SELF, lambda *_: None).result
+        critical_as_discs(config.section, config.mesh, mesh, fem, lambda *_: None).result
         for fem in (layer_springss, deeper)
     )
     assert deep_box.kc > assessment.critical.shallow_failures[0].kh

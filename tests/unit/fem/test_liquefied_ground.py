@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from fem.continuum.liquefied_ground import LEAST, liquefied_section
 from fem.search.weight_borne import weight_borne
@@ -52,7 +51,7 @@ def test_what_is_borne_does_not_hang_on_rounding() -> None:
     ground = liquefied_section(config.section, gone)
     mesh, rng = generate(ground, config.mesh), np.random.default_rng(0)
     seismic = [mesh.points * (1.0 + 1e-13 * size * rng.standard_normal(mesh.points.shape)) for size in (0.0, 1.0, 1.0)]
-    borne = [weight_borne(ground, replace(mesh, points=points), config.fem, MPI.COMM_SELF) for points in seismic]
+    borne = [weight_borne(ground, replace(mesh, points=points), config.fem) for points in seismic]
     assert borne == pytest.approx([borne[0]] * 3, rel=5e-3)
     assert 0.09 < borne[0] < 0.13
 
@@ -63,7 +62,7 @@ def test_a_cohesionless_face_that_is_too_steep_is_no_ground_that_bears_nothing()
     surface = [[0, 12], [20, 12], [22, 10.5], [61, 0], [80, 0]]
     section = Section.parse({"name": "face", "surface": surface, "base": {"elevation": -6}, "strata": [sand]})
     fem = FemSettings(sides="smooth")
-    assert weight_borne(section, generate(section, MeshSettings(size=3.0)), fem, MPI.COMM_SELF) >= 1.0
+    assert weight_borne(section, generate(section, MeshSettings(size=3.0)), fem) >= 1.0
     steep = Section.parse({"name": "all", "surface": [[0, 12], [20, 12], [40, 0], [60, 0]],
                            "base": {"elevation": -6}, "strata": [sand]})  # fmt: skip
-    assert weight_borne(steep, generate(steep, MeshSettings(size=3.0)), fem, MPI.COMM_SELF) < 1.0
+    assert weight_borne(steep, generate(steep, MeshSettings(size=3.0)), fem) < 1.0

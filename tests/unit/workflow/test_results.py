@@ -15,7 +15,7 @@ from workflow.run.plan import Choice, changes, made_from, plan
 from workflow.run.record import Entry, Outcome, Record, sizes
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.stages import STAGES
+from workflow.stages.declared import STAGES
 
 SLIDE = next(stage for stage in STAGES if stage.name == "slide")
 

@@ -13,7 +13,7 @@ from workflow.config import Config
 from workflow.run.fingerprint import inputs
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.stages import STAGES
+from workflow.stages.declared import STAGES
 
 
 def test_every_declared_stage_is_in_the_list_after_what_it_needs() -> None:

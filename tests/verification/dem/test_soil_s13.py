@@ -4,7 +4,6 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 from scipy.integrate import trapezoid
 
 from dem.laboratory.element_test_programme import ElementTestProgramme, compressed
@@ -131,7 +130,7 @@ def test_discs_fail_where_the_continuum_does(
     """With fixed sides and psi as given. Three packings: 3.1, 3.0 and 1.8 m; from the slip surface of Davis's
     substitute, which weakens sand and leaves clay alone, 7.7, 8.6 and 6.2 m."""
     wish = run.fem.changed(direction="downhill", sides="fixed")
-    continuum = non_associated_path(run.section, generate(run.section, run.mesh), wish, MPI.COMM_SELF)
+    continuum = non_associated_path(run.section, generate(run.section, run.mesh), wish)
     assert continuum.kc == pytest.approx(KC, abs=0.002)
     surfaces = [slip_surface(displaced[1], ground.settled, ground.ground)]
     for seed in (1, 2):
