@@ -40,22 +40,15 @@ class Onset(NamedTuple):
 
     Attributes
     ----------
-    discs : (n,) bool
-        Mask of the discs that liquefy.
-    area : (n,)
-        Area of every disc with its voids, whether it liquefies or not (m2).
-    pressure : (n,)
-        Effective overburden that pore water takes over (Pa).
-    strength : (n,)
-        Residual strength (Pa).
-    strain : (n,)
-        Shear strain at which the residual strength is reached.
-    knee, soft_to : (n,)
-        Knee of the bilinear law at the strain potential: share of the residual strength (``knee``), and share of the
-        strain at which the steep line begins (``soft_to``); 0 without a strain potential.
-    peak : bool
-        Whether bonds have a larger limit until they have slipped, which is needed for discs that lose their contacts
-        under load.
+    discs (n,) : mask of the discs that liquefy
+    area (n,) : area of every disc with its voids, whether it liquefies or not (m2)
+    pressure (n,) : effective overburden that pore water takes over (Pa)
+    strength (n,) : residual strength (Pa)
+    strain (n,) : shear strain at which the residual strength is reached
+    knee, soft_to (n,) : knee of the bilinear law at the strain potential: share of the residual strength (``knee``),
+        and share of the strain at which the steep line begins (``soft_to``); 0 without a strain potential
+    peak : whether bonds have a larger limit until they have slipped, which is needed for discs that lose their contacts
+        under load
     """
 
     discs: np.ndarray

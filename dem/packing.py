@@ -29,16 +29,12 @@ class Packing:
 
     Attributes
     ----------
-    x, z : (n,)
-        Coordinates of the centres (m).
-    radius : (n,)
-        Radii (m).
-    layer : (n,)
-        Number of the layer of each disc, -1 for boundary discs.
-    lines : (k, 6)
-        Rigid lines, see DiscModel.
-    period : (length, rise) or None
-        Length (m) of the period, and height (m) by which the ground is higher one period to the right.
+    x, z (n,) : coordinates of the centres (m)
+    radius (n,) : radii (m)
+    layer (n,) : number of the layer of each disc, -1 for boundary discs
+    lines (k, 6) : rigid lines, see DiscModel
+    period (length, rise) : length (m) of the period, and height (m) by which the ground is higher one period to the
+        right
     """
 
     x: np.ndarray

@@ -35,44 +35,28 @@ class LayerSprings:
 
     Attributes
     ----------
-    kn, ks : float
-        Normal and tangential stiffness of the springs of a contact (N/m).
-    cn, ct : float
-        Normal and tangential dashpot (N s/m).
-    kpn, kps : float
-        Normal and tangential stiffness of pore springs, the breakable springs between discs that stand for pore water
-        in the paper (N/m).
-    density : float
-        Density of the discs by equation 5 of the paper, for inertia and horizontal force (kg/m3).
-    effective_density : float
-        Effective density of the discs, for weight (kg/m3).
-    friction : float
-        Coulomb friction mu of contacts; negative for soil discs of clay, see `Strength`.
-    cohesion : float
-        Cohesion of the pore springs: the force b C in equation 16 of the paper (N).
-    alpha, beta : float
-        alpha: distance of the centres over the sum of the radii up to which a pore spring is set (equation 14 of the
-        paper); beta: length over initial length at which a pore spring cracks (equation 15 of the paper).
-    pore_friction : float or None
-        Friction coefficient of the pore springs: tan(theta) in equation 16 of the paper; `friction` if None.
-    allowed_overlap : float
-        Largest overlap as a share of the mean radius of the pair; larger overlaps stop the run.
-    contact_cohesion : float
-        Cohesion C of soil discs: tangential strength of a contact without normal force (N).
-    attraction : float
-        Tensile strength of a contact of soil discs over its contact cohesion.
-    rolling_friction : float
-        Rolling friction mu_r of soil discs: largest rolling moment over Fn r_i r_j/(r_i + r_j); inf for discs that do
-        not rotate.
-    stop : float
-        Stiffness of contacts of soil discs at overlaps above `STOP_DEPTH` (N/m); no effect if kn is larger.
-    boundary : float
-        Normal spring against boundary discs (N/m) if stiffer than kn: the spring of the layer before liquefaction.
-    undrained_strength : float
-        Undrained strength s_u of clay (phi = 0), whose volume is constant during a slide (Pa); 0 for soil that is not
-        undrained.
-    faded : float
-        Lost share of the contacts of soil discs after liquefaction, see `dem.liquefied_ground`.
+    kn, ks : normal and tangential stiffness of the springs of a contact (N/m)
+    cn, ct : normal and tangential dashpot (N s/m)
+    kpn, kps : normal and tangential stiffness of pore springs, the breakable springs between discs that stand for pore
+        water in the paper (N/m)
+    density : density of the discs by equation 5 of the paper, for inertia and horizontal force (kg/m3)
+    effective_density : effective density of the discs, for weight (kg/m3)
+    friction : Coulomb friction mu of contacts; negative for soil discs of clay, see `Strength`
+    cohesion : cohesion of the pore springs: the force b C in equation 16 of the paper (N)
+    alpha, beta : alpha: distance of the centres over the sum of the radii up to which a pore spring is set (equation 14
+        of the paper); beta: length over initial length at which a pore spring cracks (equation 15 of the paper)
+    pore_friction : friction coefficient of the pore springs: tan(theta) in equation 16 of the paper; `friction` if None
+    allowed_overlap : largest overlap as a share of the mean radius of the pair; larger overlaps stop the run
+    contact_cohesion : cohesion C of soil discs: tangential strength of a contact without normal force (N)
+    attraction : tensile strength of a contact of soil discs over its contact cohesion
+    rolling_friction : rolling friction mu_r of soil discs: largest rolling moment over Fn r_i r_j/(r_i + r_j); inf for
+        discs that do not rotate
+    stop : stiffness of contacts of soil discs at overlaps above `STOP_DEPTH` (N/m); no effect if kn is larger
+    boundary : normal spring against boundary discs (N/m) if stiffer than kn: the spring of the layer before
+        liquefaction
+    undrained_strength : undrained strength s_u of clay (phi = 0), whose volume is constant during a slide (Pa); 0 for
+        soil that is not undrained
+    faded : lost share of the contacts of soil discs after liquefaction, see `dem.liquefied_ground`
     """
 
     name: str

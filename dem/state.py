@@ -28,89 +28,57 @@ class DiscState:
 
     Attributes
     ----------
-    x, z, roll : (n,)
-        Position of each disc, and radius times angle of rotation (m).
-    vx, vz, vr : (n,)
-        Velocity of each disc, and radius times angular velocity, at `time` (m/s).
-    vx_half, vz_half, vr_half : (n,)
-        The same velocities half a step before (m/s).
-    radius : (n,)
-        Radius of each disc (m).
-    mass : (n,)
-        Mass of each disc with the full density (kg/m).
-    weight : (n,)
-        Effective density over full density.
-    pore_acceleration_x, pore_acceleration_z : (n,)
-        Acceleration by pore pressure and by loads on the ground, which moves with the disc (m/s2).
-    added_mass_x, added_mass_z : (n,)
-        Acceleration by the inertia of surcharges and free water, over the horizontal acceleration.
-    inertia_ratio : (n,)
-        m r^2/I: 2 for a disc, 0 for one that cannot rotate.
-    layer : (n,) int32
-        Number of each disc's layer in the table of springs, -1 for boundary discs.
-    fixed : (n,) bool
-        Whether the velocity of a disc is prescribed.
-    x_list, z_list : (n,)
-        Position of each disc when the neighbour list was made (m).
-    order : (n,) int32
-        Numbers of the discs in spatial order.
-    pair_i, pair_j : (pairs,) int32
-        Numbers of the two discs of each pair in the neighbour list.
-    shear, pore_shear : (pairs,)
-        Stored tangential forces of contact and pore spring (N).
-    pore_length : (pairs,)
-        Distance at which the pore spring was set (m); negative once cracked, 0 without a pore spring.
-    force_x, force_z : (pairs,)
-        Force on the disc pair_j in the last step (N), for the energy balance.
-    rolled, torque : (pairs,)
-        Rolling moment over r_i r_j/(r_i + r_j): stored in the spring, and of spring and dashpot in the last step (N);
-        empty for discs with the law "paper".
-    lines : (k, 6)
-        Point (m), inward normal, reach (m) along (-nz, nx) of rigid lines.
-    line_strength : tuple
-        Strength of contacts with each rigid line, None for the strength of the disc's layer; empty if it is None for
-        all.
-    line_disc, line_id : (contacts with lines,)
-        Numbers of discs near rigid lines, and numbers of these lines.
-    line_shear, line_force_x, line_force_z, line_rolled, line_torque : (contacts with lines,)
-        History variables of contacts with lines, as for pairs (N).
-    energy_sums : (slices, 10)
-        Work and losses so far (J/m), columns as in `kernels.stepping`.
-    springs : PairTable
-        Constants by kind of pair.
-    liquefied : (n, FIELDS)
-        Fields of liquefied discs, see `kernels.liquefied_pairs`; (0, FIELDS) before liquefaction.
-    liquefied_i, liquefied_j : (wide pairs,) int32
-        Numbers of the discs of pairs with a liquefied disc within the reach of its pore water, sorted in space.
-    bonds : (wide pairs, 8)
-        History variables of the bonds of these pairs.
-    strength_factor : (n,)
-        Strength of the bonds of liquefied discs over the prescribed strength; empty before liquefaction.
-    reach : float
-        Reach of the kernel of the pore water (m), 0 before liquefaction.
-    steps_between_looks : int
-        Number of steps for which forces of liquefied ground are constant.
-    mean, law : str
-        Kind of mean of the constants of two layers, and contact law.
-    period : (float, float) or None
-        Length along x and rise along z of a period (m); None without periodic sides.
-    gravity : (float, float)
-        Gravity (m/s2).
-    acceleration : Acceleration
-        External acceleration as a function of time.
-    skin : float
-        Margin of the neighbour list (m).
-    time, steps, last_dt : float, int, float
-        Time (s), number of steps, and the step of the half-step velocities (s), 0 after velocities were set.
-    rough_base : bool
-        Whether the fixed discs are a random packing like the other discs; otherwise they lie in straight rows.
-    base_impedance, base_velocity, base_rate, base_next : float
-        State of a compliant base (`dem.engine.compliant_base`): impedance times length (kg/s per metre), 0 for a rigid
-        base; velocity (m/s), acceleration now and at the next update (m/s2).
-    lists_made : int
-        Number of neighbour lists made so far.
-    energy_known, energy_edited, turnover : float
-        Energy at the end of the last run, energy added by changes between runs, and total energy exchanged (J/m).
+    x, z, roll (n,) : position of each disc, and radius times angle of rotation (m)
+    vx, vz, vr (n,) : velocity of each disc, and radius times angular velocity, at `time` (m/s)
+    vx_half, vz_half, vr_half (n,) : the same velocities half a step before (m/s)
+    radius (n,) : radius of each disc (m)
+    mass (n,) : mass of each disc with the full density (kg/m)
+    weight (n,) : effective density over full density
+    pore_acceleration_x, pore_acceleration_z (n,) : acceleration by pore pressure and by loads on the ground, which
+        moves with the disc (m/s2)
+    added_mass_x, added_mass_z (n,) : acceleration by the inertia of surcharges and free water, over the horizontal
+        acceleration
+    inertia_ratio (n,) : m r^2/I: 2 for a disc, 0 for one that cannot rotate
+    layer (n,) : number of each disc's layer in the table of springs, -1 for boundary discs
+    fixed (n,) : whether the velocity of a disc is prescribed
+    x_list, z_list (n,) : position of each disc when the neighbour list was made (m)
+    order (n,) : numbers of the discs in spatial order
+    pair_i, pair_j (pairs,) : numbers of the two discs of each pair in the neighbour list
+    shear, pore_shear (pairs,) : stored tangential forces of contact and pore spring (N)
+    pore_length (pairs,) : distance at which the pore spring was set (m); negative once cracked, 0 without a pore spring
+    force_x, force_z (pairs,) : force on the disc pair_j in the last step (N), for the energy balance
+    rolled, torque (pairs,) : rolling moment over r_i r_j/(r_i + r_j): stored in the spring, and of spring and dashpot
+        in the last step (N); empty for discs with the law "paper"
+    lines (k, 6) : point (m), inward normal, reach (m) along (-nz, nx) of rigid lines
+    line_strength : strength of contacts with each rigid line, None for the strength of the disc's layer; empty if it is
+        None for all
+    line_disc, line_id (contacts with lines,) : numbers of discs near rigid lines, and numbers of these lines
+    line_shear, line_force_x, line_force_z, line_rolled, line_torque (contacts with lines,) : history variables of
+        contacts with lines, as for pairs (N)
+    energy_sums (slices, 10) : work and losses so far (J/m), columns as in `kernels.stepping`
+    springs : constants by kind of pair
+    liquefied (n, FIELDS) : fields of liquefied discs, see `kernels.liquefied_pairs`; (0, FIELDS) before liquefaction
+    liquefied_i, liquefied_j (wide pairs,) : numbers of the discs of pairs with a liquefied disc within the reach of its
+        pore water, sorted in space
+    bonds (wide pairs, 8) : history variables of the bonds of these pairs
+    strength_factor (n,) : strength of the bonds of liquefied discs over the prescribed strength; empty before
+        liquefaction
+    reach : reach of the kernel of the pore water (m), 0 before liquefaction
+    steps_between_looks : number of steps for which forces of liquefied ground are constant
+    mean, law : kind of mean of the constants of two layers, and contact law
+    period : length along x and rise along z of a period (m); None without periodic sides
+    gravity : gravity (m/s2)
+    acceleration : external acceleration as a function of time
+    skin : margin of the neighbour list (m)
+    time, steps, last_dt : time (s), number of steps, and the step of the half-step velocities (s), 0 after velocities
+        were set
+    rough_base : whether the fixed discs are a random packing like the other discs; otherwise they lie in straight rows
+    base_impedance, base_velocity, base_rate, base_next : state of a compliant base (`dem.engine.compliant_base`):
+        impedance times length (kg/s per metre), 0 for a rigid base; velocity (m/s), acceleration now and at the next
+        update (m/s2)
+    lists_made : number of neighbour lists made so far
+    energy_known, energy_edited, turnover : energy at the end of the last run, energy added by changes between runs, and
+        total energy exchanged (J/m)
     """
 
     x: np.ndarray

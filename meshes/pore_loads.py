@@ -18,15 +18,11 @@ class EdgeJumps(NamedTuple):
 
     Attributes
     ----------
-    edges : ndarray (k,)
-        Numbers of the jump edges in the mesh.
-    ends : ndarray (k, 2)
-        Numbers of the end points of each edge.
-    traction : ndarray (k, 2 ends, 2)
-        Traction on the skeleton (Pa) that does not depend on a load multiplier. It acts away from the first cell of
-        ``TriMesh.edge_cells`` if the pressure in that cell is larger.
-    live : ndarray (k, 2 ends, 2)
-        Traction on the skeleton (Pa) that is multiplied by the load multiplier.
+    edges (k,) : numbers of the jump edges in the mesh
+    ends (k, 2) : numbers of the end points of each edge
+    traction (k, 2 ends, 2) : traction on the skeleton (Pa) that does not depend on a load multiplier. It acts away from
+        the first cell of ``TriMesh.edge_cells`` if the pressure in that cell is larger.
+    live (k, 2 ends, 2) : traction on the skeleton (Pa) that is multiplied by the load multiplier
     """
 
     edges: np.ndarray

@@ -42,11 +42,9 @@ class Seam:
 
     Attributes
     ----------
-    top, bottom : ndarray (columns + 1, 2)
-        Points (m) of the top and the bottom line, from left to right; point k of one line is connected to point k of
-        the other.
-    rows : int
-        Number of rows of cells.
+    top, bottom (columns + 1, 2) : points (m) of the top and the bottom line, from left to right; point k of one line is
+        connected to point k of the other
+    rows : number of rows of cells
     """
 
     top: np.ndarray
@@ -142,10 +140,8 @@ class _Line:
 
     Attributes
     ----------
-    corners : ndarray (n, 2)
-        Corners of the line from left to right (m).
-    x, along : ndarray (k,)
-        Values of x (m) of the line, and places along the layer (m); both are linear in between.
+    corners (n, 2) : corners of the line from left to right (m)
+    x, along (k,) : values of x (m) of the line, and places along the layer (m); both are linear in between
     """
 
     corners: np.ndarray

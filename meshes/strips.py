@@ -21,12 +21,9 @@ class Strips:
 
     Attributes
     ----------
-    edges : ndarray (e, 2)
-        Ends of the edges, the smaller point number first.
-    of_cell : ndarray (m, 4)
-        Numbers of the edges of every cell, from corner to corner.
-    of_edge : ndarray (e,)
-        Number of the strip that every edge lies across.
+    edges (e, 2) : ends of the edges, the smaller point number first
+    of_cell (m, 4) : numbers of the edges of every cell, from corner to corner
+    of_edge (e,) : number of the strip that every edge lies across
     """
 
     edges: np.ndarray

@@ -10,18 +10,12 @@ class TipChange:
 
     Attributes
     ----------
-    part : str
-        The part of the ground whose tip changes, in words.
-    soil : str
-        Its soil, as messages name it; empty for the whole section.
-    x : float
-        Place of the tip (m).
-    step : float
-        Height of the step in which the tip ends (m).
-    at : float
-        Place of the step (m).
-    gain : float
-        Area that the part of the ground gets (m²); negative if it loses its tip.
+    part : the part of the ground whose tip changes, in words
+    soil : its soil, as messages name it; empty for the whole section
+    x : place of the tip (m)
+    step : height of the step in which the tip ends (m)
+    at : place of the step (m)
+    gain : area that the part of the ground gets (m²); negative if it loses its tip
     """
 
     part: str

@@ -13,27 +13,19 @@ class EnergyBalance:
 
     Attributes
     ----------
-    translation, rotation : float
-        Kinetic energy of translation and of rotation.
-    elements, pores, rolling_springs : float
-        Energy stored in springs: contact springs, pore springs, springs of rolling resistance.
-    bonds : float
-        Energy of contacts between discs of cohesive soil, which attract each other: minus the work that would separate
-        all of these contacts.
-    dashpots, sliding, cracks, rolling : float
-        Energy dissipated by dashpots, by sliding, by cracks and by rolling resistance.
-    pore_water, liquefied_bonds : float
-        Energy stored in liquefied ground: in its pore water, and in the bonds that model its residual strength.
-    liquefied_slip, viscosity : float
-        Energy dissipated in liquefied ground: by slip of bonds, and by viscosity.
-    stand_in : float
-        Work of the pore pressure with which ground that has not liquefied supports liquefied ground.
-    weight, external, boundary : float
-        Work of weight, of the external acceleration (Kh) and of moving boundaries.
-    edits : float
-        Energy added by changes of the model between runs (springs set, cut or changed, velocities set).
-    turnover : float
-        Total energy exchanged so far, the reference of relative errors.
+    translation, rotation : kinetic energy of translation and of rotation
+    elements, pores, rolling_springs : energy stored in springs: contact springs, pore springs, springs of rolling
+        resistance
+    bonds : energy of contacts between discs of cohesive soil, which attract each other: minus the work that would
+        separate all of these contacts
+    dashpots, sliding, cracks, rolling : energy dissipated by dashpots, by sliding, by cracks and by rolling resistance
+    pore_water, liquefied_bonds : energy stored in liquefied ground: in its pore water, and in the bonds that model its
+        residual strength
+    liquefied_slip, viscosity : energy dissipated in liquefied ground: by slip of bonds, and by viscosity
+    stand_in : work of the pore pressure with which ground that has not liquefied supports liquefied ground
+    weight, external, boundary : work of weight, of the external acceleration (Kh) and of moving boundaries
+    edits : energy added by changes of the model between runs (springs set, cut or changed, velocities set)
+    turnover : total energy exchanged so far, the reference of relative errors
     """
 
     translation: float

@@ -22,15 +22,12 @@ class ContactForces:
 
     Attributes
     ----------
-    fx, fz : (pairs,)
-        Force on the disc pair_j; the force on pair_i is opposite.
-    rim, rim_i : (pairs,)
-        Moment over radius on pair_j and on pair_i: the tangential force times the distance over the sum of radii, plus
-        the contribution of rolling resistance.
-    normal, tangential : (pairs,)
-        The force along (positive: push) and across the line of centres.
-    line_fx, line_fz, line_rim : (contacts with lines,)
-        Force of rigid lines on discs, and moment of this force over the radius.
+    fx, fz (pairs,) : force on the disc pair_j; the force on pair_i is opposite
+    rim, rim_i (pairs,) : moment over radius on pair_j and on pair_i: the tangential force times the distance over the
+        sum of radii, plus the contribution of rolling resistance
+    normal, tangential (pairs,) : the force along (positive: push) and across the line of centres
+    line_fx, line_fz, line_rim (contacts with lines,) : force of rigid lines on discs, and moment of this force over the
+        radius
     """
 
     fx: np.ndarray

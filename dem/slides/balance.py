@@ -83,16 +83,11 @@ class AtSide(NamedTuple):
 
     Attributes
     ----------
-    name : str
-        "left" or "right".
-    came : int
-        Number of surface discs that slid to within `NEAR` diameters of the side.
-    furthest : float
-        Largest slide of these discs, over the largest slide of the surface.
-    rise : float
-        Rise of the surface at the side (m).
-    piled : bool
-        Whether ground has piled up at the side.
+    name : "left" or "right"
+    came : number of surface discs that slid to within `NEAR` diameters of the side
+    furthest : largest slide of these discs, over the largest slide of the surface
+    rise : rise of the surface at the side (m)
+    piled : whether ground has piled up at the side
     """
 
     name: str

@@ -32,15 +32,11 @@ class Shaking:
 
     Attributes
     ----------
-    time : (n,)
-        Times (s), rising.
-    acceleration : (n,)
-        Acceleration of the discs relative to the base (m/s2), linear in between. The acceleration is positive
-        downslope, when the base accelerates upslope.
-    onsets : dict
-        Onset of liquefaction by stratum (s after the beginning of the record).
-    of_the_base : bool
-        Whether the record is the motion of a rigid base.
+    time (n,) : times (s), rising
+    acceleration (n,) : acceleration of the discs relative to the base (m/s2), linear in between. The acceleration is
+        positive downslope, when the base accelerates upslope.
+    onsets : onset of liquefaction by stratum (s after the beginning of the record)
+    of_the_base : whether the record is the motion of a rigid base
     """
 
     time: np.ndarray
@@ -55,18 +51,12 @@ class BaseMotion:
 
     Attributes
     ----------
-    acceleration : Acceleration
-        External acceleration of the discs in the frame of the base.
-    starts : dict
-        Time at which each stratum begins to liquefy.
-    first : float
-        First time at which a stratum liquefies, or could liquefy (s).
-    onset : float
-        Time in which each stratum liquefies (s).
-    rest_from : float
-        Time before which the slide does not end, even if the ground is at rest (s).
-    end : float
-        Time at which the computation ends (s).
+    acceleration : external acceleration of the discs in the frame of the base
+    starts : time at which each stratum begins to liquefy
+    first : first time at which a stratum liquefies, or could liquefy (s)
+    onset : time in which each stratum liquefies (s)
+    rest_from : time before which the slide does not end, even if the ground is at rest (s)
+    end : time at which the computation ends (s)
     """
 
     acceleration: Acceleration

@@ -44,14 +44,11 @@ class _Strip:
 
     Attributes
     ----------
-    side, outwards : str, int
-        "left" and -1, or "right" and 1.
-    wall : (k,) int
-        Numbers of the discs of the wall.
-    at_rest, liquefied : float
-        Force at rest, and force after all strata that liquefy have liquefied (N per metre out of plane).
-    impedance : float
-        ρ V_p times height (N s/m per metre out of plane).
+    side, outwards : "left" and -1, or "right" and 1
+    wall (k,) : numbers of the discs of the wall
+    at_rest, liquefied : force at rest, and force after all strata that liquefy have liquefied (N per metre out of
+        plane)
+    impedance : ρ V_p times height (N s/m per metre out of plane)
     """
 
     side: str

@@ -9,25 +9,16 @@ class Row:
 
     Attributes
     ----------
-    time_s : float
-        Time since Kh began to rise (s).
-    settlement_uphill_m, settlement_middle_m, settlement_downhill_m : float
-        Median settlement of each third of the surface (m).
-    slide_uphill_m, slide_middle_m, slide_downhill_m : float
-        Median slide of each third, horizontally downhill (m).
-    slide_max_m : float
-        Largest slide of the surface, smoothed (m).
-    kinetic_J, stored_J, dissipated_J : float
-        Kinetic energy, energy stored in springs and bonds, and energy dissipated by friction, dashpots and cracks (J
-        per metre).
-    work_J, shaking_J : float
-        Work of weight, Kh and boundaries together; work of Kh alone (J per metre).
-    cracked : int
-        Number of cracked pore springs.
-    crack_opening_m : float
-        Widest gap between discs of the surface (m).
-    surface_speed_m_s : float
-        Largest speed of the surface, smoothed (m/s).
+    time_s : time since Kh began to rise (s)
+    settlement_uphill_m, settlement_middle_m, settlement_downhill_m : median settlement of each third of the surface (m)
+    slide_uphill_m, slide_middle_m, slide_downhill_m : median slide of each third, horizontally downhill (m)
+    slide_max_m : largest slide of the surface, smoothed (m)
+    kinetic_J, stored_J, dissipated_J : kinetic energy, energy stored in springs and bonds, and energy dissipated by
+        friction, dashpots and cracks (J per metre)
+    work_J, shaking_J : work of weight, Kh and boundaries together; work of Kh alone (J per metre)
+    cracked : number of cracked pore springs
+    crack_opening_m : widest gap between discs of the surface (m)
+    surface_speed_m_s : largest speed of the surface, smoothed (m/s)
     """
 
     time_s: float

@@ -17,41 +17,25 @@ class Slide:
 
     Attributes
     ----------
-    rows : list of Row
-        Rows of the history, one for every record.
-    settled : bool
-        Whether the surface has come to rest.
-    reason : str
-        Reason why the computation of the slide ended.
-    escaped : int
-        Number of discs outside the rigid lines.
-    loose_share : float
-        Share of the mass that has left the connected ground: flown, or rolled away.
-    slide_max_at_x_m : float
-        Place of the largest slide of the surface (m).
-    slide : list of float
-        Smoothed slide of each disc of the surface, from uphill to downhill (m).
-    slide_along : list of [x, slide]
-        Smoothed slide of each surface disc from left to right, over the position of the disc before the slide (m).
-    surface_before, surface_after : list of [x, z]
-        Tops of the discs at the surface before and after the slide (m).
-    seconds_simulated : float
-        Simulated time since the onset (s).
-    step_share : float
-        Time step over the stable time step.
-    overlap : float
-        Largest overlap of two discs at any record, over their mean radius (-).
-    area_lost_share : float
-        Share of the area of the ground that is lost, beyond drainage and compression of springs.
-    slide_by_weight_m : float or None
-        Largest slide of the same case without shaking (m); None if it was not computed.
-    flows : bool or None
-        Whether the slide without shaking is a flow failure.
-    stopped_by : str or None
-        "left" or "right": the side of the box that stopped the slide.
-    notes : list of str
-        Warnings on the numbers, the most important first: flow failure without shaking, influence of the sides, discs
-        in the walls, lost ground, discs that are too strong, layers that are too thin.
+    rows : rows of the history, one for every record
+    settled : whether the surface has come to rest
+    reason : reason why the computation of the slide ended
+    escaped : number of discs outside the rigid lines
+    loose_share : share of the mass that has left the connected ground: flown, or rolled away
+    slide_max_at_x_m : place of the largest slide of the surface (m)
+    slide : smoothed slide of each disc of the surface, from uphill to downhill (m)
+    slide_along : smoothed slide of each surface disc from left to right, over the position of the disc before the slide
+        (m)
+    surface_before, surface_after : tops of the discs at the surface before and after the slide (m)
+    seconds_simulated : simulated time since the onset (s)
+    step_share : time step over the stable time step
+    overlap : largest overlap of two discs at any record, over their mean radius (-)
+    area_lost_share : share of the area of the ground that is lost, beyond drainage and compression of springs
+    slide_by_weight_m : largest slide of the same case without shaking (m); None if it was not computed
+    flows : whether the slide without shaking is a flow failure
+    stopped_by : "left" or "right": the side of the box that stopped the slide
+    notes : warnings on the numbers, the most important first: flow failure without shaking, influence of the sides,
+        discs in the walls, lost ground, discs that are too strong, layers that are too thin
     """
 
     rows: list[Row] = field(default_factory=list)

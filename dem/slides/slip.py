@@ -23,14 +23,10 @@ class Agreement:
 
     Attributes
     ----------
-    mean_distance_m : float
-        Mean vertical distance (m).
-    mean_height_m : float
-        Mean height of the first surface above the second (m).
-    same_stratum_share : float
-        Share of the columns in which both surfaces lie in the same stratum.
-    columns : int
-        Number of compared columns.
+    mean_distance_m : mean vertical distance (m)
+    mean_height_m : mean height of the first surface above the second (m)
+    same_stratum_share : share of the columns in which both surfaces lie in the same stratum
+    columns : number of compared columns
     """
 
     mean_distance_m: float

@@ -17,12 +17,9 @@ class Surface:
 
     Attributes
     ----------
-    discs : (n,)
-        Numbers of the discs.
-    x, z : (n,)
-        Positions before the slide, in the frame of the section (m).
-    third : (n,)
-        Third of the surface: 0 uphill, 1 middle, 2 downhill.
+    discs (n,) : numbers of the discs
+    x, z (n,) : positions before the slide, in the frame of the section (m)
+    third (n,) : third of the surface: 0 uphill, 1 middle, 2 downhill
     """
 
     discs: np.ndarray

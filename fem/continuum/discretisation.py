@@ -22,39 +22,23 @@ class Discretisation:
 
     Attributes
     ----------
-    comm : MPI communicator
-        Processes among which the mesh is distributed.
-    element : Element
-        "bilinear", "quadratic" or "reduced".
-    matrix : ndarray (nc, nq, 4, nd)
-        Strain-displacement matrix B (1/m) of the strain [xx, yy, zz, xy] with engineering shear.
-    hourglass : ndarray (nc or 0, nd, nd)
-        Stiffness against hourglass modes, for a shear modulus of 1 (-).
-    divergence : ndarray (nc, nq, nd)
-        Volumetric strain (1/m) by the shape functions, on which pore pressure does work. It is never
-        smoothed; the volumetric strain in ``matrix`` may be.
-    weights : ndarray (nc, nq)
-        Areas (m²) of the quadrature points.
-    shapes : ndarray (nq, nodes)
-        Shape functions at the quadrature points (-).
-    corner_shapes : ndarray (nq, 4)
-        Bilinear shape functions of the corners (-).
-    dofs : ndarray (nc, nd)
-        Numbers of the displacement components of each cell, among the components that this rank works with.
-    global_dofs : ndarray (needed,)
-        Global numbers of the displacement components that this rank works with.
-    cell : ndarray (nc,)
-        Number of each cell in the undistributed mesh.
-    corners : ndarray (nc, 4)
-        Numbers of the corners of each cell in the undistributed mesh.
-    stratum : ndarray (nc,)
-        Number of the stratum of each cell.
-    node_points : ndarray (nodes of all ranks, 2)
-        Coordinates of the nodes (m).
-    size, owned : int
-        Number of displacement components on all ranks (``size``), and on this rank (``owned``).
-    sides : dict of str to ndarray
-        Global numbers of the nodes on every boundary.
+    comm : processes among which the mesh is distributed
+    element : "bilinear", "quadratic" or "reduced"
+    matrix (nc, nq, 4, nd) : strain-displacement matrix B (1/m) of the strain [xx, yy, zz, xy] with engineering shear
+    hourglass (nc or 0, nd, nd) : stiffness against hourglass modes, for a shear modulus of 1 (-)
+    divergence (nc, nq, nd) : volumetric strain (1/m) by the shape functions, on which pore pressure does work. It is
+        never smoothed; the volumetric strain in ``matrix`` may be.
+    weights (nc, nq) : areas (m²) of the quadrature points
+    shapes (nq, nodes) : shape functions at the quadrature points (-)
+    corner_shapes (nq, 4) : bilinear shape functions of the corners (-)
+    dofs (nc, nd) : numbers of the displacement components of each cell, among the components that this rank works with
+    global_dofs (needed,) : global numbers of the displacement components that this rank works with
+    cell (nc,) : number of each cell in the undistributed mesh
+    corners (nc, 4) : numbers of the corners of each cell in the undistributed mesh
+    stratum (nc,) : number of the stratum of each cell
+    node_points (nodes of all ranks, 2) : coordinates of the nodes (m)
+    size, owned : number of displacement components on all ranks (``size``), and on this rank (``owned``)
+    sides : global numbers of the nodes on every boundary
     """
 
     comm: Any

@@ -24,23 +24,16 @@ class FieldState:
 
     Attributes
     ----------
-    label : str
-        Name of the state, shown in legends and used in file names.
-    kh : float
-        Seismic coefficient of the state (-).
-    displacement : ndarray (n, 2)
-        Displacement since the state under gravity alone (m).
-    stress : ndarray (m, 4)
-        Stress [xx, yy, zz, xy], tension positive, mean over each cell (Pa).
-    shear_strain, plastic_shear_strain : ndarray (m,)
-        Largest engineering shear strain in the plane, mean over the cell (-).
-    mobilised : ndarray (m,)
-        Mobilised strength: shear stress over shear strength on the worst plane, 1 at failure (-). The paper calls this
-        ratio the local safety factor.
-    past_equilibrium : bool
-        Whether there is no equilibrium at ``kh``, so that the fields are those of the last state of the path.
-    repeats : bool
-        Whether the section is one period of an endless row of sections (periodic sides).
+    label : name of the state, shown in legends and used in file names
+    kh : seismic coefficient of the state (-)
+    displacement (n, 2) : displacement since the state under gravity alone (m)
+    stress (m, 4) : stress [xx, yy, zz, xy], tension positive, mean over each cell (Pa)
+    shear_strain, plastic_shear_strain (m,) : largest engineering shear strain in the plane, mean over the cell (-)
+    mobilised (m,) : mobilised strength: shear stress over shear strength on the worst plane, 1 at failure (-). The
+        paper calls this ratio the local safety factor.
+    past_equilibrium : whether there is no equilibrium at ``kh``, so that the fields are those of the last state of the
+        path
+    repeats : whether the section is one period of an endless row of sections (periodic sides)
     """
 
     label: str

@@ -32,21 +32,15 @@ class PartialProblem:
 
     Attributes
     ----------
-    components : ndarray (k,)
-        Numbers of the displacement components of these cells among the components that this rank owns.
-    dofs : ndarray (nc, nd)
-        Numbers of the components of every cell among the k components of this part.
-    matrix, weights, hourglass : ndarray
-        Strain-displacement matrix B (1/m), areas of the quadrature points (m²), and stiffness against hourglass modes,
-        for the cells of this part.
-    stress : ndarray (points, 4)
-        Accepted stress (Pa).
-    material : ndarray (points,)
-        Numbers of the soils in ``table``, for every quadrature point.
-    table : ndarray
-        Constants of the soils, as ``mohr_coulomb.table`` returns them.
-    least : ndarray (points, 4, 4)
-        Small stiffness (Pa) that is added to the tangent, so that the stiffness matrix is not singular.
+    components (k,) : numbers of the displacement components of these cells among the components that this rank owns
+    dofs (nc, nd) : numbers of the components of every cell among the k components of this part
+    matrix, weights, hourglass : strain-displacement matrix B (1/m), areas of the quadrature points (m²), and stiffness
+        against hourglass modes, for the cells of this part
+    stress (points, 4) : accepted stress (Pa)
+    material (points,) : numbers of the soils in ``table``, for every quadrature point
+    table : constants of the soils, as ``mohr_coulomb.table`` returns them
+    least (points, 4, 4) : small stiffness (Pa) that is added to the tangent, so that the stiffness matrix is not
+        singular
     """
 
     components: np.ndarray

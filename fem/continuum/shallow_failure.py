@@ -48,20 +48,14 @@ class ShallowFailure:
 
     Attributes
     ----------
-    stratum : str
-        Name of the stratum.
-    start, end : float
-        Horizontal coordinates of both ends (m); ``start`` is the smaller coordinate.
-    angle : float
-        Inclination of the face (rad), positive.
-    kh : float
-        Critical Kh of the face; it is negative if the face fails under its own weight.
-    ratio : float
-        Weight less vertical inertia and uplift, over the seismic weight (-).
-    seepage : float
-        Seepage force in the direction of the seismic force, over the seismic weight (-).
-    into_water : bool
-        Whether the water table lies below the face, within the least depth, and so reduces the critical Kh of the face.
+    stratum : name of the stratum
+    start, end : horizontal coordinates of both ends (m); ``start`` is the smaller coordinate
+    angle : inclination of the face (rad), positive
+    kh : critical Kh of the face; it is negative if the face fails under its own weight
+    ratio : weight less vertical inertia and uplift, over the seismic weight (-)
+    seepage : seepage force in the direction of the seismic force, over the seismic weight (-)
+    into_water : whether the water table lies below the face, within the least depth, and so reduces the critical Kh of
+        the face
     """
 
     stratum: str

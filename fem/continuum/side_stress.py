@@ -24,12 +24,9 @@ class SideStress:
 
     Attributes
     ----------
-    strata : ndarray (k,)
-        Numbers of the strata, from the top down.
-    elevation : ndarray (k, 2)
-        Elevation of the top and the bottom of each stratum (m).
-    stress : ndarray (k, 2)
-        Horizontal stress at the top and the bottom of each stratum, tension positive (Pa).
+    strata (k,) : numbers of the strata, from the top down
+    elevation (k, 2) : elevation of the top and the bottom of each stratum (m)
+    stress (k, 2) : horizontal stress at the top and the bottom of each stratum, tension positive (Pa)
     """
 
     strata: np.ndarray

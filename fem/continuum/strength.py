@@ -36,14 +36,10 @@ class StrataStrength:
 
     Attributes
     ----------
-    cohesion : ndarray (strata,)
-        Cohesion (Pa).
-    friction : ndarray (strata,)
-        Friction angle (rad).
-    dilation : ndarray (strata,)
-        Dilation angle (rad).
-    tension : ndarray (strata,)
-        Largest major principal effective stress (Pa, tension positive); inf without a tension cut-off.
+    cohesion (strata,) : cohesion (Pa)
+    friction (strata,) : friction angle (rad)
+    dilation (strata,) : dilation angle (rad)
+    tension (strata,) : largest major principal effective stress (Pa, tension positive); inf without a tension cut-off
     """
 
     cohesion: np.ndarray

@@ -29,15 +29,13 @@ class StressCheck:
 
     Attributes
     ----------
-    imbalance : float
-        Largest unbalanced body force of a cell, times the root of its area, over the largest stress.
-    traction_jump : float
-        Largest jump of the traction across an edge, or difference from the prescribed traction on the outline, over the
-        largest stress.
-    yield_slack : float
-        Smallest distance of a corner's stress to the yield surface, negative beyond it, over the unit of stress.
-    tension_slack : float
-        Smallest distance of a corner's stress to its tension cut-off, negative beyond it, over the unit of stress.
+    imbalance : largest unbalanced body force of a cell, times the root of its area, over the largest stress
+    traction_jump : largest jump of the traction across an edge, or difference from the prescribed traction on the
+        outline, over the largest stress
+    yield_slack : smallest distance of a corner's stress to the yield surface, negative beyond it, over the unit of
+        stress
+    tension_slack : smallest distance of a corner's stress to its tension cut-off, negative beyond it, over the unit of
+        stress
     """
 
     imbalance: float
@@ -72,17 +70,12 @@ class VelocityCheck:
 
     Attributes
     ----------
-    multiplier : float
-        The upper bound of the load multiplier, computed from the velocities alone.
-    flow_slack : float
-        Where φ > 0, or ground may open: smallest volumetric strain rate less sin φ times the shear rate, over the
-        largest strain rate.
-    volume : float
-        Where φ = 0 and ground may not open: largest volumetric strain rate, over the largest strain rate.
-    boundary : float
-        Largest velocity of a held component, over the largest velocity.
-    jump : float
-        Largest difference of the velocities that two cells have at a common node, over the largest velocity.
+    multiplier : the upper bound of the load multiplier, computed from the velocities alone
+    flow_slack : where φ > 0, or ground may open: smallest volumetric strain rate less sin φ times the shear rate, over
+        the largest strain rate
+    volume : where φ = 0 and ground may not open: largest volumetric strain rate, over the largest strain rate
+    boundary : largest velocity of a held component, over the largest velocity
+    jump : largest difference of the velocities that two cells have at a common node, over the largest velocity
     """
 
     multiplier: float

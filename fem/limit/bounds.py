@@ -61,22 +61,18 @@ class KhBounds(SmallerKhBounds):
 
     Attributes
     ----------
-    shallow_failures : tuple of ShallowFailure
-        Cohesionless faces whose shallow failure has a smaller Kh than the bounds. If there is one, the ground below all
-        these faces is strengthened down to the least depth, as in the finite elements, and the bounds are strict for
-        the strengthened ground: they are bounds of the whole slope. Without shallow failures the bounds are strict for
-        the ground of the section file.
-    shallow : float or None
-        An upper bound of Kh of the ground without strengthening, if it is below the bounds and below the Kh of all
-        ``shallow_failures``: ground above the least depth then slips where faces of different water or slope meet, or
-        where water seeps out of a face or stands close below it. The ground of this slip is strengthened as well. None
-        if the upper bound of the ground without strengthening is not smaller.
-    section : Section
-        The section that was analysed for the direction that fails first, with faces strengthened if necessary.
-    substitute : SmallerKhBounds or None
-        Bounds of Davis's estimate if ψ < φ and the settings request them, computed on the last meshes for ψ = φ.
-    work : float
-        Computing work of all bounds, in seconds on the reference machine of ``cone_program``.
+    shallow_failures : cohesionless faces whose shallow failure has a smaller Kh than the bounds. If there is one, the
+        ground below all these faces is strengthened down to the least depth, as in the finite elements, and the bounds
+        are strict for the strengthened ground: they are bounds of the whole slope. Without shallow failures the bounds
+        are strict for the ground of the section file.
+    shallow : an upper bound of Kh of the ground without strengthening, if it is below the bounds and below the Kh of
+        all ``shallow_failures``: ground above the least depth then slips where faces of different water or slope meet,
+        or where water seeps out of a face or stands close below it. The ground of this slip is strengthened as well.
+        None if the upper bound of the ground without strengthening is not smaller.
+    section : the section that was analysed for the direction that fails first, with faces strengthened if necessary
+    substitute : bounds of Davis's estimate if ψ < φ and the settings request them, computed on the last meshes for ψ =
+        φ
+    work : computing work of all bounds, in seconds on the reference machine of ``cone_program``
     """
 
     shallow_failures: tuple[ShallowFailure, ...] = ()

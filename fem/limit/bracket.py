@@ -36,14 +36,10 @@ class StressField:
 
     Attributes
     ----------
-    problem : LimitProblem
-        The problem that the stress belongs to.
-    multiplier : float
-        The load multiplier with which the stress is in equilibrium: a strict lower bound.
-    stress : ndarray (m, 3 corners, [xx, yy, xy])
-        The stress at the corners of every cell.
-    check : StressCheck
-        How well the stress fulfils its conditions.
+    problem : the problem that the stress belongs to
+    multiplier : the load multiplier with which the stress is in equilibrium: a strict lower bound
+    stress (m, 3 corners, [xx, yy, xy]) : the stress at the corners of every cell
+    check : how well the stress fulfils its conditions
     """
 
     problem: LimitProblem
@@ -58,14 +54,10 @@ class Mechanism:
 
     Attributes
     ----------
-    problem : LimitProblem
-        The problem that the velocities belong to.
-    multiplier : float
-        The load multiplier at which the dissipation is equal to the work of the loads: a strict upper bound.
-    velocity : ndarray (m, 6 nodes, 2)
-        Velocities of every cell at its corners, then at the middles of its edges.
-    check : VelocityCheck
-        How well the velocities fulfil their conditions.
+    problem : the problem that the velocities belong to
+    multiplier : the load multiplier at which the dissipation is equal to the work of the loads: a strict upper bound
+    velocity (m, 6 nodes, 2) : velocities of every cell at its corners, then at the middles of its edges
+    check : how well the velocities fulfil their conditions
     """
 
     problem: LimitProblem
@@ -85,21 +77,14 @@ class MeshBounds:
 
     Attributes
     ----------
-    cells : int
-        Number of triangles of the mesh.
-    lower, upper : float or None
-        The strict bounds of the load multiplier, None if there is none.
-    notes : tuple of str
-        Reasons why a bound is missing.
-    work : float
-        Computing work of both cone programs in seconds on the reference machine; it is computed from the number of
-        iterations, not measured (``cone_program.py``).
-    failed : tuple of BoundSide
-        Bounds that are missing because the solver ended early, or because its answer did not pass the check.
-    fallback : tuple of BoundSide
-        Bounds that Clarabel found after the built-in interior-point method had broken down.
-    mesh : TriMesh or None
-        The mesh, with lengths in m, if it is stored: the search for a factor of safety may begin on this mesh.
+    cells : number of triangles of the mesh
+    lower, upper : the strict bounds of the load multiplier, None if there is none
+    notes : reasons why a bound is missing
+    work : computing work of both cone programs in seconds on the reference machine; it is computed from the number of
+        iterations, not measured (``cone_program.py``)
+    failed : bounds that are missing because the solver ended early, or because its answer did not pass the check
+    fallback : bounds that Clarabel found after the built-in interior-point method had broken down
+    mesh : the mesh, with lengths in m, if it is stored: the search for a factor of safety may begin on this mesh
     """
 
     cells: int
@@ -118,18 +103,12 @@ class Bracket:
 
     Attributes
     ----------
-    stress : StressField or None
-        The stress field of the largest lower bound, None without one.
-    mechanism : Mechanism or None
-        The mechanism of the smallest upper bound, None without one.
-    meshes : list of MeshBounds
-        The bounds on every mesh, in their order.
-    mesh : TriMesh
-        The last mesh, in m.
-    ended : EndReason or None
-        Reason why there is no finer mesh; None while the search continues.
-    open_at : tuple of float or None
-        Where the bounds differ most, (x, y) in m, if the search ended before the gap was small enough.
+    stress : the stress field of the largest lower bound, None without one
+    mechanism : the mechanism of the smallest upper bound, None without one
+    meshes : the bounds on every mesh, in their order
+    mesh : the last mesh, in m
+    ended : reason why there is no finer mesh; None while the search continues
+    open_at : where the bounds differ most, (x, y) in m, if the search ended before the gap was small enough
     """
 
     stress: StressField | None
@@ -163,18 +142,13 @@ class Limits:
 
     Attributes
     ----------
-    gap : float
-        Required gap between the bounds, as a share of their mean, or of ``least`` if the mean is smaller.
-    max_cells : int
-        Largest number of triangles of any mesh.
-    seconds : float
-        Largest computing work for all meshes, in seconds on the reference machine. A further mesh is begun if it is
-        likely to be solved within this work. Work is computed from the number of iterations, not measured, so that the
-        same input has the same meshes on a busy machine.
-    enough : float
-        Load multiplier below which an upper bound needs no improvement.
-    least : float
-        Smallest multiplier of which the gap is a share; for Kh the constant ``LEAST_KH``.
+    gap : required gap between the bounds, as a share of their mean, or of ``least`` if the mean is smaller
+    max_cells : largest number of triangles of any mesh
+    seconds : largest computing work for all meshes, in seconds on the reference machine. A further mesh is begun if it
+        is likely to be solved within this work. Work is computed from the number of iterations, not measured, so that
+        the same input has the same meshes on a busy machine.
+    enough : load multiplier below which an upper bound needs no improvement
+    least : smallest multiplier of which the gap is a share; for Kh the constant ``LEAST_KH``
     """
 
     gap: float

@@ -30,12 +30,9 @@ class DirectionBounds(Bracket):
 
     Attributes
     ----------
-    direction : Direction
-        Direction of the seismic force, "downhill" or "uphill" by the ends of the surface.
-    towards : SectionSide
-        Side of the section, "left" or "right", towards which the seismic force acts.
-    leaves : tuple of SectionSide
-        Sides through which the mechanism leaves the section.
+    direction : direction of the seismic force, "downhill" or "uphill" by the ends of the surface
+    towards : side of the section, "left" or "right", towards which the seismic force acts
+    leaves : sides through which the mechanism leaves the section
     """
 
     direction: Direction = "downhill"
@@ -52,8 +49,7 @@ class SmallerKhBounds(Bracket):
 
     Attributes
     ----------
-    directions : tuple of DirectionBounds
-        The bounds of every direction, first those of the direction that fails at the smaller Kh.
+    directions : the bounds of every direction, first those of the direction that fails at the smaller Kh
     """
 
     directions: tuple[DirectionBounds, ...] = ()

@@ -21,14 +21,10 @@ class Places:
 
     Attributes
     ----------
-    points : ndarray (k, 2)
-        The points in m.
-    near : ndarray (k, 2)
-        Middle of the edge to which each point belongs, in m.
-    stratum : ndarray (k,)
-        The strata of the cells.
-    normal : ndarray (k, 2)
-        Outward unit normals of the edges.
+    points (k, 2) : the points in m
+    near (k, 2) : middle of the edge to which each point belongs, in m
+    stratum (k,) : the strata of the cells
+    normal (k, 2) : outward unit normals of the edges
     """
 
     points: np.ndarray
@@ -51,17 +47,13 @@ class Side:
 
     Attributes
     ----------
-    fixed : str
-        Components of the velocity that are zero: "", "x", "y" or "xy". In the fixed components the traction is an
+    fixed : components of the velocity that are zero: "", "x", "y" or "xy". In the fixed components the traction is an
         unknown reaction.
-    dead : EdgeTraction or None
-        Traction in the other components that does not depend on the multiplier; None for zero.
-    live : EdgeTraction or None
-        Traction in the other components that is multiplied by the load multiplier; None for zero.
-    pressure : Outside or None
-        Pressure of the water outside, which acts in addition to the dead traction; None for zero.
-    periodic : bool
-        Whether the side is joined to the opposite side: velocities on the two are equal, effective tractions opposite.
+    dead : traction in the other components that does not depend on the multiplier; None for zero
+    live : traction in the other components that is multiplied by the load multiplier; None for zero
+    pressure : pressure of the water outside, which acts in addition to the dead traction; None for zero
+    periodic : whether the side is joined to the opposite side: velocities on the two are equal, effective tractions
+        opposite
     """
 
     fixed: str = ""
@@ -77,24 +69,16 @@ class RigidPlasticBody:
 
     Attributes
     ----------
-    cohesion : ndarray (strata,)
-        Cohesion c in Pa where it is constant.
-    friction : ndarray (strata,)
-        Friction angle φ in rad; the flow rule is associated, ψ = φ.
-    dead_force : ndarray (strata, 2)
-        Body force in N/m³ that does not depend on the multiplier.
-    live_force : ndarray (strata, 2)
-        Body force in N/m³ that is multiplied by the load multiplier.
-    sides : mapping of str to Side
-        The boundary condition on every boundary of the mesh, by its name.
-    pore_pressure : Pressure or None
-        Pore pressure u; None for zero. Strength and the stress of the problem are those of the effective stress σ' = σ
-        + u, tension positive.
-    varying : CornerCohesion or None
-        Cohesion at the corners of cells where it varies, in place of ``cohesion``; None if it is constant.
-    tension : ndarray (strata,) or None
-        Tension cut-off: the largest major principal stress, in Pa; inf for strata, and None for sections, without
-        cut-off.
+    cohesion (strata,) : cohesion c in Pa where it is constant
+    friction (strata,) : friction angle φ in rad; the flow rule is associated, ψ = φ
+    dead_force (strata, 2) : body force in N/m³ that does not depend on the multiplier
+    live_force (strata, 2) : body force in N/m³ that is multiplied by the load multiplier
+    sides : the boundary condition on every boundary of the mesh, by its name
+    pore_pressure : pore pressure u; None for zero. Strength and the stress of the problem are those of the effective
+        stress σ' = σ + u, tension positive.
+    varying : cohesion at the corners of cells where it varies, in place of ``cohesion``; None if it is constant
+    tension (strata,) : tension cut-off: the largest major principal stress, in Pa; inf for strata, and None for
+        sections, without cut-off
     """
 
     cohesion: np.ndarray
@@ -113,12 +97,9 @@ class Units:
 
     Attributes
     ----------
-    length : float
-        Unit of length in m.
-    stress : float
-        Unit of stress in Pa.
-    origin : tuple of float
-        Origin of the dimensionless coordinates, (x, y) in m.
+    length : unit of length in m
+    stress : unit of stress in Pa
+    origin : origin of the dimensionless coordinates, (x, y) in m
     """
 
     length: float
@@ -132,20 +113,13 @@ class Outline:
 
     Attributes
     ----------
-    edges : ndarray (k,)
-        Numbers of the boundary edges in the mesh.
-    ends : ndarray (k, 2)
-        Numbers of the end points of each edge.
-    cells : ndarray (k,)
-        Number of the cell inside each edge.
-    fixed : ndarray (k, 2) of bool
-        Which components of the velocity are zero, so that their traction is unknown.
-    periodic : ndarray (k,) of bool
-        Edges without prescribed traction, since they are joined to edges of the opposite side.
-    dead : ndarray (k, 2 ends, 2)
-        Traction at both ends that does not depend on the multiplier.
-    live : ndarray (k, 2 ends, 2)
-        Traction at both ends that is multiplied by the load multiplier.
+    edges (k,) : numbers of the boundary edges in the mesh
+    ends (k, 2) : numbers of the end points of each edge
+    cells (k,) : number of the cell inside each edge
+    fixed (k, 2) : which components of the velocity are zero, so that their traction is unknown
+    periodic (k,) : edges without prescribed traction, since they are joined to edges of the opposite side
+    dead (k, 2 ends, 2) : traction at both ends that does not depend on the multiplier
+    live (k, 2 ends, 2) : traction at both ends that is multiplied by the load multiplier
     """
 
     edges: np.ndarray
@@ -173,27 +147,19 @@ class LimitProblem:
 
     Attributes
     ----------
-    mesh : TriMesh
-        The triangles, lengths over ``units.length``.
-    units : Units
-        Units of length and stress.
-    cohesion : ndarray (m, 3)
-        Cohesion at the corners of every cell over the unit of stress; linear in between, nowhere above the true one.
-    cohesion_above : ndarray (m, 3)
-        Cohesion at the corners of every cell over the unit of stress, nowhere below the true cohesion; for upper
-        bounds.
-    friction : ndarray (m,)
-        Friction angle of every cell in rad.
-    tension : ndarray (m,)
-        Largest major principal stress of every cell over the unit of stress, inf without a tension cut-off.
-    dead_force : ndarray (m, 2)
-        Body force on the skeleton that does not depend on the multiplier, over unit of stress / unit of length.
-    live_force : ndarray (m, 2)
-        Body force that is multiplied by the load multiplier, over unit of stress / unit of length.
-    outline : Outline
-        The edges of the boundary.
-    jumps : EdgeJumps
-        The edges between different pore pressures.
+    mesh : the triangles, lengths over ``units.length``
+    units : units of length and stress
+    cohesion (m, 3) : cohesion at the corners of every cell over the unit of stress; linear in between, nowhere above
+        the true one
+    cohesion_above (m, 3) : cohesion at the corners of every cell over the unit of stress, nowhere below the true
+        cohesion; for upper bounds
+    friction (m,) : friction angle of every cell in rad
+    tension (m,) : largest major principal stress of every cell over the unit of stress, inf without a tension cut-off
+    dead_force (m, 2) : body force on the skeleton that does not depend on the multiplier, over unit of stress / unit of
+        length
+    live_force (m, 2) : body force that is multiplied by the load multiplier, over unit of stress / unit of length
+    outline : the edges of the boundary
+    jumps : the edges between different pore pressures
     """
 
     mesh: TriMesh

@@ -36,19 +36,14 @@ class LowerBound:
 
     Attributes
     ----------
-    multiplier : float
-        The load multiplier with which the stress is in equilibrium.
-    stress : ndarray (m, 3 corners, [xx, yy, xy])
-        The stress at the corners of every cell.
-    yield_work : ndarray (m, 3)
-        Work of the stress at every corner on the dual strain rates, the multipliers of the equilibrium equations. The
-        work is large where the yield surface limits the load multiplier. If one corner of a cell can have no stress,
-        the work of the cell is assigned to this corner. Where no stress balances the dead load, ``yield_work`` is the
-        magnitude of the strain rates at which the dead load fails.
-    shortfall : ndarray (m, 3)
-        Required less actual distance of the stress at every corner to the yield surface.
-    solution : cone_program.Solution
-        The solution of the cone program.
+    multiplier : the load multiplier with which the stress is in equilibrium
+    stress (m, 3 corners, [xx, yy, xy]) : the stress at the corners of every cell
+    yield_work (m, 3) : work of the stress at every corner on the dual strain rates, the multipliers of the equilibrium
+        equations. The work is large where the yield surface limits the load multiplier. If one corner of a cell can
+        have no stress, the work of the cell is assigned to this corner. Where no stress balances the dead load,
+        ``yield_work`` is the magnitude of the strain rates at which the dead load fails.
+    shortfall (m, 3) : required less actual distance of the stress at every corner to the yield surface
+    solution : the solution of the cone program
     """
 
     multiplier: float

@@ -38,15 +38,11 @@ class UpperBound:
 
     Attributes
     ----------
-    multiplier : float
-        Dissipation less the work of the dead load where the work of the live load is 1, by the solver.
-    velocity : ndarray (m, 6 nodes, 2)
-        Velocities of every cell at its corners, then at the middles of its edges.
-    shortfall : ndarray (m, 3)
-        Required less actual distance of every corner to the limit of the flow rule, as a velocity: volumetric rate less
-        sin φ times the shear rate, times the root of a third of the area.
-    solution : cone_program.Solution
-        The solution of the cone program.
+    multiplier : dissipation less the work of the dead load where the work of the live load is 1, by the solver
+    velocity (m, 6 nodes, 2) : velocities of every cell at its corners, then at the middles of its edges
+    shortfall (m, 3) : required less actual distance of every corner to the limit of the flow rule, as a velocity:
+        volumetric rate less sin φ times the shear rate, times the root of a third of the area
+    solution : the solution of the cone program
     """
 
     multiplier: float

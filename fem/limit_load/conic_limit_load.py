@@ -44,15 +44,11 @@ class ConicLimitLoad:
 
     Attributes
     ----------
-    multiplier : float
-        The load multiplier (-); infinite if the load does no work in any mechanism.
-    mechanism : FieldState or None
-        Stresses at the limit load; its displacements are the velocities of the mechanism, scaled to a largest velocity
-        of 1 m/s, and its strains the strain rates. None if there is no mechanism.
-    bracket : (float, float)
-        Lower and upper multiplier at which the solver stopped; ``multiplier`` is the mean of both.
-    start : Warm or None
-        Starting point of the solver for the same elements and loads with another strength.
+    multiplier : the load multiplier (-); infinite if the load does no work in any mechanism
+    mechanism : stresses at the limit load; its displacements are the velocities of the mechanism, scaled to a largest
+        velocity of 1 m/s, and its strains the strain rates. None if there is no mechanism.
+    bracket : lower and upper multiplier at which the solver stopped; ``multiplier`` is the mean of both
+    start : starting point of the solver for the same elements and loads with another strength
     """
 
     multiplier: float
@@ -81,17 +77,13 @@ class Discretised:
 
     Attributes
     ----------
-    cells : _Cells
-        The elements.
-    free : ndarray (all components,)
-        Mask of the displacement components that are not fixed.
-    forces : tuple of ndarray (all components,)
-        Nodal forces (N/m).
-    length, unit : float
-        Unit of length (m), the height of the mesh, and unit of stress (Pa), which follows from the sum of the first
-        forces.
-    strain : csr matrix (3 points, free components)
-        Strain rates at the points times the root of the area of each, over the unit of length.
+    cells : the elements
+    free (all components,) : mask of the displacement components that are not fixed
+    forces (all components,) : nodal forces (N/m)
+    length, unit : unit of length (m), the height of the mesh, and unit of stress (Pa), which follows from the sum of
+        the first forces
+    strain (3 points, free components) : strain rates at the points times the root of the area of each, over the unit of
+        length
     """
 
     cells: _Cells

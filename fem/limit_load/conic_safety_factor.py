@@ -55,14 +55,10 @@ class FactorStart:
 
     Attributes
     ----------
-    log_factor : float
-        Logarithm of the factor of safety (-).
-    shear : ndarray (points,)
-        Shear rates of the mechanism times the weight of the points (-).
-    mean : ndarray (points,)
-        Mean stress in the plane in Pa, tension positive.
-    resisted : float
-        Dissipation of the mechanism at the factor, by the yield condition without tension cut-offs.
+    log_factor : logarithm of the factor of safety (-)
+    shear (points,) : shear rates of the mechanism times the weight of the points (-)
+    mean (points,) : mean stress in the plane in Pa, tension positive
+    resisted : dissipation of the mechanism at the factor, by the yield condition without tension cut-offs
     """
 
     log_factor: float

@@ -34,22 +34,14 @@ class LoadedGround:
 
     Attributes
     ----------
-    problem : PlaneStrain
-        The ground: in equilibrium under its weight, or without stress where ``gravity`` is None.
-    weight : ndarray (dofs,)
-        Nodal forces of the weight of the ground (N/m).
-    constant : ndarray (dofs,)
-        Nodal forces that are constant (N/m).
-    gravity : EquilibriumPath or None
-        The path under gravity.
-    faces : list of ShallowFailure
-        Cohesionless faces that were strengthened, since such faces fail first.
-    load : ndarray (dofs,)
-        Nodal forces of Kh = 1 (N/m).
-    limit : ConicLimitLoad or None
-        Limit load of the seismic force, if it is unique and the element suits limit analysis.
-    settings : FemSettings
-        Settings of flow rule, sides and direction.
+    problem : the ground: in equilibrium under its weight, or without stress where ``gravity`` is None
+    weight (dofs,) : nodal forces of the weight of the ground (N/m)
+    constant (dofs,) : nodal forces that are constant (N/m)
+    gravity : the path under gravity
+    faces : cohesionless faces that were strengthened, since such faces fail first
+    load (dofs,) : nodal forces of Kh = 1 (N/m)
+    limit : limit load of the seismic force, if it is unique and the element suits limit analysis
+    settings : settings of flow rule, sides and direction
     """
 
     problem: PlaneStrain
@@ -68,22 +60,14 @@ class LimitLoadResult:
 
     Attributes
     ----------
-    kc : float
-        The limit load (-), but at most ``kh_limit``.
-    verdict : PathVerdict
-        "plateau" or "no failure".
-    flow : Flow
-        The flow rule: "davis" or "associated".
-    direction : Direction
-        Direction of the seismic force.
-    reason : str
-        Explanation of the verdict in words.
-    mechanism : FieldState or None
-        The mechanism; None without a limit load.
-    shallow_failures : list of ShallowFailure
-        Cohesionless faces that fail at a smaller Kh.
-    ground : LoadedGround
-        The ground, with the loads.
+    kc : the limit load (-), but at most ``kh_limit``
+    verdict : "plateau" or "no failure"
+    flow : the flow rule: "davis" or "associated"
+    direction : direction of the seismic force
+    reason : explanation of the verdict in words
+    mechanism : the mechanism; None without a limit load
+    shallow_failures : cohesionless faces that fail at a smaller Kh
+    ground : the ground, with the loads
     """
 
     kc: float

@@ -44,14 +44,10 @@ class NonassociatedLimitLoad:
 
     Attributes
     ----------
-    kh : float or None
-        The critical Kh (-); None if the pressures did not settle, or two starts disagree.
-    reason : str
-        Reason why there is no critical Kh; empty otherwise.
-    programs : int
-        Number of cone programs that were solved.
-    work : float
-        Computing work in seconds on the reference machine of ``cone_program``.
+    kh : the critical Kh (-); None if the pressures did not settle, or two starts disagree
+    reason : reason why there is no critical Kh; empty otherwise
+    programs : number of cone programs that were solved
+    work : computing work in seconds on the reference machine of ``cone_program``
     """
 
     kh: float | None

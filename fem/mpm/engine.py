@@ -30,16 +30,12 @@ class MaterialPointEnergy:
 
     Attributes
     ----------
-    external : float
-        Work of weight, shaking and pore water.
-    dissipated : float
-        Energy dissipated by shear, opening and drainage, and energy of waves that left through a compliant base.
-    kinetic_gained : float
-        Kinetic energy that forces gave to the nodes of the grid.
-    kinetic, elastic : float
-        Kinetic and elastic energy of the points at present.
-    kinetic_began, elastic_began : float
-        Kinetic and elastic energy of the points at the beginning.
+    external : work of weight, shaking and pore water
+    dissipated : energy dissipated by shear, opening and drainage, and energy of waves that left through a compliant
+        base
+    kinetic_gained : kinetic energy that forces gave to the nodes of the grid
+    kinetic, elastic : kinetic and elastic energy of the points at present
+    kinetic_began, elastic_began : kinetic and elastic energy of the points at the beginning
     """
 
     external: float = 0.0

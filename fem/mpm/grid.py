@@ -13,16 +13,11 @@ class BackgroundGrid:
 
     Attributes
     ----------
-    cell : float
-        Side of a cell (m).
-    support : ndarray (nx, nz)
-        Boundary condition of each node: `FREE`, `FIXED` or `WALL` of `fem.kernels.grid_motion`.
-    uplift : ndarray (nx, nz, 2)
-        Minus the gradient of the pore pressure (N/m³).
-    periodic : bool
-        Whether the right side continues at the left one.
-    slope : float
-        Slope dz/dx of the rows of nodes, which are parallel to inclined layers.
+    cell : side of a cell (m)
+    support (nx, nz) : boundary condition of each node: `FREE`, `FIXED` or `WALL` of `fem.kernels.grid_motion`
+    uplift (nx, nz, 2) : minus the gradient of the pore pressure (N/m³)
+    periodic : whether the right side continues at the left one
+    slope : slope dz/dx of the rows of nodes, which are parallel to inclined layers
     """
 
     cell: float

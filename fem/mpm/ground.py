@@ -48,28 +48,18 @@ class PointGround:
 
     Attributes
     ----------
-    section : Section
-        The section.
-    points : MaterialPoints
-        Material points of the section and of the rigid ground around it (stratum -1).
-    grid : BackgroundGrid
-        The grid on which they move.
-    offset : ndarray (2,)
-        Origin of the grid in the coordinates of the section (m).
-    surface : ndarray (k,)
-        Numbers in ``points`` of the points at the surface, from left to right.
-    effective : ndarray (n,)
-        Vertical effective stress of each point before the earthquake (Pa), compression positive.
-    consolidated : ndarray (n,)
-        Vertical effective stress with only the share of surcharges to which the ground has consolidated (Pa); residual
-        strength ratios refer to this stress.
-    softened : tuple of str
-        Strata whose stiffness was reduced, see ``FASTEST``.
-    sides : Sides
-        Boundary condition of the sides.
-    room : float
-        Length (m) of floor beyond each free-field or smooth side, over which ground that leaves the section can slide;
-        0 for other sides.
+    section : the section
+    points : material points of the section and of the rigid ground around it (stratum -1)
+    grid : the grid on which they move
+    offset (2,) : origin of the grid in the coordinates of the section (m)
+    surface (k,) : numbers in ``points`` of the points at the surface, from left to right
+    effective (n,) : vertical effective stress of each point before the earthquake (Pa), compression positive
+    consolidated (n,) : vertical effective stress with only the share of surcharges to which the ground has consolidated
+        (Pa); residual strength ratios refer to this stress
+    softened : strata whose stiffness was reduced, see ``FASTEST``
+    sides : boundary condition of the sides
+    room : length (m) of floor beyond each free-field or smooth side, over which ground that leaves the section can
+        slide; 0 for other sides
     """
 
     section: Section

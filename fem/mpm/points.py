@@ -19,16 +19,12 @@ class PointSoil:
 
     Attributes
     ----------
-    density : float or ndarray
-        Total density, which resists acceleration (kg/m³).
-    youngs_modulus, poissons_ratio : float or ndarray
-        Elastic constants in plane strain (Pa, -).
-    cohesion, friction : float or ndarray
-        Mohr-Coulomb strength (Pa, rad); plastic flow is without dilation.
-    tension : float or ndarray
-        Largest mean tensile stress (Pa); with inf only the apex of the cone, c cot φ, limits the tension.
-    weight_ratio : float or ndarray
-        Density on which gravity acts over ``density`` (-); below 1 if the density for gravity includes buoyancy.
+    density : total density, which resists acceleration (kg/m³)
+    youngs_modulus, poissons_ratio : elastic constants in plane strain (Pa, -)
+    cohesion, friction : Mohr-Coulomb strength (Pa, rad); plastic flow is without dilation
+    tension : largest mean tensile stress (Pa); with inf only the apex of the cone, c cot φ, limits the tension
+    weight_ratio : density on which gravity acts over ``density`` (-); below 1 if the density for gravity includes
+        buoyancy
     """
 
     density: float | np.ndarray
@@ -46,23 +42,15 @@ class MaterialPoints:
 
     Attributes
     ----------
-    x, v : ndarray (n, 2)
-        Position (m) and velocity (m/s).
-    affine : ndarray (n, 4)
-        Velocity gradient [xx, xz, zx, zz] of the affine field of a point (1/s).
-    stress : ndarray (n, 3)
-        Effective stress [xx, zz, xz] (Pa).
-    state : ndarray (n, 6)
-        Volume (m²), mass (kg/m), volumetric strain by opening (-), plastic shear strain (-), viscous part of the stress
-        (Pa), in the order of `fem.kernels.material_points`.
-    properties : ndarray (n, 10)
-        Properties of the soil in the order of `fem.kernels.material_points`.
-    start : ndarray (n, 2)
-        Position at the beginning (m).
-    stratum : ndarray (n,)
-        Number of the stratum, -1 for rigid ground around the section.
-    side : ndarray (n,)
-        Horizontal force (N/m) on the points next to a free-field side, 0 elsewhere.
+    x, v (n, 2) : position (m) and velocity (m/s)
+    affine (n, 4) : velocity gradient [xx, xz, zx, zz] of the affine field of a point (1/s)
+    stress (n, 3) : effective stress [xx, zz, xz] (Pa)
+    state (n, 6) : volume (m²), mass (kg/m), volumetric strain by opening (-), plastic shear strain (-), viscous part of
+        the stress (Pa), in the order of `fem.kernels.material_points`
+    properties (n, 10) : properties of the soil in the order of `fem.kernels.material_points`
+    start (n, 2) : position at the beginning (m)
+    stratum (n,) : number of the stratum, -1 for rigid ground around the section
+    side (n,) : horizontal force (N/m) on the points next to a free-field side, 0 elsewhere
     """
 
     x: np.ndarray

@@ -49,26 +49,17 @@ class SlideProgramme:
 
     Attributes
     ----------
-    shaking : callable
-        Horizontal acceleration of the ground (m/s²) at times (n,) in s, positive downslope.
-    starts : dict of int to float
-        Time at which each liquefying stratum begins to liquefy, by the number of the stratum.
-    remains : dict of int to Remains
-        Share of strength and stiffness that each liquefied stratum retains.
-    onset : float
-        Time in which a stratum liquefies (s).
-    rest_from : float
-        Time before which the computation does not end, even if the ground is at rest (s).
-    duration : float
-        Time at which the computation ends (s).
-    still : float
-        The surface counts as at rest if its mean displacement changes by less than this length (m), or by less than 0.2
-        % of the slide, from one window of 5 s to the next, twice in a row.
-    drained : float
-        Volumetric strain by drainage while a stratum liquefies (-).
-    base_impedance : float
-        Impedance of a compliant base times its length (kg/s per metre), see `meshes.section.base_impedance`; 0 for a
-        rigid base.
+    shaking : horizontal acceleration of the ground (m/s²) at times (n,) in s, positive downslope
+    starts : time at which each liquefying stratum begins to liquefy, by the number of the stratum
+    remains : share of strength and stiffness that each liquefied stratum retains
+    onset : time in which a stratum liquefies (s)
+    rest_from : time before which the computation does not end, even if the ground is at rest (s)
+    duration : time at which the computation ends (s)
+    still : the surface counts as at rest if its mean displacement changes by less than this length (m), or by less than
+        0.2 % of the slide, from one window of 5 s to the next, twice in a row
+    drained : volumetric strain by drainage while a stratum liquefies (-)
+    base_impedance : impedance of a compliant base times its length (kg/s per metre), see
+        `meshes.section.base_impedance`; 0 for a rigid base
     """
 
     shaking: ShakingHistory

@@ -21,25 +21,16 @@ class PointSlide:
 
     Attributes
     ----------
-    times : list of float
-        Times of the record (s).
-    slide, settlement : list of ndarray (k,)
-        Displacement of the surface at each time, from left to right, smoothed along the surface.
-    settled : bool
-        Whether the surface came to rest.
-    reason : str
-        Reason why the computation of the slide ended.
-    before, after : ndarray (k, 2)
-        Surface before and after the slide, in the coordinates of the section.
-    transfer_loss_share : float
-        Energy lost between points and grid over the total energy exchanged (-).
-    energy_lost_share : float
-        Energy that the ground neither dissipated nor stores, over the total energy exchanged (-).
-    stopped_by : str or None
-        Side ("left" or "right") at which the slide was stopped, or through which it left the section if the side is
-        free-field.
-    cell : float
-        Side of a cell of the grid (m).
+    times : times of the record (s)
+    slide, settlement (k,) : displacement of the surface at each time, from left to right, smoothed along the surface
+    settled : whether the surface came to rest
+    reason : reason why the computation of the slide ended
+    before, after (k, 2) : surface before and after the slide, in the coordinates of the section
+    transfer_loss_share : energy lost between points and grid over the total energy exchanged (-)
+    energy_lost_share : energy that the ground neither dissipated nor stores, over the total energy exchanged (-)
+    stopped_by : side ("left" or "right") at which the slide was stopped, or through which it left the section if the
+        side is free-field
+    cell : side of a cell of the grid (m)
     """
 
     times: list[float] = field(default_factory=list)

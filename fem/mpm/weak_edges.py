@@ -50,15 +50,11 @@ class EdgeStrength:
 
     Attributes
     ----------
-    points : ndarray (k,) of int
-        Numbers of the points.
-    donors : ndarray (k,) of int
-        Number of the weak point at whose layer's edge each point lies (its donor).
-    strength : ndarray (k,)
-        Strength of each point (Pa).
-    demand : ndarray (k,)
-        Mass above each point over the mass above its weak point (donor), which is the ratio of the shear stresses at
-        the two points (-).
+    points (k,) : numbers of the points
+    donors (k,) : number of the weak point at whose layer's edge each point lies (its donor)
+    strength (k,) : strength of each point (Pa)
+    demand (k,) : mass above each point over the mass above its weak point (donor), which is the ratio of the shear
+        stresses at the two points (-)
     """
 
     points: np.ndarray

@@ -21,27 +21,17 @@ class PathSettings:
 
     Attributes
     ----------
-    newton : NewtonSettings
-        Settings of Newton's method within a step.
-    first, largest, smallest : float
-        First, largest and smallest step (-).
-    growth, shrink : float
-        Factors of the step size after a step with at most ``few``, or more than ``many``, iterations (-).
-    few, many : int
-        Numbers of iterations of Newton's method below which the step grows, and above which it shrinks.
-    relaxation : float
-        Arc length over which the overstress decays (-); 0 for no overstress.
-    relaxation_span : float
-        Length of a relaxation over ``relaxation`` (-).
-    most_relaxations : int
-        Largest number of relaxations until equilibrium without overstress.
-    relaxed_tolerance : float
-        Norm of the unbalanced force after relaxation, over that of the weight (-).
-    reductions : tuple of float
-        Shares by which the multiplier is reduced, one after the other, until a state is in equilibrium without
-        overstress (-).
-    most_steps : int
-        Steps after which the path ends.
+    newton : settings of Newton's method within a step
+    first, largest, smallest : first, largest and smallest step (-)
+    growth, shrink : factors of the step size after a step with at most ``few``, or more than ``many``, iterations (-)
+    few, many : numbers of iterations of Newton's method below which the step grows, and above which it shrinks
+    relaxation : arc length over which the overstress decays (-); 0 for no overstress
+    relaxation_span : length of a relaxation over ``relaxation`` (-)
+    most_relaxations : largest number of relaxations until equilibrium without overstress
+    relaxed_tolerance : norm of the unbalanced force after relaxation, over that of the weight (-)
+    reductions : shares by which the multiplier is reduced, one after the other, until a state is in equilibrium without
+        overstress (-)
+    most_steps : steps after which the path ends
     """
 
     newton: NewtonSettings = field(default_factory=NewtonSettings)
@@ -66,32 +56,19 @@ class EquilibriumPath:
 
     Attributes
     ----------
-    problem : PlaneStrain
-        The ground, with the state of equilibrium last accepted.
-    loading : Loading
-        The load, or strength, that the multiplier scales.
-    control : ndarray (dofs,)
-        Vector a whose product with the displacement, a·u, is the control displacement (m).
-    reference : float
-        Displacement (m) that is one unit of arc length.
-    scale : float
-        Force (N/m) by which residuals are divided.
-    settings : PathSettings
-        Settings that determine how the path is followed.
-    beta : float
-        Weight of the load multiplier in the arc length (-).
-    factor : float
-        Load multiplier λ reached (-).
-    length : float
-        Arc length so far (-).
-    displacement : float
-        Control displacement reached (m).
-    steps : list of PathStep
-        The record of every step.
-    solves : int
-        Linear systems factorised so far.
-    reason : str
-        Reason why the path could not be followed further.
+    problem : the ground, with the state of equilibrium last accepted
+    loading : the load, or strength, that the multiplier scales
+    control (dofs,) : vector a whose product with the displacement, a·u, is the control displacement (m)
+    reference : displacement (m) that is one unit of arc length
+    scale : force (N/m) by which residuals are divided
+    settings : settings that determine how the path is followed
+    beta : weight of the load multiplier in the arc length (-)
+    factor : load multiplier λ reached (-)
+    length : arc length so far (-)
+    displacement : control displacement reached (m)
+    steps : the record of every step
+    solves : linear systems factorised so far
+    reason : reason why the path could not be followed further
     """
 
     problem: PlaneStrain

@@ -31,14 +31,10 @@ class NewtonSettings:
 
     Attributes
     ----------
-    tolerance : float
-        Norm of the unbalanced force over that of the weight (-) at which a state is in equilibrium.
-    iterations : int
-        Largest number of iterations of a step.
-    line_search : int
-        Largest number of halvings of a correction that does not reduce the unbalanced force.
-    descents : int
-        Largest number of iterations of a step where the potential of associated flow is minimised.
+    tolerance : norm of the unbalanced force over that of the weight (-) at which a state is in equilibrium
+    iterations : largest number of iterations of a step
+    line_search : largest number of halvings of a correction that does not reduce the unbalanced force
+    descents : largest number of iterations of a step where the potential of associated flow is minimised
     """
 
     tolerance: float = 1e-6
@@ -104,12 +100,9 @@ class Constraint:
 
     Attributes
     ----------
-    control : ndarray (dofs,)
-        Vector of the control displacement over the reference displacement (1/m).
-    beta : float
-        Weight of the load multiplier in the arc length (-).
-    target : float
-        Arc length of the step (-).
+    control (dofs,) : vector of the control displacement over the reference displacement (1/m)
+    beta : weight of the load multiplier in the arc length (-)
+    target : arc length of the step (-)
     """
 
     control: np.ndarray
@@ -123,16 +116,11 @@ class NewtonResult:
 
     Attributes
     ----------
-    converged : bool
-        Whether the residual is below the tolerance.
-    iterations : int
-        Number of linear systems factorised.
-    residual : float
-        Norm of the unbalanced force over the scale (-).
-    multiplier : float
-        The load multiplier λ (-).
-    increment : ndarray (dofs,)
-        Displacement since the last accepted state (m).
+    converged : whether the residual is below the tolerance
+    iterations : number of linear systems factorised
+    residual : norm of the unbalanced force over the scale (-)
+    multiplier : the load multiplier λ (-)
+    increment (dofs,) : displacement since the last accepted state (m)
     """
 
     converged: bool

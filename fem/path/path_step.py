@@ -9,24 +9,15 @@ class PathStep:
 
     Attributes
     ----------
-    length : float
-        Arc length from the start of the path (-).
-    displacement : float
-        Control displacement from the start of the path (m).
-    factor : float
-        Load multiplier λ (-): Kh, or the factor of safety.
-    iterations : int
-        Iterations of Newton's method.
-    residual : float
-        Norm of the unbalanced force over that of the weight (-).
-    plastic_share : float
-        Share of the quadrature points at yield (-).
-    cutbacks : int
-        Number of halvings of the step before it converged.
-    at_rest : bool
-        Whether the overstress was relaxed in this step, while the load was not increased.
-    balanced : bool
-        Whether there was equilibrium without overstress after the relaxation.
+    length : arc length from the start of the path (-)
+    displacement : control displacement from the start of the path (m)
+    factor : load multiplier λ (-): Kh, or the factor of safety
+    iterations : iterations of Newton's method
+    residual : norm of the unbalanced force over that of the weight (-)
+    plastic_share : share of the quadrature points at yield (-)
+    cutbacks : number of halvings of the step before it converged
+    at_rest : whether the overstress was relaxed in this step, while the load was not increased
+    balanced : whether there was equilibrium without overstress after the relaxation
     """
 
     length: float

@@ -31,23 +31,16 @@ class PlateauRule:
 
     Attributes
     ----------
-    growth : float
-        Relative growth of the multiplier over the second half of the displacement, below which the path has a plateau.
-    earliest : float
-        Smallest ductility at which the rule applies.
-    latest : float
-        Ductility at which the path ends in any case.
-    fall : float
-        Relative fall of the multiplier below its maximum from which the verdict is "peak" and not "plateau".
-    tolerated_growth : float
-        Growth that still counts as a plateau where the path ends at ``latest``.
-    shortfall : float
-        If the largest multiplier in equilibrium without overstress is lower than the maximum of the path by more than
-        this share, equilibrium is searched for again just below this maximum.
-    first_relaxation : float
-        Ductility at the first relaxation of the overstress.
-    next_relaxation : float
-        Ratio of the ductilities at two successive relaxations of the overstress.
+    growth : relative growth of the multiplier over the second half of the displacement, below which the path has a
+        plateau
+    earliest : smallest ductility at which the rule applies
+    latest : ductility at which the path ends in any case
+    fall : relative fall of the multiplier below its maximum from which the verdict is "peak" and not "plateau"
+    tolerated_growth : growth that still counts as a plateau where the path ends at ``latest``
+    shortfall : if the largest multiplier in equilibrium without overstress is lower than the maximum of the path by
+        more than this share, equilibrium is searched for again just below this maximum
+    first_relaxation : ductility at the first relaxation of the overstress
+    next_relaxation : ratio of the ductilities at two successive relaxations of the overstress
     """
 
     growth: float = 0.01
@@ -66,15 +59,11 @@ class LimitLoad:
 
     Attributes
     ----------
-    in_equilibrium : float
-        Largest load multiplier found in equilibrium (-).
-    upper : float
-        The limit load if it is known beforehand; else the largest multiplier of the path, or its extrapolation to twice
-        the displacement (-).
-    verdict : PathVerdict
-        "plateau", "peak" (the load falls after a maximum), "no failure" (up to the limit) or "undecided".
-    reason, remedy : str
-        The reason of the verdict, and what to change if it is "undecided".
+    in_equilibrium : largest load multiplier found in equilibrium (-)
+    upper : the limit load if it is known beforehand; else the largest multiplier of the path, or its extrapolation to
+        twice the displacement (-)
+    verdict : "plateau", "peak" (the load falls after a maximum), "no failure" (up to the limit) or "undecided"
+    reason, remedy : the reason of the verdict, and what to change if it is "undecided"
     """
 
     in_equilibrium: float

@@ -136,18 +136,12 @@ class AdaptiveSearch:
 
     Attributes
     ----------
-    section : Section
-        The ground.
-    meshing : MeshSettings
-        Settings of the meshes.
-    first : QuadMesh
-        The first mesh; the only mesh if meshes are not adapted.
-    comm : communicator, optional
-        MPI communicator of the ranks; by default this process alone.
-    tell : callable
-        Function that is called with a message before each step.
-    executor : Executor
-        Executor that computes both directions concurrently.
+    section : the ground
+    meshing : settings of the meshes
+    first : the first mesh; the only mesh if meshes are not adapted
+    comm : MPI communicator of the ranks; by default this process alone
+    tell : function that is called with a message before each step
+    executor : executor that computes both directions concurrently
     """
 
     section: Section

@@ -42,25 +42,16 @@ class Assessment:
 
     Attributes
     ----------
-    critical : CriticalResult
-        The critical Kh, with the path to it.
-    mesh : QuadMesh
-        Mesh on which the critical Kh was computed.
-    adapted : AdaptiveResult or None
-        The limit loads of the sequence of meshes that ends with ``mesh``; None if the flow is not associated.
-    opposite : AdaptiveResult or None
-        The result for the opposite direction, where both directions were analysed.
-    associated : AdaptiveResult or None
-        The result for the same direction with ψ = φ, on its own meshes; None if ``critical`` has ψ = φ.
-    davis : AdaptiveResult or None
-        Davis's estimate for the same direction, 0 where such ground fails under its weight; None if ``critical`` is
-        Davis's estimate or follows from a path, or where the section file has ψ = φ.
-    safety : list of AdaptiveResult
-        Factors of safety at the Kh of the settings, the first one without shaking, each on its own meshes.
-    warnings : list of ResultWarning
-        Warnings: contradictions and notes on the answer.
-    own_dilation : OwnDilation or None
-        The critical Kh for the dilation angles of the strata, if it was computed.
+    critical : the critical Kh, with the path to it
+    mesh : mesh on which the critical Kh was computed
+    adapted : the limit loads of the sequence of meshes that ends with ``mesh``; None if the flow is not associated
+    opposite : the result for the opposite direction, where both directions were analysed
+    associated : the result for the same direction with ψ = φ, on its own meshes; None if ``critical`` has ψ = φ
+    davis : Davis's estimate for the same direction, 0 where such ground fails under its weight; None if ``critical`` is
+        Davis's estimate or follows from a path, or where the section file has ψ = φ
+    safety : factors of safety at the Kh of the settings, the first one without shaking, each on its own meshes
+    warnings : warnings: contradictions and notes on the answer
+    own_dilation : the critical Kh for the dilation angles of the strata, if it was computed
     """
 
     critical: CriticalResult

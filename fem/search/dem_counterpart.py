@@ -29,16 +29,12 @@ class NonAssociatedPath:
 
     Attributes
     ----------
-    kc, upper : float
-        Largest Kh at which an equilibrium was found, and its upper limit on this mesh (-).
-    verdict : PathVerdict
-        Verdict on the path: "plateau", "peak", "no failure" or "undecided".
-    reason : str
-        Reason why the path ended.
-    steps : list of PathStep
-        Steps of the path: Kh and the mean horizontal displacement (m).
-    slip_surface : (k, 2)
-        Points [x, elevation] (m) of the line between moving ground and ground at rest; empty without failure.
+    kc, upper : largest Kh at which an equilibrium was found, and its upper limit on this mesh (-)
+    verdict : verdict on the path: "plateau", "peak", "no failure" or "undecided"
+    reason : reason why the path ended
+    steps : steps of the path: Kh and the mean horizontal displacement (m)
+    slip_surface (k, 2) : points [x, elevation] (m) of the line between moving ground and ground at rest; empty without
+        failure
     """
 
     kc: float

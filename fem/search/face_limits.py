@@ -19,12 +19,9 @@ class FaceLimit:
 
     Attributes
     ----------
-    value : float
-        Critical Kh, or factor of safety, with ψ = φ (-).
-    davis : float or None
-        Davis's estimate of the same quantity (-); None without an answer.
-    surface : ndarray (n, 2)
-        The slip surface with ψ = φ (m).
+    value : critical Kh, or factor of safety, with ψ = φ (-)
+    davis : Davis's estimate of the same quantity (-); None without an answer
+    surface (n, 2) : the slip surface with ψ = φ (m)
     """
 
     value: float
@@ -38,12 +35,9 @@ class FaceSearch:
 
     Attributes
     ----------
-    section : Section
-        The ground with its strong zones.
-    meshing : MeshSettings
-        Settings of the meshes.
-    settings : FemSettings
-        Sides, accuracy and number of cells.
+    section : the ground with its strong zones
+    meshing : settings of the meshes
+    settings : sides, accuracy and number of cells
     """
 
     section: Section

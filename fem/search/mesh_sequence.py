@@ -47,18 +47,13 @@ class MeshRound:
 
     Attributes
     ----------
-    cells : int
-        Number of quadrilaterals.
-    value : float
-        Critical Kh, or factor of safety, on this mesh (-).
-    change : float
-        Difference from the mesh before as a share of ``value``; infinite for the first mesh.
-    rest : float
-        Estimated remaining error as a share of ``value``, from this mesh and the previous mesh; infinite for the first
-        mesh.
-    tells : bool
-        Whether the estimate of the error is meaningful; it is not if ``value`` rose on a mesh with about as many cells
-        as before.
+    cells : number of quadrilaterals
+    value : critical Kh, or factor of safety, on this mesh (-)
+    change : difference from the mesh before as a share of ``value``; infinite for the first mesh
+    rest : estimated remaining error as a share of ``value``, from this mesh and the previous mesh; infinite for the
+        first mesh
+    tells : whether the estimate of the error is meaningful; it is not if ``value`` rose on a mesh with about as many
+        cells as before
     """
 
     cells: int
@@ -90,20 +85,13 @@ class AdaptiveResult(Generic[F]):
 
     Attributes
     ----------
-    result : LimitLoadResult, CriticalResult or SafetyFactor
-        Answer and mechanism on ``mesh``.
-    mesh : QuadMesh
-        The last mesh.
-    rounds : list of MeshRound
-        The sequence, coarsest first.
-    converged : bool
-        Whether the remaining error is within the required accuracy.
-    reason : str
-        Reason why there was no further mesh.
-    other : AdaptiveResult or None
-        The result for the opposite direction, where both directions were analysed.
-    earlier : list of AdaptiveResult
-        The answers on those earlier meshes of the sequence that are adapted to a mechanism, coarsest first.
+    result : answer and mechanism on ``mesh``
+    mesh : the last mesh
+    rounds : the sequence, coarsest first
+    converged : whether the remaining error is within the required accuracy
+    reason : reason why there was no further mesh
+    other : the result for the opposite direction, where both directions were analysed
+    earlier : the answers on those earlier meshes of the sequence that are adapted to a mechanism, coarsest first
     """
 
     result: F
@@ -164,15 +152,11 @@ class Wish:
 
     Attributes
     ----------
-    accuracy : float
-        Largest remaining error, as a share of the answer (-).
-    max_cells : int
-        Cells of the finest mesh.
-    other : callable
-        Function that returns the Kh (-) of the other direction; the sequence ends once this direction certainly has a
-        larger critical Kh.
-    least : float
-        Smallest answer of which the accuracy is a share (-).
+    accuracy : largest remaining error, as a share of the answer (-)
+    max_cells : cells of the finest mesh
+    other : function that returns the Kh (-) of the other direction; the sequence ends once this direction certainly has
+        a larger critical Kh
+    least : smallest answer of which the accuracy is a share (-)
     """
 
     accuracy: float

@@ -32,14 +32,10 @@ class OwnDilation:
 
     Attributes
     ----------
-    kc : float or None
-        The critical Kh on the last mesh (-); None if the iteration has no answer.
-    low, high : float or None
-        Smallest and largest value of the three meshes (-).
-    cells : tuple of int
-        Cells of the meshes.
-    reason : str
-        Reason why there is no answer; empty otherwise.
+    kc : the critical Kh on the last mesh (-); None if the iteration has no answer
+    low, high : smallest and largest value of the three meshes (-)
+    cells : cells of the meshes
+    reason : reason why there is no answer; empty otherwise
     """
 
     kc: float | None

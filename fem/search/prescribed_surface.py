@@ -21,10 +21,8 @@ class PrescribedSurface:
 
     Attributes
     ----------
-    kc : float
-        Critical Kh without restriction (-).
-    kc_above : float
-        Critical Kh with the ground below the line fixed (-); infinite if no mechanism is possible.
+    kc : critical Kh without restriction (-)
+    kc_above : critical Kh with the ground below the line fixed (-); infinite if no mechanism is possible
     """
 
     kc: float

@@ -16,12 +16,9 @@ class ResultWarning:
 
     Attributes
     ----------
-    what : str
-        The observation, a sentence with its numbers.
-    remedy : str
-        Advice on what the user can change.
-    contradiction : bool
-        Whether the observation contradicts the answer; if not, it is a note.
+    what : the observation, a sentence with its numbers
+    remedy : advice on what the user can change
+    contradiction : whether the observation contradicts the answer; if not, it is a note
     """
 
     what: str
@@ -35,16 +32,12 @@ class Computed:
 
     Attributes
     ----------
-    what : str
-        The change that was made, such as "cells of half the size".
-    kc : float
-        Critical Kh (-).
-    decisive : bool
-        Whether a difference contradicts the answer, as a difference on a finer mesh does and one with a poorer element
-        does not.
-    without : float or None
-        Critical Kh without the change, if the critical Kh with and without the change were computed on another mesh
-        than the answer; None if the answer is the critical Kh without the change.
+    what : the change that was made, such as "cells of half the size"
+    kc : critical Kh (-)
+    decisive : whether a difference contradicts the answer, as a difference on a finer mesh does and one with a poorer
+        element does not
+    without : critical Kh without the change, if the critical Kh with and without the change were computed on another
+        mesh than the answer; None if the answer is the critical Kh without the change
     """
 
     what: str

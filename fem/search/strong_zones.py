@@ -22,10 +22,8 @@ class StrongZone:
 
     Attributes
     ----------
-    start, end : float
-        Both ends of the zone (m).
-    depth : float
-        Depth of the zone below the ground (m); ``ALL`` for the whole depth down to the base.
+    start, end : both ends of the zone (m)
+    depth : depth of the zone below the ground (m); ``ALL`` for the whole depth down to the base
     """
 
     start: float

@@ -19,31 +19,22 @@ class ConeProgram:
 
     Attributes
     ----------
-    strain : sparse matrix (3 k, n)
-        The matrix G from velocities to strain rates [xx, yy, engineering xy], corner by corner.
-    cohesion, friction : ndarray (k,)
-        Cohesion over the unit of stress, and friction angle in rad.
-    weight : ndarray (k,)
-        Weight w of each corner, by which its dissipation is multiplied: the root of its dimensionless area if its
-        strain rates in G are multiplied by this root, 1 otherwise.
-    dead, live : ndarray (n,)
-        Vectors b0 and b1: work of the dead and the live load on a unit velocity.
-    stress_margin : ndarray (k,) or float
-        Smallest distance of the stress to the yield surface, so that rounding does not lead beyond it. No distance to
-        the tension cut-off is required, since there may be no admissible stress below a reduced cut-off.
-    strain_margin : ndarray (k,) or float
-        Volumetric strain rate that is required in addition to the flow rule where φ > 0, so that rounding does not
-        violate the flow rule.
-    strain_share : float
-        Additional volumetric strain rate where φ > 0, as a share of the shear rate.
-    tension : ndarray (k,) or float
-        Tension cut-off over the unit of stress, inf for none.
-    bare : ndarray (k,) of bool
-        Corners on a bare surface, where equilibrium makes one principal stress zero, so that the cut-off limits the
-        other principal stress, which is equal to the trace.
-    softening : ndarray (k,) or None
-        Vector s > 0 if λ reduces the strength and multiplies no load: the right-hand side of the yield condition is
-        reduced by λ s. Then b1 is zero, and the dual has Σ w s |(εxx - εyy, εxy)| = 1 in place of b1·x = 1.
+    strain (3 k, n) : the matrix G from velocities to strain rates [xx, yy, engineering xy], corner by corner
+    cohesion, friction (k,) : cohesion over the unit of stress, and friction angle in rad
+    weight (k,) : weight w of each corner, by which its dissipation is multiplied: the root of its dimensionless area if
+        its strain rates in G are multiplied by this root, 1 otherwise
+    dead, live (n,) : vectors b0 and b1: work of the dead and the live load on a unit velocity
+    stress_margin (k,) : smallest distance of the stress to the yield surface, so that rounding does not lead beyond it.
+        No distance to the tension cut-off is required, since there may be no admissible stress below a reduced cut-off.
+    strain_margin (k,) : volumetric strain rate that is required in addition to the flow rule where φ > 0, so that
+        rounding does not violate the flow rule
+    strain_share : additional volumetric strain rate where φ > 0, as a share of the shear rate
+    tension (k,) : tension cut-off over the unit of stress, inf for none
+    bare (k,) : corners on a bare surface, where equilibrium makes one principal stress zero, so that the cut-off limits
+        the other principal stress, which is equal to the trace
+    softening (k,) : vector s > 0 if λ reduces the strength and multiplies no load: the right-hand side of the yield
+        condition is reduced by λ s. Then b1 is zero, and the dual has Σ w s |(εxx - εyy, εxy)| = 1 in place of b1·x =
+        1.
     """
 
     strain: sparse.csr_matrix

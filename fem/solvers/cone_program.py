@@ -87,39 +87,24 @@ class Solution:
 
     Attributes
     ----------
-    multiplier : float
-        The load multiplier λ.
-    rates : ndarray (n,)
-        The velocities x.
-    stress : ndarray (k, 3)
-        The stress σ at the corners, [xx, yy, xy].
-    ended : str
-        Status of the solver; empty if the solver met its tolerances.
-    out_of_work : bool
-        Whether the solver ended early because the allowed work was used up.
-    shear : ndarray (k,)
-        Shear rate |(εxx - εyy, εxy)| at the corners by the yield condition without the tension cut-off, times their
-        weight.
-    torn : float
-        Dissipation of corners that open at their tension cut-off.
-    none : str
-        Not empty if the solver proved that there is no solution: "no stress" (none is in equilibrium with the loads,
-        whatever the multiplier) or "no mechanism" (the live load does no work in any mechanism).
-    sure : bool
-        Whether the solver met its tolerances, at least almost, or proved fully that there is no solution.
-    iterations : int
-        Iterations of the interior point method, over all regularisations.
-    work : float
-        Work in seconds on the reference machine, computed from number and size of the iterations, not measured.
-    seconds : float
-        Processor time of the solver.
-    fallback : bool
-        Whether the solution is that of Clarabel, because the built-in interior-point method broke down or there is no
-        solution.
-    bracket : (float, float)
-        Lower and upper multiplier at which the solver stopped.
-    warm : Warm or None
-        Starting point for programs of the same mesh with another strength.
+    multiplier : the load multiplier λ
+    rates (n,) : the velocities x
+    stress (k, 3) : the stress σ at the corners, [xx, yy, xy]
+    ended : status of the solver; empty if the solver met its tolerances
+    out_of_work : whether the solver ended early because the allowed work was used up
+    shear (k,) : shear rate |(εxx - εyy, εxy)| at the corners by the yield condition without the tension cut-off, times
+        their weight
+    torn : dissipation of corners that open at their tension cut-off
+    none : not empty if the solver proved that there is no solution: "no stress" (none is in equilibrium with the loads,
+        whatever the multiplier) or "no mechanism" (the live load does no work in any mechanism)
+    sure : whether the solver met its tolerances, at least almost, or proved fully that there is no solution
+    iterations : iterations of the interior point method, over all regularisations
+    work : work in seconds on the reference machine, computed from number and size of the iterations, not measured
+    seconds : processor time of the solver
+    fallback : whether the solution is that of Clarabel, because the built-in interior-point method broke down or there
+        is no solution
+    bracket : lower and upper multiplier at which the solver stopped
+    warm : starting point for programs of the same mesh with another strength
     """
 
     multiplier: float

@@ -11,18 +11,13 @@ class Tolerance:
 
     Attributes
     ----------
-    gap : float
-        Difference of both objectives as a share of the multiplier (-).
-    least : float
-        Smallest multiplier of which the gap is a share (-).
-    residual : float
-        Relative residual of both equations (-).
-    nearly : float
-        Residual that is accepted if iterations no longer reduce it (-). If edges pass almost straight through a point,
-        the volume conditions of clay around the point are nearly dependent, and a residual of 5e-9 remains.
-    floor : float
-        Multiplier (-) below which the method ends with the velocities that prove the multiplier to be smaller: if no
-        stress balances the dead load, velocities prove ever smaller multipliers.
+    gap : difference of both objectives as a share of the multiplier (-)
+    least : smallest multiplier of which the gap is a share (-)
+    residual : relative residual of both equations (-)
+    nearly : residual that is accepted if iterations no longer reduce it (-). If edges pass almost straight through a
+        point, the volume conditions of clay around the point are nearly dependent, and a residual of 5e-9 remains.
+    floor : multiplier (-) below which the method ends with the velocities that prove the multiplier to be smaller: if
+        no stress balances the dead load, velocities prove ever smaller multipliers
     """
 
     gap: float
@@ -42,20 +37,13 @@ class Iterate:
 
     Attributes
     ----------
-    y, z, s : ndarray
-        Unknowns, multipliers and slacks.
-    primal, dual : float
-        Both objectives.
-    gap : float
-        Gap between both objectives, as a share of the load multiplier.
-    residual : float
-        Relative residual of the equations.
-    iterations : int
-        Number of iterations until this one.
-    warm : Place or None
-        Starting point for the next program on the same mesh; known at the end.
-    below_floor : bool
-        Whether the load multiplier fell below `Tolerance.floor`; known at the end.
+    y, z, s : unknowns, multipliers and slacks
+    primal, dual : both objectives
+    gap : gap between both objectives, as a share of the load multiplier
+    residual : relative residual of the equations
+    iterations : number of iterations until this one
+    warm : starting point for the next program on the same mesh; known at the end
+    below_floor : whether the load multiplier fell below `Tolerance.floor`; known at the end
     """
 
     y: np.ndarray

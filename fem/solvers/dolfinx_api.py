@@ -61,14 +61,10 @@ class RankDistribution:
 
     Attributes
     ----------
-    cell : ndarray (nc,)
-        Numbers of the cells in the undistributed mesh.
-    corners : ndarray (nc, 4)
-        Numbers of the corners of the cells in the undistributed mesh, in the order of dolfinx.
-    nodes : ndarray (nc, nodes of an element)
-        Global numbers of the nodes of the space.
-    total, owned : int
-        Number of nodes of all ranks, and of this rank.
+    cell (nc,) : numbers of the cells in the undistributed mesh
+    corners (nc, 4) : numbers of the corners of the cells in the undistributed mesh, in the order of dolfinx
+    nodes (nc, nodes of an element) : global numbers of the nodes of the space
+    total, owned : number of nodes of all ranks, and of this rank
     """
 
     cell: np.ndarray

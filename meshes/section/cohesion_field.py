@@ -34,13 +34,10 @@ class CohesionField:
 
     Attributes
     ----------
-    loads : SurfaceLoads
-        The surcharges and the water of the section, with its layers and strata.
-    starts : tuple of (n, 2) or None
-        The line (m) for each stratum below which its cohesion grows with depth.
-    consolidated : tuple of (n, 2) or None
-        For each stratum the line (m) above which the ground has not consolidated the stratum; None if all ground above
-        has.
+    loads : the surcharges and the water of the section, with its layers and strata
+    starts (n, 2) : the line (m) for each stratum below which its cohesion grows with depth
+    consolidated (n, 2) : for each stratum the line (m) above which the ground has not consolidated the stratum; None if
+        all ground above has
     """
 
     loads: SurfaceLoads

@@ -32,23 +32,15 @@ class FlowGrid:
 
     Attributes
     ----------
-    x : (lines,) ndarray
-        Positions of the vertical lines (m), rising.
-    points : (n, 2) ndarray
-        Points (m).
-    cells : (m, 3) ndarray
-        Numbers of the points of each triangle.
-    stratum : (m,) ndarray
-        Number of the stratum of each triangle.
-    rungs : tuple of (r, 2) ndarray
-        For every strip, the pairs of points, left and right, between which its triangles lie, from the base upwards;
-        none if the strip has no height.
-    ground : (g,) ndarray
-        Numbers of the points on the ground surface, including walls of steps.
-    sides : two of ndarray
-        Numbers of the points of the left and of the right side, upwards.
-    walls : tuple of float
-        Positions (m) of lines that no water crosses.
+    x (lines,) : positions of the vertical lines (m), rising
+    points (n, 2) : points (m)
+    cells (m, 3) : numbers of the points of each triangle
+    stratum (m,) : number of the stratum of each triangle
+    rungs (r, 2) : for every strip, the pairs of points, left and right, between which its triangles lie, from the base
+        upwards; none if the strip has no height
+    ground (g,) : numbers of the points on the ground surface, including walls of steps
+    sides : numbers of the points of the left and of the right side, upwards
+    walls : positions (m) of lines that no water crosses
     """
 
     x: np.ndarray

@@ -42,17 +42,12 @@ class FreeSurfaceFlow:
 
     Attributes
     ----------
-    pressure : (n,) ndarray
-        Pressure head (m), never negative.
-    full : (n,) ndarray of bool
-        Mask of the points at which the pores of the ground are full; at an interface the pores of the least permeable
-        ground count.
-    seeps : (n,) ndarray of bool
-        Mask of the points of bare ground at which water leaves the ground.
-    inflow : (n,) ndarray
-        Flow that enters the ground at a point (m²/s), negative if it leaves.
-    converged : bool
-        Whether the set of wet points converged.
+    pressure (n,) : pressure head (m), never negative
+    full (n,) : mask of the points at which the pores of the ground are full; at an interface the pores of the least
+        permeable ground count
+    seeps (n,) : mask of the points of bare ground at which water leaves the ground
+    inflow (n,) : flow that enters the ground at a point (m²/s), negative if it leaves
+    converged : whether the set of wet points converged
     """
 
     pressure: np.ndarray

@@ -56,14 +56,11 @@ class Remains:
 
     Attributes
     ----------
-    cohesion, friction : float
-        Factors on the cohesion and on tan φ of the stratum.
-    residual : float
-        Residual strength over the vertical effective stress to which the ground has consolidated before.
-    strength : float
-        Residual strength (Pa).
-    strain_potential : float
-        Shear strain that the stratum undergoes before it regains strength, see `meshes.section.strain_potential`.
+    cohesion, friction : factors on the cohesion and on tan φ of the stratum
+    residual : residual strength over the vertical effective stress to which the ground has consolidated before
+    strength : residual strength (Pa)
+    strain_potential : shear strain that the stratum undergoes before it regains strength, see
+        `meshes.section.strain_potential`
     """
 
     cohesion: float

@@ -40,20 +40,13 @@ class Seepage:
 
     Attributes
     ----------
-    grid : FlowGrid
-        Grid on which the flow was computed.
-    head : (n,) ndarray
-        Head at the points of the grid (m).
-    inflow : (n,) ndarray
-        Flow that enters the ground at a point, per metre out of plane (m²/s); negative if it leaves.
-    seeps : (n,) ndarray of bool
-        Mask of the points of seepage faces.
-    discharge : float
-        Flow through the section, per metre out of plane (m²/s).
-    table : (k, 2) ndarray
-        Water table that gave the heads (m); free water stands up to it.
-    tolerance : float
-        Distance (m) within which points are merged.
+    grid : grid on which the flow was computed
+    head (n,) : head at the points of the grid (m)
+    inflow (n,) : flow that enters the ground at a point, per metre out of plane (m²/s); negative if it leaves
+    seeps (n,) : mask of the points of seepage faces
+    discharge : flow through the section, per metre out of plane (m²/s)
+    table (k, 2) : water table that gave the heads (m); free water stands up to it
+    tolerance : distance (m) within which points are merged
     """
 
     grid: FlowGrid

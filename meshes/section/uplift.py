@@ -32,17 +32,12 @@ class Uplift:
 
     Attributes
     ----------
-    stratum : str
-        Name of the stratum whose pore pressure is too large.
-    x, elevation : float
-        Position of the place (m).
-    pressure, weight : float
-        Pore pressure and total vertical stress there (Pa).
-    start, end : float
-        Range of x in which some pore pressure of the section exceeds the total vertical stress (m).
-    bare : bool
-        Whether pore pressure at the surface of cohesionless ground exceeds the load on it; such ground cannot be in
-        equilibrium.
+    stratum : name of the stratum whose pore pressure is too large
+    x, elevation : position of the place (m)
+    pressure, weight : pore pressure and total vertical stress there (Pa)
+    start, end : range of x in which some pore pressure of the section exceeds the total vertical stress (m)
+    bare : whether pore pressure at the surface of cohesionless ground exceeds the load on it; such ground cannot be in
+        equilibrium
     """
 
     stratum: str

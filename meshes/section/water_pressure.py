@@ -28,22 +28,14 @@ class WaterPressure:
 
     Attributes
     ----------
-    layers : Layering
-        The layers, cut at the water.
-    strata : tuple of Stratum
-        The strata with their soils.
-    unit_weight : float
-        Unit weight of water (N/m³).
-    levels : tuple of (n, 2) or None
-        Level (m) to which water rises from each stratum before a drawdown.
-    before, after : (n, 2) or None
-        Water table on the ground before and after a drawdown; both are the same without a drawdown.
-    normal : bool
-        Whether the head is measured perpendicular to the flow: times cos² of the slope of the level.
-    moves : bool
-        Whether the inertia of water on the ground acts on the ground when it shakes.
-    flow : Seepage or None
-        Steady seepage whose pore pressure replaces the hydrostatic pressure below levels.
+    layers : the layers, cut at the water
+    strata : the strata with their soils
+    unit_weight : unit weight of water (N/m³)
+    levels (n, 2) : level (m) to which water rises from each stratum before a drawdown
+    before, after (n, 2) : water table on the ground before and after a drawdown; both are the same without a drawdown
+    normal : whether the head is measured perpendicular to the flow: times cos² of the slope of the level
+    moves : whether the inertia of water on the ground acts on the ground when it shakes
+    flow : steady seepage whose pore pressure replaces the hydrostatic pressure below levels
     """
 
     layers: Layering

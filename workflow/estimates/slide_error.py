@@ -26,16 +26,11 @@ class SlideError:
 
     Attributes
     ----------
-    kind : str
-        Kind of the slides that were compared, in words.
-    factor : float
-        Factor between prediction and measurement that most cases do not exceed.
-    within, cases : int
-        Number of cases within the factor, and number of all cases.
-    middle : float
-        Factor between prediction and measurement that half of the predictions did not exceed.
-    method : str
-        Method of the predictions: "discs" or "mpm".
+    kind : kind of the slides that were compared, in words
+    factor : factor between prediction and measurement that most cases do not exceed
+    within, cases : number of cases within the factor, and number of all cases
+    middle : factor between prediction and measurement that half of the predictions did not exceed
+    method : method of the predictions: "discs" or "mpm"
     """
 
     kind: str

@@ -25,17 +25,13 @@ class SecondOpinion:
 
     Attributes
     ----------
-    discs, points : float
-        Largest slides by discs and by material points.
-    discs_span, points_span : (float, float)
-        Intervals of both slides, over packings (discs) or damping of transfers (material points), with the error on
-        known slides if there are comparable ones.
-    agreed : bool
-        Whether the two slides differ by less than the larger interval, or are nearly equal, or neither comes to rest.
-    flows : bool or None
-        Whether the ground flows by its weight alone.
-    resting : (bool, bool)
-        Whether discs and material points are at rest.
+    discs, points : largest slides by discs and by material points
+    discs_span, points_span : intervals of both slides, over packings (discs) or damping of transfers
+        (material points), with the error on known slides if there are comparable ones
+    agreed : whether the two slides differ by less than the larger interval, or are nearly equal, or neither comes to
+        rest
+    flows : whether the ground flows by its weight alone
+    resting : whether discs and material points are at rest
     """
 
     discs: float

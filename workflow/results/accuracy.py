@@ -31,12 +31,9 @@ class Accuracy:
 
     Attributes
     ----------
-    low, high : float
-        Ends of the interval (-).
-    by : str
-        Source of the interval.
-    sure : bool
-        Whether the sequence of meshes has converged, or strict bounds limit the interval.
+    low, high : ends of the interval (-)
+    by : source of the interval
+    sure : whether the sequence of meshes has converged, or strict bounds limit the interval
     """
 
     low: float

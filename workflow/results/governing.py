@@ -20,15 +20,11 @@ class GoverningKh:
 
     Attributes
     ----------
-    value : float
-        The critical Kh (-).
-    by_elements : bool
-        Whether the critical Kh is the value by finite elements. Otherwise it is the upper end of its interval, which
-        the finite elements exceed.
-    is_limit : bool
-        Whether the critical Kh is only an upper limit, because the ends of its interval are far apart.
-    interval : Accuracy or None
-        Interval of the critical Kh by meshes and strict bounds; None if it is not known.
+    value : the critical Kh (-)
+    by_elements : whether the critical Kh is the value by finite elements. Otherwise it is the upper end of its
+        interval, which the finite elements exceed.
+    is_limit : whether the critical Kh is only an upper limit, because the ends of its interval are far apart
+    interval : interval of the critical Kh by meshes and strict bounds; None if it is not known
     """
 
     value: float
@@ -75,15 +71,11 @@ class MethodSlides:
 
     Attributes
     ----------
-    method : SlideMethod
-        "discs" or "mpm", the material points.
-    cases : mapping of int to CaseAnswer or PointCase
-        The cases by number.
-    ends : (float, float)
-        Smallest and largest of the largest slides (m), over the cases and over all packings of discs or the numerical
-        interval of material points.
-    error : SlideError or None
-        Error of the method on known slides of this kind; None without any known slide.
+    method : "discs" or "mpm", the material points
+    cases : the cases by number
+    ends : smallest and largest of the largest slides (m), over the cases and over all packings of discs
+        or the numerical interval of material points
+    error : error of the method on known slides of this kind; None without any known slide
     """
 
     method: SlideMethod

@@ -28,15 +28,11 @@ class Fit:
 
     Attributes
     ----------
-    limit : float
-        Limit of the number at size zero.
-    order : float or None
-        Order of convergence in the size; None if three values show none, so that a straight line is fitted.
-    left : float
-        Relative error of the value of the smallest size, including the half width of its 95 % interval if it is a mean
-        over packings.
-    scatter : float
-        Half width of the 95 % interval alone, as a share of the limit.
+    limit : limit of the number at size zero
+    order : order of convergence in the size; None if three values show none, so that a straight line is fitted
+    left : relative error of the value of the smallest size, including the half width of its 95 % interval if it is a
+        mean over packings
+    scatter : half width of the 95 % interval alone, as a share of the limit
     """
 
     limit: float

@@ -25,12 +25,9 @@ class TaskOutcome(Generic[Result]):
 
     Attributes
     ----------
-    answer : pydantic model or None
-        The answer; None if the task failed.
-    reason : str
-        Reason why the task failed.
-    reused : bool
-        Whether the answer was already stored.
+    answer : the answer; None if the task failed
+    reason : reason why the task failed
+    reused : whether the answer was already stored
     """
 
     answer: Result | None

@@ -23,11 +23,9 @@ class Task(Generic[Input, Result]):
 
     Attributes
     ----------
-    function : callable
-        Function at the top level of a module that the workers can import. The annotations of the function name its
-        input and answer, and the answer depends only on the input.
-    argument : pydantic model
-        The input.
+    function : function at the top level of a module that the workers can import. The annotations of the function name
+        its input and answer, and the answer depends only on the input.
+    argument : the input
     """
 
     function: Callable[[Input], Result]
