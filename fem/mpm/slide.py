@@ -161,7 +161,7 @@ class PointSlider:
                 slide.settled, slide.reason = True, "the surface has come to rest"
             elif slide.stopped_by and slide.slide_max > FAR * float(np.ptp(self.ground.section.extent)):
                 where = "out of the section at" if self.ground.room > 0.0 else "across the section to"
-                slide.reason = f"the ground has moved {where} the {slide.stopped_by} side of the section"
+                slide.reason = f"the ground has moved {where} the {slide.stopped_by} side"
             elif self.engine.time >= programme.duration - 1e-9:
                 slide.reason = f"still moving after {programme.duration:.3g} s"
             if checkpoint is not None and (slide.reason or time.monotonic() - saved_at > KEEP):

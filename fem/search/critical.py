@@ -1,8 +1,10 @@
-"""Finds the critical seismic coefficient of a section along an equilibrium path: first gravity acts, then the
-horizontal load with Kh as an unknown.
+"""Finds the critical seismic coefficient of a section, and the equilibrium path to it.
 
-Gravity acts on the ordinary density, Kh g on the seismic density. The control displacement, prescribed step by step, is
-work-conjugate to the horizontal load: the mean horizontal displacement weighted by the seismic mass (m).
+Gravity acts on the ordinary density, Kh g on the seismic density. If the limit load is unique, the critical Kh is the
+limit load by finite element limit analysis, and Kh is raised in steps to just below it (``load_stepping.py``).
+Otherwise Kh is an unknown on the path, and the critical Kh is the largest Kh in equilibrium. The control displacement,
+prescribed step by step, is work-conjugate to the horizontal load: the mean horizontal displacement weighted by the
+seismic mass (m).
 """
 
 from dataclasses import dataclass, replace

@@ -146,7 +146,7 @@ class SurfaceLoads:
             (
                 number,
                 f'it ends at x = {x:.4g} m on "{name}", which has no cohesion, and no bearing capacity next to bare '
-                "ground; bounds give the ground within fem.least_depth of that end a cohesion of half the pressure",
+                "ground; bounds give the ground within fem.least_depth of that end a cohesion of half of this pressure",
             )
             for number, x, name in self.bare_ends()
         ]

@@ -58,4 +58,4 @@ def flow_words(section: Section, setting: FlowSetting) -> str:
     flow = flow_of(section.strata, setting)
     if flow == "davis":
         return f"by {davis_words(stratum.dilation for stratum in section.strata)}"
-    return "with ψ = φ" if flow == "associated" else "with ψ as given"
+    return "with ψ = φ" if flow == "associated" else "with the given ψ"

@@ -98,7 +98,7 @@ def _flow_in_words(config: Config) -> str:
         case "davis":
             return f"Davis's estimate for ψ = {_dilations(config.section)}"
         case "section":
-            return f"ψ as given ({_dilations(config.section)})"
+            return f"the given ψ ({_dilations(config.section)})"
     assert_never(flow)
 
 

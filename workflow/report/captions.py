@@ -41,11 +41,11 @@ CAPTIONS = (
     ),
     Caption(r"section", "ground", "The layers. Dotted: liquefiable. Dashed line: water table.", True),
     Caption(r"weights", "ground", "Unit weight of the ground, surcharges and pore pressure, without shaking.", True),
-    Caption(r"site_response", "response", "Response of the layers to the record of the rock, over depth."),
+    Caption(r"site_response", "response", "Response of the layers to the record of the rock, against depth."),
     Caption(
         r"triggering",
         "triggering",
-        "Blow counts and F_L over depth at each boring, with the strata and the water table.",
+        "Blow counts and F_L against depth at each boring, with the strata and the water table.",
         True,
     ),
     Caption(r"mesh", "ground", "The mesh of the continuum."),
@@ -109,12 +109,17 @@ CAPTIONS = (
     Caption(r"dem_.*", "dem", "The discs."),
     Caption(r"displacements", "comparison", "Displacements by all methods.", True),
     Caption(
-        r"study_fails", "study", "The critical Kh of all samples, and the probability that it is below a Kh.", True
+        r"study_fails",
+        "study",
+        "The critical Kh of all samples, and the probability that the critical Kh is below a given Kh.",
+        True,
     ),
     Caption(r"study_effects", "study", "Effect of each uncertain number on the results: rank correlations.", True),
     Caption(r"study_fragility", "study", "Probability that a slide exceeds a length.", True),
-    Caption(r"study_samples", "study", "Every sample: the first result over each uncertain number."),
-    Caption(r"study_samples_case(\d+)", "study", "Case {0} of every sample: largest slide over each uncertain number."),
+    Caption(r"study_samples", "study", "Every sample: the first result against each uncertain number."),
+    Caption(
+        r"study_samples_case(\d+)", "study", "Case {0} of every sample: largest slide against each uncertain number."
+    ),
     Caption(r"sliding_block", "comparison", "The rigid block under the accelerogram, in both directions.", True),
 )
 

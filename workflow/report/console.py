@@ -213,7 +213,8 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         where = ", ".join(f"{x:g}" for x in answer.load_ends)
         yield (
             f"Sand without cohesion has no bearing capacity below the end of a load next to bare ground (x = {where} "
-            f"m). In the bounds below, this sand has a cohesion of half the pressure, down to {answer.least_depth:g} m."
+            f"m). In the bounds below, this sand has a cohesion of half the pressure of the load, down to "
+            f"{answer.least_depth:g} m."
         )
     name = proven(answer.strengthened_faces, ends)
     yield f"{name} with ψ = φ (the upper bound holds for every ψ ≤ φ): {answer.words}."

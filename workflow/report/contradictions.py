@@ -102,8 +102,8 @@ def of_sides(cases: Mapping[int, CaseAnswer]) -> Iterator[str]:
         if stopped:
             lengths = span([cases[number].slide_max_m for number in stopped])
             yield (
-                f"the {side} side of the disc model stopped {of_cases(stopped)}: {lengths} is a lower limit of the "
-                f"slide; take a longer section (setting beyond)"
+                f"the {side} side of the disc model stopped the slide in {of_cases(stopped)}: {lengths} is a lower "
+                f"limit of the slide; take a longer section (setting beyond)"
             )
 
 

@@ -61,7 +61,7 @@ def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, s
         case "davis":
             phrase = f"{shown(value)} by {estimate}, which is no bound"
         case "section":
-            phrase = f"{shown(value)} with ψ as given by a non-associated path"
+            phrase = f"{shown(value)} with the given ψ by a non-associated path"
         case _:
             assert_never(flow)
     return phrase if compared is None else f"{phrase}; with ψ = φ: {shown(compared)}"

@@ -99,6 +99,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "flow": flow_of(config.section.strata, config.fem.flow),
         "with_discs": results.dem is not None or results.calibration is not None or results.cases is not None,
         "by_davis": not is_dilating_fully(config.section.strata),
+        "by_limit_analysis": results.fem is not None and results.fem.by_limit_analysis,
         "sensitivity": [row for row in uncertainty_rows if row[0] in VARIED],
         "checks": checks,
         "later_warnings": [

@@ -76,12 +76,13 @@ def _fem(results: Results) -> Iterator[PaperRow]:
         kc,
         ours=f"{results.kc:.3f} (at most {results.fem.kc_upper:.3f}), {conditions}",
         agrees=abs(results.kc - KC) <= KC_WITHIN,
-        why=f"{SECTION}; it depends on sides, dilation and element: the paper names neither dilation nor convergence",
+        why=f"{SECTION}; the critical Kh depends on sides, dilation and element; the paper names neither dilation nor "
+        "convergence",
     )
     end = results.fem.last_in_equilibrium()
     if end is not None:
         share = share_of_surface(results.config.section, end.slip_surface, ASD)
-        why = f"{SECTION}; it is drawn where the shear strain is largest along x"
+        why = f"{SECTION}; the slip surface is drawn where the shear strain is largest along x"
         yield replace(surface, ours=f"{100 * share:.0f} % of its length", agrees=share >= 0.5, why=why)
     state = results.fem.state_at(0.3)
     yield at_03 if state is None else _past(at_03, state)
@@ -99,7 +100,7 @@ def _past(row: PaperRow, state: StoredState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ("1 Ts", *ASD)}
     phrase = ("past equilibrium; " if state.past_equilibrium else "stands; ") + _shares(shares) + " at failure"
     reaches = shares["1 Ts"] > 0.0 and max(shares[name] for name in ASD) > 0.0
-    why = f"{SECTION}; the zone reaches where cells of 1 Ts and of Asd layers are at failure"
+    why = f"{SECTION}; the failure zone counts as continuous if cells of 1 Ts and of an Asd layer are at failure"
     return replace(row, ours=phrase, agrees=state.past_equilibrium and reaches, why=why)
 
 
@@ -222,7 +223,9 @@ def _other_loading(results: Results) -> str:
     slide = results.config.slide
     same = all(getattr(slide, key) == value for key, value in PAPER_LOADING.items())
     return (
-        "" if same else f"the paper holds Kh = {PAPER_LOADING['kh']:g} without end, these discs have {slide.shaking}; "
+        ""
+        if same
+        else f"Kh = {PAPER_LOADING['kh']:g} is constant and does not end in the paper, here it is {slide.shaking}; "
     )
 
 

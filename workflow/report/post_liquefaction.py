@@ -89,7 +89,8 @@ class Enough:
     def words(self) -> str:
         """Return the strengths as a sentence without its full stop."""
         phrases = [
-            f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)} ({s.over_effective:.2g} of its mean effective stress)"
+            f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)} ({s.over_effective:.2g} of its mean vertical effective "
+            "stress)"
             for s in self.strata
         ]
         more = (

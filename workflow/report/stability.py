@@ -53,7 +53,7 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
     third = fem.own_dilation
     if third is not None and third.kc is not None:
         interval = _("{low} to {high}", low=number(third.low, 3), high=number(third.high, 3))
-        angles = _("ψ as given") if any(fem.dilation_deg.values()) else _("ψ = 0")
+        angles = _("the given ψ") if any(fem.dilation_deg.values()) else _("ψ = 0")
         how = _("{angles}; depends on element and mesh by 5 to 15 %", angles=angles)
         about = _("about {kc}", kc=coefficient(third.kc))
         yield StabilityRow(name, about, interval, f"{sides}, {how}")

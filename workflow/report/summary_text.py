@@ -86,21 +86,21 @@ def _failure(results: Results) -> Iterator[str]:
 
 
 def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterator[str]:
-    """Yield a sentence on the critical Kh with other assumptions, and on whether they matter more than the numerical
-    error.
+    """Yield a sentence on the critical Kh with other assumptions: with those that matter more than the numerical error,
+    or with all if none does.
     """
     most, variants = _most(results, fem), results.variants.variants if results.variants is not None else ()
     others = {variant: kc for variant in variants if variant.name in ASSUMED and (kc := variant.of(fem.kc)) is not None}
     others = {variant: kc for variant, kc in others.items() if variant.name != "dilation" or kc <= MESH_ERROR * most}
     if not others:
         return
-    phrases = [f"kc = {coefficient(kc)} with {variant.change}" for variant, kc in others.items()]
-    largest = max(abs(kc - fem.kc) for kc in others.values())
+    phrases = {variant: f"kc = {coefficient(kc)} with {variant.change}" for variant, kc in others.items()}
     if error is None:
-        yield f"With other assumptions: {listed(phrases)}."
-    else:
-        how = "more than the numerical error" if largest > error.error(fem.kc) else "no more than the numerical error"
-        yield f"The assumptions matter {how}: {listed(phrases)}."
+        yield f"With other assumptions: {listed(list(phrases.values()))}."
+        return
+    matter = [text for variant, text in phrases.items() if abs(others[variant] - fem.kc) > error.error(fem.kc)]
+    how = "more than the numerical error" if matter else "no more than the numerical error"
+    yield f"The assumptions matter {how}: {listed(matter or list(phrases.values()))}."
 
 
 def _most(results: Results, fem: FemAnswer) -> float:

@@ -122,6 +122,8 @@ def texts(section: Section) -> list[str]:
     return names + [text for stratum in section.strata for text in (stratum.name, stratum.description)]
 
 
+# What a case multiplies; the other properties of a case replace those of the stratum.
+FACTORS = ("stiffness", "damping", "friction", "cohesion")
 # What a case need not have: a column where one has it.
 OPTIONAL = ("name", "residual", "residual_strength", "strain_potential", "volumetric_strain")
 
@@ -145,8 +147,9 @@ def case_rows(config: Config) -> Iterator[list[str]]:
         names = [stratum.name for stratum in config.section.strata if number in stratum.liquefies_in]
         if names:
             left = {"damping": case.damping_left}
-            factors = (factor(_of_one(left.get(name, getattr(case, name)), names), name) for name in _changed(config))
-            yield [str(number), ", ".join(names), *factors]
+            values = {name: _of_one(left.get(name, getattr(case, name)), names) for name in _changed(config)}
+            shown = (f"{'× ' * (name in FACTORS)}{factor(value, name)}" for name, value in values.items())
+            yield [str(number), ", ".join(names), *shown]
 
 
 def _of_one(value: Any, names: list[str]) -> Any:

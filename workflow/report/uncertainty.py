@@ -71,14 +71,8 @@ def _seen(variant: Variant, kc: float | None) -> str:
 def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str]]:
     """Yield heading and sentences of every source of uncertainty of the finite elements, with the name of the variant
     that shows its influence."""
-    settings, mesh = fem.settings, fem.mesh
-    yield (
-        "Bracket",
-        f"At Kh = {coefficient(fem.kc_lower)} the ground was in equilibrium, with every step converged to "
-        f"{settings.tolerance:g} of the weight; on "
-        f"this mesh the path rises to at most {coefficient(fem.kc_upper)}. Why the path ended: {fem.reason}.",
-        "",
-    )
+    mesh = fem.mesh
+    yield "Bracket", _bracket(fem), ""
     yield (
         "Mesh",
         " ".join([f"{mesh.quadrilaterals} quadrilaterals ({mesh.method}), {fem.element} element.", *_meshes(fem)]),
@@ -91,12 +85,29 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
     )
     yield (
         "Step",
-        f"The first step of Kh was {settings.first_step:g}. Kh is an unknown of the equilibrium path: the critical Kh "
-        "is not the value at which the solver failed to converge.",
+        "The critical Kh follows from finite element limit analysis, which has no steps of Kh."
+        if fem.by_limit_analysis
+        else f"The first step of Kh was {fem.settings.first_step:g}. Kh is an unknown of the equilibrium path: the "
+        "critical Kh is not the value at which the solver failed to converge.",
         "step",
     )
     yield "Dilation", _dilation(fem), "dilation"
     yield "Side condition", SIDES[results.config.fem.sides], "sides"
+
+
+def _bracket(fem: FemAnswer) -> str:
+    """Return the limit load of the mesh, or the end of the path that was followed to find it."""
+    if fem.by_limit_analysis:
+        return (
+            f"The limit load of this mesh by finite element limit analysis is Kh = {coefficient(fem.kc)}. "
+            f"Displacements were computed up to Kh = {coefficient(fem.kc_lower)}, with every step in equilibrium to "
+            f"{fem.settings.tolerance:g} of the weight."
+        )
+    return (
+        f"At Kh = {coefficient(fem.kc_lower)} the ground was in equilibrium, with every step converged to "
+        f"{fem.settings.tolerance:g} of the weight; on this mesh the path rises to at most "
+        f"{coefficient(fem.kc_upper)}. Why the path ended: {fem.reason}."
+    )
 
 
 def _dilation(fem: FemAnswer) -> str:

@@ -21,7 +21,7 @@ Interval = tuple[str, float | None, float | None, str]  # of what, ends of the i
 AT_LEAST: tuple[Criterion, ...] = ("factor of safety", "critical Kh", "freeboard")
 OF_FACES: tuple[Criterion, ...] = ("factor of safety", "critical Kh")  # of structures, where there are any
 OPEN = float("inf")  # the upper end of what still grows
-BLOCK = "rigid block with its strength"
+BLOCK = "rigid block without loss of strength"
 TINY = 1e-3  # m: slides of less have no spread
 
 

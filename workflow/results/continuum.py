@@ -143,7 +143,10 @@ class FemAnswer(Answer):
     VERSION: ClassVar[int] = 5
 
     section: SectionLabel
-    kc: float = Field(description="critical Kh: the largest Kh at which an equilibrium was found")
+    kc: float = Field(
+        description="critical Kh: limit load of the mesh by finite element limit analysis, or else the largest Kh of "
+        "the path in equilibrium"
+    )
     kc_lower: float = Field(description="largest Kh in equilibrium on the path")
     kc_upper: float = Field(description="upper end of the bracket on this mesh; no bound of the section")
     verdict: PathVerdict
@@ -192,9 +195,15 @@ class FemAnswer(Answer):
         return davis_words(self.dilation_deg.values())
 
     @property
+    def by_limit_analysis(self) -> bool:
+        """Return whether the critical Kh is the limit load of the mesh by finite element limit analysis, not the
+        largest Kh of an equilibrium path. The path is then followed to a smaller Kh."""
+        return self.verdict == "plateau" and self.kc_lower < self.kc
+
+    @property
     def own_angles(self) -> str:
         """Return the dilation angles of the strata in words."""
-        return "ψ as given" if any(self.dilation_deg.values()) else "ψ = 0"
+        return "the given ψ" if any(self.dilation_deg.values()) else "ψ = 0"
 
     @property
     def ended(self) -> str:

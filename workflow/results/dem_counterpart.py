@@ -11,7 +11,11 @@ from fem.settings import YIELDED, Sides
 from workflow.results.answer import Answer, Line
 from workflow.results.continuum import FemAnswer, PathVerdict, displacement_at
 
-FLOWS: Mapping[Flow, str] = {"davis": "Davis's estimate", "associated": "ψ = φ", "section": "ψ as given"}
+FLOWS: Mapping[Flow, str] = {
+    "davis": "Davis's estimate",
+    "associated": "ψ = φ",
+    "section": "non-associated flow with the given ψ",
+}
 
 
 class DemCounterpart(Answer):

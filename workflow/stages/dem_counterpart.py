@@ -125,7 +125,7 @@ def _with_own_psi(
     from fem.search.dem_counterpart import non_associated_path
 
     try:
-        path = non_associated_path(section, mesh, settings, _watch("ψ as given", mesh, tell))
+        path = non_associated_path(section, mesh, settings, _watch("the given ψ", mesh, tell))
     except NoAnswerError as error:
         return f"with the given ψ there is no answer: {error.reason}"
     if path.verdict == "no failure":

@@ -56,7 +56,8 @@ def test_a_case_is_called_by_its_name_and_ground_that_rises_does_not_settle() ->
     for settlement, said in ((0.25, "upslope third settles by 0.25 m"), (-0.25, "upslope third rises by 0.25 m")):
         case = dem_fixture.case(0.1, 3.0).model_copy(update={"settlement_uphill_m": settlement})
         messages = list(slide_sentences(config, CasesAnswer(sets={"calibrated": {1: case}}, random=None)))
-        assert messages[0].endswith("case 1, loose, upper: stiffness 0.1, damping 0.316, friction 0, cohesion 0.")
+        left = "stiffness × 0.1, damping × 0.316, friction × 0, cohesion × 0."
+        assert messages[0].endswith(f"case 1, loose, upper: {left}")
         assert said in messages[1]
 
 
@@ -71,7 +72,7 @@ def test_ground_that_hardly_moved_did_not_flow_and_the_report_says_what_that_mea
         text = "\n".join(findings(results(config, liquefied=liquefied_answer)))
         assert (
             'The residual strength required to stand without shaking is about 6 kPa in "upper" (0.15 of its '
-            "mean effective stress)." in text
+            "mean vertical effective stress)." in text
         )
         assert (
             "At most 0.2 m were measured, on 10 m of height, where a flow failure would have moved further." in text

@@ -117,7 +117,7 @@ def test_a_case_in_which_more_strata_liquefy_is_the_weaker_one(run: Config) -> N
 def test_a_side_of_the_box_that_stops_a_slide_is_no_rest(run: Config) -> None:
     fixed = slides(run, 48.0, 45.0, stopped_by="right")
     [messages] = of_sides(fixed.sets["calibrated"])
-    assert messages.startswith("the right side of the disc model stopped cases 1 and 2: 45 to 48 m is")
+    assert messages.startswith("the right side of the disc model stopped the slide in cases 1 and 2: 45 to 48 m is")
     assert messages.endswith("take a longer section (setting beyond)")
     assert list(of_sides(slides(run, 3.0).sets["calibrated"])) == []
     assert any("side of the disc model stopped" in item for item in warned(results(run, cases=fixed)))

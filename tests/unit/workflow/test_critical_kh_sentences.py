@@ -45,7 +45,7 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
         variants=(
             variant("element", "bilinear element instead of quadratic", 0.268),
             variant("sides", "sides fixed instead of free-field", 0.338),
-            variant("dilation", "ψ = φ instead of ψ as given", None),
+            variant("dilation", "ψ = φ instead of the given ψ", None),
         )
     )
     result = results(run, fem=fem(run, 0.2345), variants=variants, bounds=bounds(run, 0.2293, 0.2349))
@@ -57,7 +57,7 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
         "The assumptions matter more than the numerical error: kc = 0.338 with sides fixed instead of free-field."
         in messages
     )
-    assert "instead of ψ as given" not in messages  # that one came to nothing
+    assert "instead of the given ψ" not in messages  # that one came to nothing
     [sides] = [item for item in warned(result) if item.startswith("With sides")]
     assert sides.startswith("With sides fixed instead of free-field the critical Kh is 44 % larger, so that")
     assert sides.endswith('Move the sides away by beyond = "50 m".')
@@ -69,7 +69,7 @@ def test_another_flow_that_bears_more_than_strict_bounds_allow_is_left_out(run: 
     less = variant("dilation", "the path with less", 0.235)
     result = results(run, fem=fem(run), variants=VariantsAnswer(variants=(more, less)), bounds=bounds(run, 0.27, 0.28))
     assert "kc = 0.235 with the path with less." in report_text(result)
-    assert "ψ as given instead" not in report_text(result)
+    assert "the given ψ instead" not in report_text(result)
 
 
 def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Config) -> None:

@@ -116,7 +116,7 @@ def test_cases_stand_in_the_order_of_their_numbers_and_are_explained(s13: Config
     text = html(whole(s13))
     rows = re.findall(r"<tr><td>(\d+)</td><td class=\"n\"><b>", text)
     assert rows == [str(number) for number in range(1, 12)] * 2
-    assert "4 Asd, 6 As1: stiffness 0.1" in text  # what liquefies in a case, and what is left of it
+    assert "4 Asd, 6 As1: stiffness × 0.1" in text  # what liquefies in a case, and what is left of it
     assert text.index("4 Asd, 6 As1: stiffness") < text.index("largest slide</th>")
 
 

@@ -202,7 +202,7 @@ def test_a_cone_is_judged_drawn_and_reported(tmp_path: Path, capsys: pytest.Capt
     assert '"dense" does not liquefy' in capsys.readouterr().out
     assert command_line.run("report", tmp_path / "run", "--quiet") == 0
     page = (tmp_path / "run/report.html").read_text(encoding="utf-8")
-    assert "8 more stand in triggering.json" in page
+    assert "8 more tests are in triggering.json" in page
     data["triggering"]["method"] = "idriss_boulanger_2008"
     expected = (
         "none has spt, which Idriss & Boulanger (2008) requires; for what they have, set triggering.method to "
