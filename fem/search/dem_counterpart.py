@@ -6,49 +6,27 @@ have the strength of the soil and dilate little. The slip surface of discs is th
 non-associated equilibrium path.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from fem.continuum.fields import state_of
 from fem.limit_load.limit_load import is_unique, loaded_ground
 from fem.path.equilibrium_path import EquilibriumPath
-from fem.path.path_step import PathStep
 from fem.path.plateau import PathListener
-from fem.search.critical import critical_coefficient
+from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.slip_surface import slip_surface
-from fem.settings import YIELDED, FemSettings, PathVerdict
+from fem.settings import YIELDED, FemSettings
 from meshes.quad_mesh import QuadMesh
 from meshes.section.recorded_kh import LARGEST
 from meshes.section.section import Section
 
 
-@dataclass(frozen=True)
-class NonAssociatedPath:
-    """Holds an equilibrium path with non-associated flow, and the slip surface.
-
-    Attributes
-    ----------
-    kc, upper : largest Kh at which an equilibrium was found, and its upper limit on this mesh (-)
-    verdict : verdict on the path: "plateau", "peak", "no failure" or "undecided"
-    reason : reason why the path ended
-    steps : steps of the path: Kh and the mean horizontal displacement (m)
-    slip_surface (k, 2) : points [x, elevation] (m) of the line between moving ground and ground at rest; empty without
-        failure
-    """
-
-    kc: float
-    upper: float
-    verdict: PathVerdict
-    reason: str
-    steps: list[PathStep]
-    slip_surface: np.ndarray
-
-
 def non_associated_path(
     section: Section, mesh: QuadMesh, settings: FemSettings, listener: PathListener | None = None
-) -> NonAssociatedPath:
-    """Compute the path with non-associated flow between the sides and in the direction of the ``settings``.
+) -> tuple[CriticalResult, np.ndarray]:
+    """Compute the path with non-associated flow between the sides and in the direction of the ``settings``. Return it
+    with the line (k, 2) between moving ground and ground at rest (m), which is empty without failure.
 
     ``section``: the section of the ground; ``mesh``: a mesh of the section; ``listener`` is called after every step.
     Raises InputError, UnstableError and NoEquilibriumError.
@@ -68,7 +46,7 @@ def non_associated_path(
         last = next(state for state in reversed(result.states) if not state.past_equilibrium)
         yielding = next((moved for kh, moved in way if kh >= YIELDED * result.kc), way[-1][1])
         line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding))
-    return NonAssociatedPath(result.kc, result.upper, result.verdict, result.reason, result.steps, line)
+    return result, line
 
 
 def associated_kc(

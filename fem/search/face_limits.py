@@ -29,48 +29,34 @@ class FaceLimit:
     surface: np.ndarray
 
 
-@dataclass(frozen=True)
-class FaceSearch:
-    """Searches critical Kh and factor of safety of ground with strong zones.
+def critical_of_face(section: Section, meshing: MeshSettings, settings: FemSettings, direction: str) -> FaceLimit:
+    """Find the critical Kh in one direction, "downhill" or "uphill"; raise NoAnswerError without an answer.
 
-    Attributes
-    ----------
-    section : the ground with its strong zones
-    meshing : settings of the meshes
-    settings : sides, accuracy and number of cells
+    ``section``: the ground with its strong zones; ``meshing``: settings of the meshes; ``settings``: sides, accuracy
+    and number of cells.
     """
+    search = AdaptiveSearch(section, meshing, generate(section, meshing))
+    full = settings.changed(direction=direction, flow="associated")
+    result = search.critical(full)
+    if result.result.mechanism is None:
+        raise NoAnswerError(f"no failure up to Kh = {settings.kh_limit:g}")
+    try:
+        davis = search.with_davis(result, full)[1].result.kc
+    except NoAnswerError:
+        davis = None
+    return FaceLimit(result.result.kc, davis, slip_surface(result.mesh, result.result.mechanism))
 
-    section: Section
-    meshing: MeshSettings
-    settings: FemSettings
 
-    def critical(self, direction: str) -> FaceLimit:
-        """Find the critical Kh in one direction, "downhill" or "uphill"; raise NoAnswerError without an answer."""
-        search = self._adaptive()
-        full = self.settings.changed(direction=direction, flow="associated")
-        result = search.critical(full)
-        mechanism = result.result.mechanism
-        if mechanism is None:
-            raise NoAnswerError(f"no failure up to Kh = {self.settings.kh_limit:g}")
-        try:
-            davis = search.with_davis(result, full)[1].result.kc
-        except NoAnswerError:
-            davis = None
-        return FaceLimit(result.result.kc, davis, slip_surface(result.mesh, mechanism))
-
-    def safety(self) -> FaceLimit:
-        """Find the factor of safety without shaking; raise NoAnswerError without an answer."""
-        search = self._adaptive()
-        full = self.settings.changed(flow="associated")
-        result = search.safety(full, 0.0)
-        mechanism = result.result.mechanism
-        if mechanism is None:
-            raise NoAnswerError("the finite elements have no factor of safety")
-        try:
-            davis = search.safety_by_other_rule(result, full.changed(flow="davis"), 0.0)
-        except NoAnswerError:
-            davis = None
-        return FaceLimit(result.result.factor, davis, slip_surface(result.mesh, mechanism))
-
-    def _adaptive(self) -> AdaptiveSearch:
-        return AdaptiveSearch(self.section, self.meshing, generate(self.section, self.meshing))
+def safety_of_face(section: Section, meshing: MeshSettings, settings: FemSettings) -> FaceLimit:
+    """Find the factor of safety without shaking; raise NoAnswerError without an answer. ``section``, ``meshing``,
+    ``settings``: as in `critical_of_face`."""
+    search = AdaptiveSearch(section, meshing, generate(section, meshing))
+    full = settings.changed(flow="associated")
+    result = search.safety(full, 0.0)
+    if result.result.mechanism is None:
+        raise NoAnswerError("the finite elements have no factor of safety")
+    try:
+        davis = search.safety_by_other_rule(result, full.changed(flow="davis"), 0.0)
+    except NoAnswerError:
+        davis = None
+    return FaceLimit(result.result.factor, davis, slip_surface(result.mesh, result.result.mechanism))

@@ -11,7 +11,7 @@ from workflow.estimates.crest import LEAST_SLOPE
 from workflow.estimates.slices import LEFT
 from workflow.estimates.structures import Standing
 
-Surface = Sequence[Sequence[float]]
+Surface = Sequence[Sequence[float]] | np.ndarray
 SKIN = 0.1  # of the height from the exit of a failure to the crest: thickness of the face that moves as one body
 
 

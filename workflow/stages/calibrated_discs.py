@@ -363,7 +363,7 @@ def _excess_above(config: Config, store: Store, line: np.ndarray, fem: FemAnswer
     depth = like.deeper_than_m or config.fem.least_depth
     settings = config.fem.changed(sides=like.sides, direction=fem.direction, least_depth=depth)
     try:
-        excess = critical_above(config.section, mesh, settings, line).excess
+        kc, kc_above = critical_above(config.section, mesh, settings, line)
     except NoAnswerError:
         return None
-    return excess if np.isfinite(excess) else None
+    return kc_above / kc - 1.0 if np.isfinite(kc_above) else None

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from fem.continuum.strength import is_dilating_fully
 from fem.settings import YIELDED, FemSettings
 from meshes.errors import NoAnswerError
@@ -19,7 +21,7 @@ from workflow.stages.discs_at_rest import sides_of_discs
 if TYPE_CHECKING:
     from fem.path.equilibrium_path import EquilibriumPath
     from fem.path.plateau import PathListener
-    from fem.search.dem_counterpart import NonAssociatedPath
+    from fem.search.critical import CriticalResult
 
 # Cells times factorisations of a path at most, a minute or so: in bare sand it may take many more.
 WORK = 1.2e6
@@ -58,23 +60,23 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
     depth = known.deeper_than_m or config.fem.least_depth
     settings = config.fem.changed(direction=fem.direction, least_depth=depth, sides=sides)
     davis = known.kc if known.flow == "davis" else 0.0
-    path = _with_own_psi(config.section, mesh, settings, davis, tell)
-    sharp = not isinstance(path, str) and path.upper <= path.kc + config.dem.tolerance
-    most = known.kc_upper if isinstance(path, str) else path.upper
-    if not sharp:
+    found = _with_own_psi(config.section, mesh, settings, davis, tell)
+    path, surface = (None, None) if isinstance(found, str) else found
+    most = known.kc_upper if path is None else path.upper
+    instead = found if isinstance(found, str) else ""
+    if path is None or path.upper > path.kc + config.dem.tolerance:
         try:
             most = associated_kc(config.section, mesh, settings, _watch("ψ = φ", mesh, tell))
         except NoAnswerError as error:
-            if isinstance(path, str):
-                path += f"; with ψ = φ there is no answer ({error.reason}): the upper limit is not known"
-    if isinstance(path, str):
-        return known.model_copy(update={"instead": path, "kc_upper": max(known.kc_upper, most)})
+            instead += f"; with ψ = φ there is no answer ({error.reason}): the upper limit is not known"
+    if path is None or surface is None:
+        return known.model_copy(update={"instead": instead, "kc_upper": max(known.kc_upper, most)})
     curve = tuple(path.steps)
     return known.model_copy(
         update={
             "kc": path.kc, "kc_upper": max(path.kc, min(path.upper, most)), "verdict": path.verdict,
             "reason": path.reason, "flow": "section", "curve": curve,
-            "yielding_m": displacement_at(curve, path.kc, YIELDED), "slip_surface": line(path.slip_surface),
+            "yielding_m": displacement_at(curve, path.kc, YIELDED), "slip_surface": line(surface),
         }
     )  # fmt: skip
 
@@ -120,19 +122,20 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
 
 def _with_own_psi(
     section: Section, mesh: QuadMesh, settings: FemSettings, davis: float, tell: Tell
-) -> "NonAssociatedPath | str":
-    """Return the path, or the reason why Davis's estimate (critical Kh = ``davis``) has to replace it."""
+) -> "tuple[CriticalResult, np.ndarray] | str":
+    """Return the path and its slip surface, or the reason why Davis's estimate (critical Kh = ``davis``) has to replace
+    it."""
     from fem.search.dem_counterpart import non_associated_path
 
     try:
-        path = non_associated_path(section, mesh, settings, _watch("the given ψ", mesh, tell))
+        path, surface = non_associated_path(section, mesh, settings, _watch("the given ψ", mesh, tell))
     except NoAnswerError as error:
         return f"with the given ψ there is no answer: {error.reason}"
     if path.verdict == "no failure":
         return f"with the given ψ there is {path.reason}"
     if path.kc < davis:
         return f"the path with the given ψ ended at Kh = {path.kc:.3f}, below Davis's estimate"
-    return path
+    return path, surface
 
 
 def _watch(flow: str, mesh: QuadMesh, tell: Tell) -> "PathListener":

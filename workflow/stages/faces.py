@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 from fem.continuum.loads import Direction
 from fem.search.strong_zones import StrongZone
 from fem.settings import WITHOUT_EFFECT
@@ -22,6 +24,7 @@ from workflow.results.slices import FacePart, SlicesAnswer
 from workflow.run.stage import Job, Stage
 
 if TYPE_CHECKING:
+    from fem.search.face_limits import FaceLimit
     from meshes.section.section import Section
 
 Quantity = Literal["critical Kh", "factor of safety"]
@@ -29,15 +32,6 @@ SIDES: tuple[tuple[Literal["left", "right"], int], ...] = (("left", LEFT), ("rig
 ATTEMPTS = 3  # failures that are excluded one after the other
 MOST_STRUCTURES = 2  # whose faces are computed without being asked for
 BOUNDS_SHARE = 0.5  # of the work of the bounds of the section, for each face
-
-
-@dataclass(frozen=True)
-class ElementValue:
-    """Holds a value by finite elements, and its slip surface (m)."""
-
-    value: float
-    davis: float | None
-    surface: Surface
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +51,7 @@ class FaceTask:
     structure: Standing
     side: int
     quantity: Quantity
-    first: ElementValue | str
+    first: "FaceLimit | str"
     circle: Surface
 
 
@@ -112,11 +106,11 @@ def work(job: Job) -> None:
     FacesAnswer(section=SectionLabel.of(config.section), faces=tuple(faces)).write(job.store)
 
 
-def _unchanged(job: Job, fem: FemAnswer, sides: Sequence[int]) -> dict[tuple[Quantity, int], ElementValue | str]:
+def _unchanged(job: Job, fem: FemAnswer, sides: Sequence[int]) -> dict[tuple[Quantity, int], "FaceLimit | str"]:
     """Return critical Kh and factor of safety of the section without strong zones towards ``sides``. Critical Kh and
     factor of safety are each computed once, or taken from the stage `fem` if its flow rule is ψ = φ.
     """
-    values: dict[tuple[Quantity, int], ElementValue | str] = dict(_of_elements(job.config, fem))
+    values: dict[tuple[Quantity, int], FaceLimit | str] = dict(_of_elements(job.config, fem))
     wanted: list[tuple[Quantity, int]] = [("critical Kh", side) for side in dict.fromkeys(sides)]
     wanted += [("factor of safety", side) for side in sides[:1] if ("factor of safety", side) not in values]
     tasks = [UnchangedTask(job.config, side, quantity) for quantity, side in wanted if (quantity, side) not in values]
@@ -130,23 +124,27 @@ def _unchanged(job: Job, fem: FemAnswer, sides: Sequence[int]) -> dict[tuple[Qua
     return values
 
 
-def _of_elements(config: Config, fem: FemAnswer) -> Iterator[tuple[tuple[Quantity, int], ElementValue]]:
+def _of_elements(config: Config, fem: FemAnswer) -> "Iterator[tuple[tuple[Quantity, int], FaceLimit]]":
     """Yield the quantities that the stage of the finite elements has with ψ = φ, by side."""
     from fem.continuum.loads import sign_of
+    from fem.search.face_limits import FaceLimit
 
     if fem.flow != "associated":
         return
     mechanism = fem.last_in_equilibrium()
     if fem.has_kc and mechanism is not None:
         low = None if fem.davis is None else fem.davis.kc
-        yield ("critical Kh", sign_of(config.section, fem.direction)), ElementValue(fem.kc, low, mechanism.slip_surface)
+        yield (
+            ("critical Kh", sign_of(config.section, fem.direction)),
+            FaceLimit(fem.kc, low, np.array(mechanism.slip_surface)),
+        )
     for factor in fem.safety_factors:
         if factor.kh == 0.0 and factor.slip_surface:
             for side in (LEFT, RIGHT):
-                yield ("factor of safety", side), ElementValue(factor.factor, factor.davis, factor.slip_surface)
+                yield ("factor of safety", side), FaceLimit(factor.factor, factor.davis, np.array(factor.slip_surface))
 
 
-def unchanged_value(task: UnchangedTask, tell: Tell) -> ElementValue | str:
+def unchanged_value(task: UnchangedTask, tell: Tell) -> "FaceLimit | str":
     """Return a quantity of the section without strong zones, or the reason why there is none."""
     tell("finite elements")
     try:
@@ -160,7 +158,7 @@ def _tasks(
     structure: Standing,
     side: int,
     part: FacePart,
-    unchanged: Mapping[tuple[Quantity, int], ElementValue | str],
+    unchanged: Mapping[tuple[Quantity, int], "FaceLimit | str"],
 ) -> list[FaceTask]:
     circle = part.critical.surface_m if part.critical is not None else ()
     at_rest = next((c.surface_m for group in part.factors if group.kh == 0.0 for c in group.circles), ())
@@ -198,7 +196,7 @@ def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
         davis=result.davis,
         lower=low,
         upper=high,
-        slip_surface=tuple((float(x), float(z)) for x, z in result.surface),
+        slip_surface=line(result.surface),
         held=tuple(StrongZonePart.model_validate(each) for each in zones),
         reaches_crest=is_of_face(task.structure, task.side, result.surface),
     )
@@ -210,13 +208,14 @@ def _direction(config: Config, side: int) -> Direction:
     return "downhill" if sign_of(config.section, "downhill") == side else "uphill"
 
 
-def _computed(config: Config, quantity: Quantity, side: int, zones: tuple[StrongZone, ...]) -> ElementValue:
+def _computed(config: Config, quantity: Quantity, side: int, zones: tuple[StrongZone, ...]) -> "FaceLimit":
     """Return a quantity by finite elements, in ground with strong zones; raise InputError, NoAnswerError."""
-    from fem.search.face_limits import FaceSearch
+    from fem.search.face_limits import critical_of_face, safety_of_face
 
-    search = FaceSearch(_ground(config, zones), config.mesh, config.fem)
-    limit = search.critical(_direction(config, side)) if quantity == "critical Kh" else search.safety()
-    return ElementValue(limit.value, limit.davis, line(limit.surface))
+    ground = _ground(config, zones)
+    if quantity == "critical Kh":
+        return critical_of_face(ground, config.mesh, config.fem, _direction(config, side))
+    return safety_of_face(ground, config.mesh, config.fem)
 
 
 def _bounded(task: FaceTask, zones: tuple[StrongZone, ...]) -> tuple[float | None, float | None]:

@@ -3,8 +3,10 @@
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 
+from fem.search.face_limits import FaceLimit
 from fem.search.strong_zones import ALL, StrongZone
 from meshes.executor import OneThread
 from tests.support.answers import bounds, fem, results
@@ -74,9 +76,9 @@ def test_faces_share_the_searches_in_the_section_without_strong_zones(monkeypatc
     """
     requested = []
 
-    def computed(config: Config, quantity: str, side: int, zones: tuple[StrongZone, ...]) -> faces.ElementValue:
+    def computed(config: Config, quantity: str, side: int, zones: tuple[StrongZone, ...]) -> FaceLimit:
         requested.append((quantity, side, zones))
-        return faces.ElementValue(0.1, None, WHOLE)
+        return FaceLimit(0.1, None, np.array(WHOLE))
 
     monkeypatch.setattr(faces, "_computed", computed)
     job = cast(Any, SimpleNamespace(config=levee(), executor=OneThread(), progress=lambda *what: None))
