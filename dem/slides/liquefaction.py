@@ -38,9 +38,8 @@ from dem.slides.drive import SAME, Shaking, constant_kh, cycles, recorded_motion
 from dem.slides.free_sides import EVERY, FreeSides
 from dem.slides.liquefied_strength import liquefied, onset, weaken_clay
 from dem.slides.rest import at_rest, residual_motion_source
-from dem.slides.row import Row
 from dem.slides.runout import loose_share, on_loose_mass
-from dem.slides.slide import Slide
+from dem.slides.slide import Row, Slide
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
 from dem.slides.volume import swollen, undrained, volume_change

@@ -16,16 +16,18 @@ from fem.continuum.fields import FieldState
 from fem.continuum.loads import Direction, direction_of, seismic_sign
 from fem.continuum.nodal_loads import seismic_load
 from fem.continuum.plane_strain import PlaneStrain
-from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, shallow_failures
+from fem.continuum.shallow_failure import ShallowFailure, faces_at, failing_at_rest, shallow_failures
 from fem.continuum.strength import Flow, flow_of, is_associated, strength_of
 from fem.errors import UnstableError
 from fem.limit_load.conic_limit_load import ConicLimitLoad, conic_limit_load
 from fem.path.equilibrium_path import EquilibriumPath
-from fem.path.gravity import at_the_sides, element_for, fixed_components, gravity_equilibrium
+from fem.path.gravity import at_the_sides, element_for, fixed_components, gravity_equilibrium, under_weight
 from fem.settings import FemSettings, PathVerdict
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
+
+LITTLE = 1e-3  # of the weight, that is there before the rest is brought on: limit loads are measured by it
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,3 +216,17 @@ def faces_failing_at_rest(section: Section, settings: FemSettings) -> list[Shall
     of the analysis.
     """
     return failing_at_rest(section, settings, strength_of(section.strata, settings.flow).friction)
+
+
+def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings) -> float:
+    """Return the multiple of its weight that the ground resists between fixed sides (limit load of a mesh); below 1 the
+    ground flows.
+
+    Cohesionless faces that fail by themselves are strengthened, as in the search for the critical Kh: they bear no
+    share of their weight, whatever the ground below them does. The flow is associated. Raises the errors of
+    ``conic_limit_load``. ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``:
+    settings of the finite elements.
+    """
+    faces = [face for face in faces_at(section, settings, 0.0) if face.kh < 0.0]
+    problem, weight = under_weight(section, mesh, settings.changed(element="reduced"), faces=faces)
+    return LITTLE + conic_limit_load(problem, mesh, LITTLE * weight, weight).multiplier

@@ -21,7 +21,7 @@ from dem.model import DiscModel
 from dem.search.deposit import deposit, ground_at_rest
 from dem.settings import DemSettings
 from dem.slides.liquefaction import Slider
-from dem.slides.row import Row
+from dem.slides.slide import Row
 from tests.support import SECTIONS
 from workflow.config import Config
 

@@ -10,7 +10,6 @@ from meshes import shipped
 from meshes.errors import InputError
 from workflow import stages
 from workflow.cli.exit_codes import ended, ended_as_program
-from workflow.cli.migrate import migrate
 from workflow.cli.options import (
     Columns,
     Folder,
@@ -30,7 +29,7 @@ from workflow.cli.options import (
     Version,
     literal_help,
 )
-from workflow.cli.section import section
+from workflow.cli.section import migrate, section
 from workflow.cli.study import converge, study
 from workflow.run.progress import Verbosity
 

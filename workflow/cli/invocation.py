@@ -15,8 +15,7 @@ from workflow.cli.unread import keys_of, unread
 from workflow.config import Config, merged, renamed
 from workflow.config.after_triggering import load_config
 from workflow.earthquake.records_in_use import records
-from workflow.run.mesh_options import stored_options
-from workflow.run.record import Record
+from workflow.run.record import Record, stored_mesh_options
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.stages import declared
@@ -62,7 +61,7 @@ class Invocation:
         read = load_config(section, tables)
         store = Store(folder or Path("runs") / read.section.name)
         mesh = dict(tables.get("mesh", {}))
-        stored = {} if mesh or afresh else stored_options(store)
+        stored = {} if mesh or afresh else stored_mesh_options(store)
         if stored:
             read = _with(section, tables, stored, store)
         if read.fem.sides == "periodic":

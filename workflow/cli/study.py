@@ -2,12 +2,19 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from workflow.cli.options import Json, Quiet, Scheduler, SectionFile, Set, Workers
 from workflow.run.progress import Verbosity
+
+if TYPE_CHECKING:
+    from workflow.config import Config
+    from workflow.run.store import Store
+
+Tables = Mapping[str, Mapping[str, Any]]
 
 
 def study(
@@ -35,27 +42,16 @@ def study(
 
     If the study was stopped, the same command continues it, and computes only missing samples.
     """
-    from meshes.section.section import read_toml
-    from workflow.cli.invocation import dotted
-    from workflow.cli.terminal import say, say_data, warn
-    from workflow.cli.watch import Counted
-    from workflow.config import merged
-    from workflow.config.after_triggering import load_config
-    from workflow.config.renamed import notices
+    from workflow.cli.terminal import Counted, say, say_data
     from workflow.report.study import sentences, write_page
-    from workflow.run.store import Store
     from workflow.study.ensemble import Ensemble
     from workflow.study.pictures import draw_all
     from workflow.study.study import run
 
     options = {"samples": samples, "method": method, "seed": seed}
     overrides = {"study": {key: value for key, value in options.items() if value is not None}}
-    changed = dotted(settings or [])
-    config = load_config(section, merged(changed, overrides))
-    store = Store(folder or Path("runs") / f"{config.section.name}_study")
-    parts = only or ["fem", "block"]
-    old_words = notices(merged(read_toml(section), changed))
-    warnings = warn([*old_words, *_unread(changed, "study", parts)], Verbosity.of(quiet, False, json))
+    parts, verbosity = only or ["fem", "block"], Verbosity.of(quiet, False, json)
+    config, store, warnings = _opened("study", section, folder, settings, parts, verbosity, overrides)
     with Counted(silent=quiet or json) as counted:
         result = run(config, store, parts, Ensemble(store.folder, workers or config.dem.workers, scheduler), counted)
     draw_all(config.section, result.table, result.answer, store)
@@ -90,23 +86,13 @@ def converge(
 
     If the computation was stopped, the same command continues it.
     """
-    from meshes.section.section import read_toml
-    from workflow.cli.invocation import dotted
-    from workflow.cli.terminal import say, say_data, warn
-    from workflow.cli.watch import Counted
-    from workflow.config import merged
-    from workflow.config.after_triggering import load_config
-    from workflow.config.renamed import notices
+    from workflow.cli.terminal import Counted, say, say_data
     from workflow.figures.convergence import draw
-    from workflow.run.store import Store
     from workflow.study.converge import run
     from workflow.study.ensemble import Ensemble
 
-    changed = dotted(settings or [])
-    config = load_config(section, changed)
-    store = Store(folder or Path("runs") / f"{config.section.name}_converge")
-    old_words = notices(merged(read_toml(section), changed))
-    warnings = warn([*old_words, *_unread(changed, "converge", ["slide"])], Verbosity.of(quiet, False, json))
+    verbosity = Verbosity.of(quiet, False, json)
+    config, store, warnings = _opened("converge", section, folder, settings, ["slide"], verbosity)
     ensemble = Ensemble(store.folder, workers or config.dem.workers, scheduler)
     with Counted(silent=quiet or json) as counted:
         answer = run(config, store, within / 100.0, ensemble, counted)
@@ -124,12 +110,31 @@ def converge(
     return None
 
 
-def _unread(settings: Mapping[str, Mapping[str, Any]], command: str, parts: Sequence[str]) -> list[str]:
-    """Return one sentence on each setting of the command line that no part of a study reads."""
+def _opened(
+    command: str,
+    section: Path,
+    folder: Path | None,
+    settings: Sequence[str] | None,
+    parts: Sequence[str],
+    verbosity: Verbosity,
+    overrides: Tables = MappingProxyType({}),
+) -> "tuple[Config, Store, list[str]]":
+    """Return config and folder of a command, and its printed warnings: on old names of settings, and on settings of the
+    command line that no part of a study reads."""
+    from meshes.section.section import read_toml
+    from workflow.cli.invocation import dotted
+    from workflow.cli.terminal import warn
     from workflow.cli.unread import in_words, is_read, keys_of
+    from workflow.config import merged
+    from workflow.config.after_triggering import load_config
+    from workflow.config.renamed import notices
+    from workflow.run.store import Store
     from workflow.stages import NAMES, command_of
     from workflow.study.parts import read_by
 
-    reads = read_by(parts)
-    keys = [key for key in keys_of(settings) if not is_read(key, reads)]
-    return in_words(keys, command, [command_of(stage) for stage in NAMES])
+    changed, reads = dotted(settings or []), read_by(parts)
+    config = load_config(section, merged(changed, overrides))
+    unread = [key for key in keys_of(changed) if not is_read(key, reads)]
+    old_words = notices(merged(read_toml(section), changed))
+    warnings = warn([*old_words, *in_words(unread, command, [command_of(stage) for stage in NAMES])], verbosity)
+    return config, Store(folder or Path("runs") / f"{config.section.name}_{command}"), warnings

@@ -3,6 +3,7 @@
 import re
 import shlex
 import sys
+import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +21,7 @@ from workflow.config import notice_lines
 from workflow.config.renamed import notices
 from workflow.report import data, tables
 from workflow.run.plan import Action, Choice, plan
-from workflow.run.progress import Verbosity
+from workflow.run.progress import TimeLeft, Verbosity
 from workflow.run.record import Record
 from workflow.run.spelling import is_legible, legible
 from workflow.run.stage import Job
@@ -38,6 +39,8 @@ NAME_WIDTH = 10  # characters of the column of strata: names in a narrower one c
 SEVERAL = (tables.STRATA_HEADS[6], tables.STRATA_HEADS[7])
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
+EVERY = 10.0  # s between two lines where there is no terminal
+AT_ONCE = 0.2  # s on a terminal, where the line changes in place
 
 
 def say(line: str) -> None:
@@ -212,3 +215,35 @@ def show_runs(runs: "Sequence[ComparedRun]") -> None:
         show_table(("input", *folders), differences)
     else:
         say("Their inputs are the same.")
+
+
+class Counted:
+    """Shows the number of finished tasks; used as a context manager."""
+
+    def __init__(self, silent: bool = False) -> None:
+        self.silent, self.console = silent, err
+        self.start = self.last = time.monotonic()
+        self.left = TimeLeft(self.start)
+        self.before: int | None = None
+
+    def __enter__(self) -> "Counted":
+        return self
+
+    def __exit__(self, *what: object) -> None:
+        if self.console.is_terminal and not self.silent:
+            self.console.print()
+
+    def __call__(self, done: int, failed: int, total: int) -> None:
+        """Count one more finished computation."""
+        if self.before is None:
+            self.before = done  # there already when it began: they say nothing of the time left
+        now = time.monotonic()
+        every = AT_ONCE if self.console.is_terminal else EVERY
+        if self.silent or (done < total and now - self.last < every):
+            return
+        self.last = now
+        missing = total - self.before
+        left = self.left.words(now, (done - self.before) / missing if missing else None)
+        message = f"{done} of {total} done" + (f", {failed} failed" if failed else "") + (f", {left}" if left else "")
+        end = "\r" if self.console.is_terminal else "\n"
+        self.console.print(f"{message:<70}" if end == "\r" else message, end=end, markup=False, soft_wrap=True)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dem.slides.cycles import cyclic_acceleration
+from dem.slides.drive import cyclic_acceleration
 from meshes.section.section import Section
 from workflow.config.tables import Tables
 from workflow.estimates.empirical import empirical

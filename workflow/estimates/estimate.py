@@ -1,6 +1,7 @@
 """Holds one estimate of a displacement, with its source and its assumptions."""
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -13,6 +14,7 @@ from meshes.section.section import Section
 EstimateKind = Literal[
     "block", "smooth block", "regression", "regression as printed", "spread", "block regression", "truss"
 ]
+SPREADS: tuple[EstimateKind, ...] = ("spread", "regression", "regression as printed")
 
 
 @dataclass(frozen=True)
@@ -36,10 +38,6 @@ class Estimate:
     source: str
     validity: str
 
-    def with_words(self, words: str) -> "Estimate":
-        """Return the same estimate with other words."""
-        return replace(self, words=words)
-
 
 def mean_inclination(section: Section) -> float:
     """Return the mean inclination of the ground between its ends (rad), never negative."""
@@ -59,3 +57,38 @@ def flow_words(section: Section, setting: FlowSetting) -> str:
     if flow == "davis":
         return f"by {davis_words(stratum.dilation for stratum in section.strata)}"
     return "with ψ = φ" if flow == "associated" else "with the given ψ"
+
+
+def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -> list[Estimate]:
+    """Return the estimates, with an additional sentence in those of lateral spreads if the liquefied ground does not
+    stand without shaking.
+
+    The data of lateral spreads are of ground that stands once shaking ends: it moves in each half cycle of the shaking,
+    up to its strain potential. Ground with a factor of safety below 1 moves by its weight until it is as flat as its
+    residual strength allows. No relation for lateral spreads has ground that flows in its data (Youd, Hansen & Bartlett
+    2002 exclude flow failures; Idriss & Boulanger 2008, section 4.4).
+
+    Parameters
+    ----------
+    estimates : iterable of Estimate
+        Estimates of all methods.
+    factors : sequence of float
+        Factors of safety without shaking of the cases of liquefied ground that flow; empty if none flows.
+
+    Returns
+    -------
+    list of Estimate
+    """
+    rows = list(estimates)
+    if not factors:
+        return rows
+    low, high = f"{min(factors):.2f}", f"{max(factors):.2f}"
+    factor = low if low == high else f"{low} to {high}"
+    words = (
+        f"does not apply: the liquefied ground does not stand without shaking (factor of safety {factor}), so that it "
+        "flows until it is flat enough, and lateral spreads move only while the ground shakes"
+    )
+    return [
+        replace(row, words=f"{row.words}; {words}") if row.kind in SPREADS and row.displacement_m is not None else row
+        for row in rows
+    ]

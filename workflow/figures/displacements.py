@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
-from workflow.estimates.comparison import estimates, is_s13
+from workflow.estimates.comparison import is_s13
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import foot
 from workflow.figures.symbols import in_mathtext
@@ -84,7 +84,7 @@ def _draw(axes: Axes, row: MethodRow, at: int) -> None:
 
 def _others(results: Results) -> Iterator[MethodRow]:
     """Yield the displacement (m) by each method that is compared with the slide of the discs."""
-    for estimate in estimates(results.config.section, results.config, results.kc, results.slip_surface):
+    for estimate in results.estimates:
         if estimate.displacement_m is not None:
             yield MethodRow(estimate.method, OTHERS, estimate.displacement_m)
         elif estimate.kind != "smooth block":  # which never gives one

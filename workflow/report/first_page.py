@@ -9,8 +9,7 @@ from meshes.section.quantity import GRAVITY
 from workflow.estimates.structures import structures_of
 from workflow.report.crests import crest_parts, crests_in_short
 from workflow.report.faces import face_lines
-from workflow.report.numbers import coefficient, of_cases
-from workflow.report.numerical_error import rounded_up
+from workflow.report.numbers import coefficient, of_cases, rounded_up
 from workflow.report.paper import rows
 from workflow.report.post_liquefaction import just_enough
 from workflow.report.residual import residual_verdict

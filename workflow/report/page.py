@@ -29,7 +29,6 @@ from workflow.report.faces import face_lines, note_sentences
 from workflow.report.narrow import labelled
 from workflow.report.numbering import Labels, Notes
 from workflow.report.numbers import joined, number, scaled
-from workflow.report.other_methods import reported_estimates
 from workflow.report.paper import rows
 from workflow.report.player import films
 from workflow.report.post_liquefaction import just_enough
@@ -125,7 +124,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "elsewhere": list(elsewhere(config, results.slices)),
         "lines_of_faces": face_lines(results),
         "face_notes": list(note_sentences(results)) if faces else [],
-        "estimates": reported_estimates(results),
+        "estimates": results.estimates,
         "slides": list(slides(results)),
         "paper": rows(results),
         "is_s13": is_s13(config.section),

@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from dem.settings import SlideMethod
 from meshes.section.cutting import shown_name
 from workflow.earthquake.settings import EarthquakeSettings
-from workflow.estimates.comparison import estimates
 from workflow.estimates.slide_error import SlideError
 from workflow.report.numbers import rough_range, span
 from workflow.report.summary_text import at_rest
@@ -84,7 +83,7 @@ def _block(results: Results, _: Texts) -> HeadlinePart:
     has_shaking = config.earthquake != EarthquakeSettings() or bool(config.sliding_block.accelerogram)
     slides = {
         _("Newmark's block") if row.kind == "block" else row.method: row.displacement_m
-        for row in (estimates(config.section, config, results.kc, results.slip_surface) if has_shaking else ())
+        for row in (results.estimates if has_shaking else ())
         if row.kind in ("block", "block regression") and row.displacement_m is not None
     }
     if not slides:

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 from workflow.report.crests import crest_parts
 from workflow.report.first_page import conclusions, headlines
-from workflow.report.other_methods import reported_estimates
 from workflow.report.paper import rows
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.structures import face_rows
@@ -69,7 +68,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         triggering=results.triggering.strata if results.triggering is not None else None,
         residual=results.residual.steps if results.residual is not None else None,
         liquefied=results.liquefied.cases if results.liquefied is not None else None,
-        comparison=tuple(EstimateSummary.model_validate(part) for part in reported_estimates(results)),
+        comparison=tuple(EstimateSummary.model_validate(part) for part in results.estimates),
         paper=paper or None,
         no_answer={
             stage: NoAnswer.model_validate(entry)

@@ -11,8 +11,7 @@ from workflow.estimates.comparison import EstimateKind, estimates
 from workflow.report.contradictions import is_weaker, liquefied_strata
 from workflow.report.flow_rule import WHEN
 from workflow.report.model_error import model_error
-from workflow.report.numbers import about, coefficient, listed, of_cases, span
-from workflow.report.numerical_error import numerical_error
+from workflow.report.numbers import about, coefficient, listed, numerical_error, of_cases, span
 from workflow.report.post_liquefaction import in_short
 from workflow.report.tables import factor
 from workflow.results.accuracy import Accuracy, accuracy

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, fields
 
 from pydantic import TypeAdapter
 
-from dem.slides.row import Row
+from dem.slides.slide import Row
 from meshes.errors import InputError
 from workflow.run.store import OtherVersionError, Store
 

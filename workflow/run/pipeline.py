@@ -13,13 +13,12 @@ from typing import Protocol
 from meshes.errors import NoAnswerError
 from meshes.executor import SERIAL, Tell, interruptible, then
 from workflow.config import Config
-from workflow.run import mesh_options
 from workflow.run.fingerprint import title
 from workflow.run.lock import locked
 from workflow.run.log import RunLog
 from workflow.run.plan import Choice, Decision, is_of_this_input, made_from, plan
 from workflow.run.progress import Progress, silent
-from workflow.run.record import Entry, Record, sizes
+from workflow.run.record import Entry, Record, keep_mesh_options, sizes
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 
@@ -58,7 +57,7 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
         except BaseException as error:
             log.stop(error)
             raise
-        mesh_options.keep(job.store, job.mesh_options)
+        keep_mesh_options(job.store, job.mesh_options)
         log.done()
         if failures:
             raise next(failures[decision.stage.name] for decision in decisions if decision.stage.name in failures)
@@ -232,7 +231,7 @@ class Run:
         with self.one_at_a_time:
             if failure is None:
                 leave_input(self.job.config, store)
-                mesh_options.keep(store, self.job.mesh_options)
+                keep_mesh_options(store, self.job.mesh_options)
             else:
                 self.failures[stage.name] = failure
             self.record.put(stage.name, entry)

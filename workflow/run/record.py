@@ -1,9 +1,12 @@
-"""Records the stages of a run: inputs, outcome and files of each."""
+"""Records the stages of a run: inputs, outcome and files of each, and the options of the command line for its mesh.
+
+Commands after `noshiro mesh --refine 2` use the same mesh; section.toml of the folder has the resulting settings.
+"""
 
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 from workflow.run.store import Store
 
@@ -11,6 +14,7 @@ NAME = ".noshiro/stages.json"
 VERSION = 3
 
 Outcome = Literal["begun", "done", "part", "no answer"]
+MESH_OPTIONS = ".noshiro/mesh_options.json"
 
 
 @dataclass(frozen=True)
@@ -87,3 +91,21 @@ def _size(store: Store, name: str) -> int:
         return (store.folder / name).stat().st_size
     except OSError:
         return -1
+
+
+def stored_mesh_options(store: Store) -> dict[str, Any]:
+    """Return the stored options of the mesh command; empty without any."""
+    options = store.read_json(MESH_OPTIONS) if store.has(MESH_OPTIONS) else {}
+    return options if isinstance(options, dict) else {}
+
+
+def keep_mesh_options(store: Store, options: Mapping[str, Any] | None) -> None:
+    """Store the options of a command for later ones; empty options delete the stored ones, None leaves them
+    unchanged.
+    """
+    if options is None:
+        return
+    if options:
+        store.write_json(MESH_OPTIONS, dict(options))
+    else:
+        store.remove([MESH_OPTIONS])

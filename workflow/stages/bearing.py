@@ -135,7 +135,7 @@ def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float
     ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``: settings.
     """
     from fem.continuum.strength import is_associated
-    from fem.search.weight_borne import weight_borne
+    from fem.limit_load.limit_load import weight_borne
 
     if not is_associated(section.strata, fem.flow):
         return math.inf

@@ -9,8 +9,7 @@ from dem.model import DiscModel
 from dem.settings import PAPER_LOADING
 from dem.slides.liquefaction import Slider
 from dem.slides.liquefied_strength import effect_of
-from dem.slides.row import Row
-from dem.slides.slide import Slide
+from dem.slides.slide import Row, Slide
 from meshes.executor import Tell
 from workflow.config import Config
 from workflow.results.disc_grids import case_name, frame_file, frames, write_frame

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.slides.cycles import cyclic_acceleration
+from dem.slides.drive import cyclic_acceleration
 from docs.verify.slides.case import UniformSlope
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake import accelerogram

@@ -16,8 +16,7 @@ from dem.settings import DemSettings, SlideSettings
 from dem.slides.drive import Shaking
 from dem.slides.liquefaction import LEAST_STEP, Slider
 from dem.slides.liquefied_strength import liquefied
-from dem.slides.row import Row
-from dem.slides.slide import Slide
+from dem.slides.slide import Row, Slide
 from dem.slides.slip import compare, cracked_shares, slip_surface
 from dem.slides.surface import Surface, crack_opening, escaped
 from meshes.section.section import Section

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fem.continuum.liquefied_ground import LEAST, liquefied_section
-from fem.search.weight_borne import weight_borne
+from fem.limit_load.limit_load import weight_borne
 from fem.settings import FemSettings
 from meshes import generate
 from meshes.section.liquefies import Remains

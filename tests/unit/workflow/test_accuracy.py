@@ -8,7 +8,7 @@ from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
 from workflow.config import Config
 from workflow.report.first_page import headlines
-from workflow.report.numerical_error import numerical_error, rounded_up
+from workflow.report.numbers import numerical_error, rounded_up
 from workflow.report.summary_text import findings
 from workflow.report.texts import Texts
 from workflow.results.accuracy import Accuracy, accuracy, of_meshes

@@ -9,7 +9,7 @@ import pytest
 
 from dem.search.critical import Search
 from dem.search.equilibrium import Trial
-from dem.slides.row import Row
+from dem.slides.slide import Row
 from meshes.errors import InputError
 from tests.support import dem_fixture
 from tests.support.sections import slope

@@ -14,7 +14,7 @@ from dem.engine.forces import contact_forces
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import lattice_box
-from dem.slides.row import Row
+from dem.slides.slide import Row
 from tests.support import SECTIONS
 from tests.support.dem_cases import RADIUS, box
 from workflow.config import Config

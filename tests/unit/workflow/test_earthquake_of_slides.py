@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dem.slides.cycles import cyclic_acceleration
+from dem.slides.drive import cyclic_acceleration
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from tests.support import command_line

@@ -14,7 +14,7 @@ from tests.support.borings import bored
 from tests.support.sections import analysed, problems
 from workflow.config import Config
 from workflow.estimates.empirical import bray_macedo, bray_travasarou, empirical
-from workflow.estimates.flow_failure import with_flow_failure
+from workflow.estimates.estimate import with_flow_failure
 from workflow.estimates.lateral_spread import (
     Spreading,
     displacement_index,

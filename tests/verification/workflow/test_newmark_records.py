@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dem.slides.cycles import cyclic_acceleration
+from dem.slides.drive import cyclic_acceleration
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.equivalent_kh import cycles_of_record, mean_period_of_record
