@@ -60,10 +60,10 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
     depth = known.deeper_than_m or config.fem.least_depth
     settings = config.fem.changed(direction=fem.direction, least_depth=depth, sides=sides)
     davis = known.kc if known.flow == "davis" else 0.0
-    found = _with_own_psi(config.section, mesh, settings, davis, tell)
-    path, surface = (None, None) if isinstance(found, str) else found
+    answer = _with_own_psi(config.section, mesh, settings, davis, tell)
+    path, surface = (None, None) if isinstance(answer, str) else answer
     most = known.kc_upper if path is None else path.upper
-    instead = found if isinstance(found, str) else ""
+    instead = answer if isinstance(answer, str) else ""
     if path is None or path.upper > path.kc + config.dem.tolerance:
         try:
             most = associated_kc(config.section, mesh, settings, _watch("ψ = φ", mesh, tell))
