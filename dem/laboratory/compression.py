@@ -21,18 +21,13 @@ class PatchStrength:
 
     Attributes
     ----------
-    pressure : float
-        Confining pressure (Pa).
-    E : float
-        Young's modulus in plane strain of a soil with the stiffness of the confined patch (Pa).
-    peak, after : float
-        Half the deviator stress (Pa): at the peak, and its mean from a strain of `AFTER` to `STRAIN`.
-    dilation : float
-        Angle of dilation at the peak (rad).
-    course : (BINS,)
-        Half the deviator stress in each of `BINS` equal intervals of strain up to `STRAIN` (Pa). The curve of one patch
-        scatters, unlike the curve of a sample with many more grains; so the peak is taken from the mean curve of
-        several patches.
+    pressure : confining pressure (Pa)
+    E : Young's modulus in plane strain of a soil with the stiffness of the confined patch (Pa)
+    peak, after : half the deviator stress (Pa): at the peak, and its mean from a strain of `AFTER` to `STRAIN`
+    dilation : angle of dilation at the peak (rad)
+    course (BINS,) : half the deviator stress in each of `BINS` equal intervals of strain up to `STRAIN` (Pa). The curve
+        of one patch scatters, unlike the curve of a sample with many more grains; so the peak is taken from the mean
+        curve of several patches.
     """
 
     pressure: float

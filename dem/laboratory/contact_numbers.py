@@ -25,14 +25,10 @@ class ContactNumbers(NamedTuple):
 
     Attributes
     ----------
-    turns : bool
-        Whether the discs rotate.
-    friction : float
-        Friction coefficient mu.
-    cohesion : float
-        Cohesion number C / (2 r p).
-    kappa : float
-        Stiffness number: kn over the sum of the pressure and the attraction of the contacts.
+    turns : whether the discs rotate
+    friction : friction coefficient mu
+    cohesion : cohesion number C / (2 r p)
+    kappa : stiffness number: kn over the sum of the pressure and the attraction of the contacts
     """
 
     turns: bool

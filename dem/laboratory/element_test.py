@@ -28,20 +28,13 @@ class PressureTest:
 
     Attributes
     ----------
-    pressure : float
-        Confining pressure (Pa).
-    stiffness : PlaneElastic
-        Stiffness from small strains.
-    skewness : float
-        Anisotropy of the stiffness: M_xx / M_zz - 1.
-    biaxial, shear : Curve
-        Curves of the two tests.
-    biaxial_strength, shear_strength : MeasuredStrength
-        Strengths from the two tests.
-    inertial_number : float
-        Inertial number: strain rate times diameter times sqrt(density / pressure).
-    pore_springs : float
-        Number of pore springs per free disc after they are set.
+    pressure : confining pressure (Pa)
+    stiffness : stiffness from small strains
+    skewness : anisotropy of the stiffness: M_xx / M_zz - 1
+    biaxial, shear : curves of the two tests
+    biaxial_strength, shear_strength : strengths from the two tests
+    inertial_number : inertial number: strain rate times diameter times sqrt(density / pressure)
+    pore_springs : number of pore springs per free disc after they are set
     """
 
     pressure: float
@@ -61,22 +54,14 @@ class ElementTest:
 
     Attributes
     ----------
-    sample : PatchSample
-        The tested discs.
-    stiffness : PlaneElastic
-        Initial tangent stiffness, mean over the pressures.
-    G : float
-        Shear modulus from the simple-shear part of the tests (Pa).
-    c, phi : float
-        Mohr-Coulomb parameters from the peaks of the biaxial tests (Pa, rad).
-    c_last, phi_last : float
-        Mohr-Coulomb parameters from the last tenth of the biaxial tests (Pa, rad).
-    c_shear, phi_shear : float
-        Mohr-Coulomb parameters from the peaks of the simple-shear tests (Pa, rad).
-    dilation : float
-        Mean dilation angle at the peaks of the biaxial tests (rad).
-    tests : tuple of PressureTest
-        The tests, in the order of rising pressure.
+    sample : the tested discs
+    stiffness : initial tangent stiffness, mean over the pressures
+    G : shear modulus from the simple-shear part of the tests (Pa)
+    c, phi : Mohr-Coulomb parameters from the peaks of the biaxial tests (Pa, rad)
+    c_last, phi_last : Mohr-Coulomb parameters from the last tenth of the biaxial tests (Pa, rad)
+    c_shear, phi_shear : Mohr-Coulomb parameters from the peaks of the simple-shear tests (Pa, rad)
+    dilation : mean dilation angle at the peaks of the biaxial tests (rad)
+    tests : the tests, in the order of rising pressure
     """
 
     sample: PatchSample

@@ -31,10 +31,8 @@ class ElementTestProgramme:
 
     Attributes
     ----------
-    layers : sequence of SoilLayer
-        The layers to be tested.
-    radius : float
-        Mean radius of the discs (m).
+    layers : the layers to be tested
+    radius : mean radius of the discs (m)
     """
 
     layers: Sequence[SoilLayer]

@@ -12,22 +12,15 @@ class LayerCheck:
 
     Attributes
     ----------
-    stratum : str
-        Name of the stratum.
-    pressures_Pa, strength_soil_Pa, strength_discs_Pa, peak_discs_Pa : (3,)
-        Confining pressures, and half the deviator stress: of the soil at failure, of the discs after their peak, and of
-        the discs at the peak of their mean curve.
-    E_soil_Pa, E_discs_Pa : float
-        Young's modulus of the soil, and of the discs at small strain.
-    c_soil_Pa, c_discs_Pa, phi_soil_deg, phi_discs_deg : float
-        Mohr-Coulomb parameters. The parameters of the discs follow from their strengths after the peak, with c = 0
-        where the soil has no cohesion.
-    dilation_deg : float
-        Dilation angle of the discs at the peak.
-    friction, cohesion_N, stiffness_N_m : float
-        Friction mu, cohesion C and stiffness kn of the contacts.
-    notes : tuple of str
-        Notes on properties of the soil that discs cannot have, and on tests that failed.
+    stratum : name of the stratum
+    pressures_Pa, strength_soil_Pa, strength_discs_Pa, peak_discs_Pa (3,) : confining pressures, and half the deviator
+        stress: of the soil at failure, of the discs after their peak, and of the discs at the peak of their mean curve
+    E_soil_Pa, E_discs_Pa : Young's modulus of the soil, and of the discs at small strain
+    c_soil_Pa, c_discs_Pa, phi_soil_deg, phi_discs_deg : Mohr-Coulomb parameters. The parameters of the discs follow
+        from their strengths after the peak, with c = 0 where the soil has no cohesion.
+    dilation_deg : dilation angle of the discs at the peak
+    friction, cohesion_N, stiffness_N_m : friction mu, cohesion C and stiffness kn of the contacts
+    notes : notes on properties of the soil that discs cannot have, and on tests that failed
     """
 
     stratum: str

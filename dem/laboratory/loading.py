@@ -34,24 +34,15 @@ class Curve:
 
     Attributes
     ----------
-    kind : "biaxial" or "simple shear"
-        Kind of the test.
-    pressure : float
-        Constant stress during the test (Pa, compression positive).
-    strain : (n,)
-        Axial compression (natural strain), or shear strain gamma.
-    stress : (n, 2, 2)
-        Mean stress in the region (Pa, tension positive).
-    volumetric : (n,)
-        Volumetric strain, positive for growth of the area (natural strain).
-    unbalanced : (n,)
-        Mean unbalanced force over mean contact force.
-    cracked : (n,)
-        Share of the pore springs that are cracked.
-    rate : float
-        Strain rate (1/s).
-    stopped : str
-        Reason why the test ended before the largest strain; empty if it reached the largest strain.
+    kind : kind of the test
+    pressure : constant stress during the test (Pa, compression positive)
+    strain (n,) : axial compression (natural strain), or shear strain gamma
+    stress (n, 2, 2) : mean stress in the region (Pa, tension positive)
+    volumetric (n,) : volumetric strain, positive for growth of the area (natural strain)
+    unbalanced (n,) : mean unbalanced force over mean contact force
+    cracked (n,) : share of the pore springs that are cracked
+    rate : strain rate (1/s)
+    stopped : reason why the test ended before the largest strain; empty if it reached the largest strain
     """
 
     kind: LoadingKind

@@ -44,18 +44,12 @@ class PatchSample:
 
     Attributes
     ----------
-    layer : LayerSprings
-        Springs of the discs.
-    packing : "lattice" or "random"
-        Arrangement of the discs.
-    radius : float
-        Mean radius of the discs (m).
-    seed : int
-        Seed of a random packing.
-    size : (int, int) or None
-        Numbers of columns and rows, including the frame; `SIZES` if None.
-    law : "paper" or "soil"
-        Contact law of the discs. A patch of soil discs has the porosity of the discs in the slope.
+    layer : springs of the discs
+    packing : arrangement of the discs
+    radius : mean radius of the discs (m)
+    seed : seed of a random packing
+    size : numbers of columns and rows, including the frame; `SIZES` if None
+    law : contact law of the discs. A patch of soil discs has the porosity of the discs in the slope.
     """
 
     layer: LayerSprings
@@ -89,20 +83,14 @@ class Patch:
 
     Attributes
     ----------
-    model : DiscModel
-        All discs, including those of the frame.
-    frame : (n,)
-        Mask of the discs of the frame.
-    region : (2, 2)
-        Low and high corner of the region over which stress is averaged, in the coordinates X before any strain (m).
-    threads : int
-        Threads of the engine.
-    deformation : (2, 2)
-        Present deformation gradient F.
-    rates : (2, 2)
-        Velocity gradient of the frame (1/s).
-    run : EngineRun or None
-        Press that strains the patch at present.
+    model : all discs, including those of the frame
+    frame (n,) : mask of the discs of the frame
+    region (2, 2) : low and high corner of the region over which stress is averaged, in the coordinates X before any
+        strain (m)
+    threads : threads of the engine
+    deformation (2, 2) : present deformation gradient F
+    rates (2, 2) : velocity gradient of the frame (1/s)
+    run : press that strains the patch at present
     """
 
     model: DiscModel
@@ -161,13 +149,10 @@ class StressState:
 
     Attributes
     ----------
-    stress : (2, 2)
-        Mean stress over the region (Pa): the sum of pair force times the part of the branch vector inside the region,
-        over its area.
-    unbalanced : float
-        Mean unbalanced force on a free disc, over the mean force of loaded contacts.
-    cracked : int
-        Number of cracked pore springs.
+    stress (2, 2) : mean stress over the region (Pa): the sum of pair force times the part of the branch vector inside
+        the region, over its area
+    unbalanced : mean unbalanced force on a free disc, over the mean force of loaded contacts
+    cracked : number of cracked pore springs
     """
 
     stress: np.ndarray

@@ -13,12 +13,9 @@ class PlaneElastic:
 
     Attributes
     ----------
-    M : float
-        Constrained modulus (Pa).
-    lame : float
-        Lame's first constant (Pa).
-    G : float
-        Shear modulus (Pa).
+    M : constrained modulus (Pa)
+    lame : Lame's first constant (Pa)
+    G : shear modulus (Pa)
 
     Notes
     -----

@@ -16,8 +16,7 @@ class SoilLayer(SoilContacts):
 
     Attributes
     ----------
-    stratum : Stratum
-        The soil of the stratum.
+    stratum : the soil of the stratum
     """
 
     stratum: Stratum

@@ -17,20 +17,14 @@ class MeasuredStrength:
 
     Attributes
     ----------
-    verdict : str
-        "peak", "levels off", "still rising" (then the strength is the resistance at the largest strain) or "stopped".
-    strain : float
-        Strain at the largest resistance.
-    major, minor : float
-        Principal stresses at the largest resistance (Pa, compression positive).
-    normal, shear : float
-        Stresses on the horizontal plane at the largest resistance (Pa).
-    major_last, minor_last : float
-        Mean principal stresses in the last tenth of the test (Pa).
-    dilation : float
-        Angle of dilation at the largest resistance (rad).
-    cracked : float
-        Share of cracked pore springs at the largest resistance.
+    verdict : "peak", "levels off", "still rising" (then the strength is the resistance at the largest strain) or
+        "stopped"
+    strain : strain at the largest resistance
+    major, minor : principal stresses at the largest resistance (Pa, compression positive)
+    normal, shear : stresses on the horizontal plane at the largest resistance (Pa)
+    major_last, minor_last : mean principal stresses in the last tenth of the test (Pa)
+    dilation : angle of dilation at the largest resistance (rad)
+    cracked : share of cracked pore springs at the largest resistance
     """
 
     verdict: str

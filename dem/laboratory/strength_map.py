@@ -54,12 +54,9 @@ class ContactStrength:
 
     Attributes
     ----------
-    friction : float
-        Friction coefficient mu.
-    cohesion : float
-        C over the mean diameter (Pa).
-    expected : (n,)
-        Strength at the required pressures, by the map (Pa).
+    friction : friction coefficient mu
+    cohesion : C over the mean diameter (Pa)
+    expected (n,) : strength at the required pressures, by the map (Pa)
     """
 
     friction: float
@@ -73,16 +70,12 @@ class StrengthMap:
 
     Attributes
     ----------
-    friction : (m,)
-        Friction coefficients mu of the contacts, in rising order.
-    cohesion : (k,)
-        Cohesion numbers C / (2 r p) of the contacts, in rising order.
-    after, peak : (m, k)
-        Half the deviator stress over the confining pressure, after the peak and at the peak; mean over the seeds.
-    scatter : (m, k)
-        Standard deviation of `after` from seed to seed.
-    modulus : (m, k)
-        E over kn, with E of a soil of the same stiffness in plane strain; see `normal_stiffness`.
+    friction (m,) : friction coefficients mu of the contacts, in rising order
+    cohesion (k,) : cohesion numbers C / (2 r p) of the contacts, in rising order
+    after, peak (m, k) : half the deviator stress over the confining pressure, after the peak and at the peak; mean over
+        the seeds
+    scatter (m, k) : standard deviation of `after` from seed to seed
+    modulus (m, k) : E over kn, with E of a soil of the same stiffness in plane strain; see `normal_stiffness`
     """
 
     friction: np.ndarray

@@ -45,27 +45,18 @@ class Calibration:
 
     Attributes
     ----------
-    target : float
-        Required critical Kh: the nearest value within the bracket of the continuum.
-    tolerance : float
-        Allowed difference to the target.
-    parameter : str
-        Name of the constants that the factor multiplies.
-    value : float
-        The factor.
-    range : (float, float)
-        Least and largest factor allowed.
-    verdict : str
-        "calibrated" or "out of reach".
-    reason : str
-        Reason of the verdict, in words.
-    search : Search
-        The critical Kh with that factor.
-    sensitivity : tuple of (parameter, factor, Search)
-        The critical Kh with each parameter halved and doubled; the name "" marks the search for uncalibrated discs.
-    trials : tuple of (factor, Search)
-        Every factor that was tried on the parameter, sorted by size, since the order of trials depends on which of
-        several searches ends first.
+    target : required critical Kh: the nearest value within the bracket of the continuum
+    tolerance : allowed difference to the target
+    parameter : name of the constants that the factor multiplies
+    value : the factor
+    range : least and largest factor allowed
+    verdict : "calibrated" or "out of reach"
+    reason : reason of the verdict, in words
+    search : the critical Kh with that factor
+    sensitivity (parameter, factor, Search) : the critical Kh with each parameter halved and doubled; the name "" marks
+        the search for uncalibrated discs
+    trials (factor, Search) : every factor that was tried on the parameter, sorted by size, since the order of trials
+        depends on which of several searches ends first
     """
 
     target: float

@@ -24,20 +24,13 @@ class Search:
 
     Attributes
     ----------
-    kc_lower : float
-        The largest Kh at which the discs stood.
-    kc_upper : float or None
-        The smallest Kh at which the discs did not stand.
-    verdict : str
-        "bracketed", or why there is no bracket.
-    reason : str
-        Reason of the verdict in words.
-    flexibility_m : float
-        Elastic displacement over Kh (m).
-    trials : list of Trial
-        All trials, in the order of computation.
-    curve : list of (Kh, displacement in m)
-        Kh and displacement of the states of equilibrium.
+    kc_lower : the largest Kh at which the discs stood
+    kc_upper : the smallest Kh at which the discs did not stand
+    verdict : "bracketed", or why there is no bracket
+    reason : reason of the verdict in words
+    flexibility_m : elastic displacement over Kh (m)
+    trials : all trials, in the order of computation
+    curve (Kh, displacement in m) : Kh and displacement of the states of equilibrium
     """
 
     kc_lower: float = 0.0

@@ -59,12 +59,9 @@ class Deposit:
 
     Attributes
     ----------
-    ground : Ground
-        Place of the discs in the section.
-    layers : list of LayerSprings
-        Springs of every stratum.
-    settled : DiscModel
-        The discs at rest.
+    ground : place of the discs in the section
+    layers : springs of every stratum
+    settled : the discs at rest
     """
 
     ground: Ground

@@ -40,14 +40,10 @@ class Rest:
 
     Attributes
     ----------
-    time : float
-        Time since the trial began (s).
-    unbalanced_ratio : float
-        Mean resultant over mean contact force.
-    kinetic_ratio : float
-        Largest kinetic energy since the last record, over stored energy.
-    displacement : float
-        Mean displacement downhill (m).
+    time : time since the trial began (s)
+    unbalanced_ratio : mean resultant over mean contact force
+    kinetic_ratio : largest kinetic energy since the last record, over stored energy
+    displacement : mean displacement downhill (m)
     """
 
     time: float
@@ -61,12 +57,9 @@ class Rise(NamedTuple):
 
     Attributes
     ----------
-    from_kh : float
-        Kh at which the discs stand.
-    kh : float
-        Kh at the end of the rise.
-    flexibility : float
-        Elastic displacement over Kh (m); infinite if it is not known, and then no trial fails.
+    from_kh : Kh at which the discs stand
+    kh : Kh at the end of the rise
+    flexibility : elastic displacement over Kh (m); infinite if it is not known, and then no trial fails
     """
 
     from_kh: float
@@ -80,18 +73,13 @@ class Trial:
 
     Attributes
     ----------
-    kh : float
-        The seismic coefficient.
-    verdict : str
-        "stands", "fails" or "undecided".
-    reason : str
-        Reason of the verdict in words.
-    unbalanced_ratio, kinetic_ratio : float
-        Measures of rest at the last record, see `Rest`.
-    displacement_m, elastic_displacement_m : float
-        Mean displacement downhill of the discs, and mean displacement downhill of elastic ground under the same Kh (m).
-    seconds : float
-        Model time of the trial (s).
+    kh : the seismic coefficient
+    verdict : "stands", "fails" or "undecided"
+    reason : reason of the verdict in words
+    unbalanced_ratio, kinetic_ratio : measures of rest at the last record, see `Rest`
+    displacement_m, elastic_displacement_m : mean displacement downhill of the discs, and mean displacement downhill of
+        elastic ground under the same Kh (m)
+    seconds : model time of the trial (s)
     """
 
     kh: float

@@ -47,13 +47,11 @@ class Continuum(NamedTuple):
 
     Attributes
     ----------
-    kc : float
-        Critical Kh of the continuum with the sides of the discs.
-    yielding : float
-        Yield displacement: mean displacement of the continuum in the direction of the seismic force when Kh reaches the
-        critical value (m).
-    upper : float
-        Upper end of the bracket of the critical Kh of the continuum; if its path softens, only this bracket is known.
+    kc : critical Kh of the continuum with the sides of the discs
+    yielding : yield displacement: mean displacement of the continuum in the direction of the seismic force when Kh
+        reaches the critical value (m)
+    upper : upper end of the bracket of the critical Kh of the continuum; if its path softens, only this bracket is
+        known
     """
 
     kc: float
@@ -70,10 +68,8 @@ class DisplacementControl(NamedTuple):
 
     Attributes
     ----------
-    reach : float
-        Largest prescribed displacement of the discs, approximately (m).
-    stiffness : float
-        Kh over the shortening of the spring (1/m).
+    reach : largest prescribed displacement of the discs, approximately (m)
+    stiffness : Kh over the shortening of the spring (1/m)
     """
 
     reach: float
