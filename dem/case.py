@@ -153,8 +153,7 @@ def cases_of_loose_sand(section: Section) -> tuple[Case, ...]:
 
     Parameters
     ----------
-    section : Section
-        The ground; its liquefying strata name the numbers of the cases.
+    section : the ground; its liquefying strata name the numbers of the cases
 
     Returns
     -------

@@ -27,9 +27,8 @@ def take_back_shear(state: DiscState) -> None:
 
     Parameters
     ----------
-    state
-        Discs with a new list of pairs; the columns `TAKEN_ALONG` and `TAKEN_ACROSS` of the history of bonds (N) are
-        changed.
+    state : discs with a new list of pairs; the columns `TAKEN_ALONG` and `TAKEN_ACROSS` of the history of bonds (N) are
+        changed
     """
     wet, i, j = state.liquefied, state.liquefied_i, state.liquefied_j
     soft = (wet[:, bond.SHARE] > 0.0) & (wet[:, bond.SOFT_TO] > 0.0)

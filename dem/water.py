@@ -50,12 +50,9 @@ def buoyancy(section: Section, places: Places, discs: DiscState) -> np.ndarray |
 
     Parameters
     ----------
-    section
-        Section with the water.
-    places
-        Present positions of the discs (m); the water table does not move.
-    discs
-        Radii (m) and layers of the discs, and mask of the fixed ones.
+    section : section with the water
+    places : present positions of the discs (m); the water table does not move
+    discs : radii (m) and layers of the discs, and mask of the fixed ones
 
     Returns
     -------

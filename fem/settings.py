@@ -66,8 +66,7 @@ def usual_point_sides(section: Section) -> Sides | None:
 
     Parameters
     ----------
-    section : Section
-        The ground.
+    section : the ground
 
     Returns
     -------

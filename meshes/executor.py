@@ -210,12 +210,9 @@ class Processes(Executor):
 
     Parameters
     ----------
-    count
-        Number of processes.
-    environment
-        Environment of the processes; by default that of this process, with one thread each.
-    preload, forks, tries
-        As in `Worker`; ``tries``: how often a task is tried whose process ends.
+    count : number of processes
+    environment : environment of the processes; by default that of this process, with one thread each
+    preload, forks, tries : as in `Worker`; ``tries``: how often a task is tried whose process ends
     """
 
     def __init__(

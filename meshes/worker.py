@@ -35,13 +35,10 @@ class Worker:
 
     Parameters
     ----------
-    environment
-        Environment of the process; by default that of this process, with one thread.
-    preload
-        Module that the process imports before its first task.
-    forks
-        Whether each task is done in a forked child process, in a separate thread: so each task begins in the same
-        state, with fresh memory, whatever was done before.
+    environment : environment of the process; by default that of this process, with one thread
+    preload : module that the process imports before its first task
+    forks : whether each task is done in a forked child process, in a separate thread: so each task begins in the same
+        state, with fresh memory, whatever was done before
     """
 
     def __init__(self, environment: Mapping[str, str] | None, preload: str, forks: bool) -> None:

@@ -184,17 +184,12 @@ def element_test(
 
     Parameters
     ----------
-    sample
-        Discs of one layer.
-    pressures
-        Confining pressures (Pa).
-    strain
-        Largest strain of both tests.
-    rate
-        Strain per time sqrt(m / kn), so that all layers are tested equally slowly; it is reduced where the inertial
-        number would exceed `INERTIAL`.
-    threads
-        Threads of the engine; the result does not depend on their number.
+    sample : discs of one layer
+    pressures : confining pressures (Pa)
+    strain : largest strain of both tests
+    rate : strain per time sqrt(m / kn), so that all layers are tested equally slowly; it is reduced where the inertial
+        number would exceed `INERTIAL`
+    threads : threads of the engine; the result does not depend on their number
 
     Raises
     ------

@@ -103,12 +103,9 @@ def mohr_coulomb_strength(cohesion: float, friction_angle: float, pressure: np.n
 
     Parameters
     ----------
-    cohesion
-        Cohesion c (Pa).
-    friction_angle
-        Friction angle phi (rad).
-    pressure : (n,)
-        Confining pressures p (Pa).
+    cohesion : cohesion c (Pa)
+    friction_angle : friction angle phi (rad)
+    pressure (n,) : confining pressures p (Pa)
 
     Returns
     -------

@@ -32,10 +32,8 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
 
     Parameters
     ----------
-    numbers : ContactNumbers
-        Dimensionless numbers of the contacts of the patch.
-    seed : int
-        Seed of the packing of the patch.
+    numbers : dimensionless numbers of the contacts of the patch
+    seed : seed of the packing of the patch
 
     Returns
     -------

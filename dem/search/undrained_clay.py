@@ -51,13 +51,10 @@ def replace_contacts_of_clay(model: DiscModel, seconds: float, ground: Ground | 
 
     Parameters
     ----------
-    model
-        Discs at rest, which are changed. Clay is every layer with an undrained strength.
-    seconds
-        Time in which the contacts of clay fade out (s).
-    ground
-        Place of the discs in a section, whose clay may be stronger at one place than at another; None for clay of one
-        strength.
+    model : discs at rest, which are changed. Clay is every layer with an undrained strength.
+    seconds : time in which the contacts of clay fade out (s)
+    ground : place of the discs in a section, whose clay may be stronger at one place than at another; None for clay of
+        one strength
 
     Returns
     -------

@@ -90,16 +90,12 @@ def cycles(
 
     Parameters
     ----------
-    settings
-        Settings of the slide: ``kh``, ``kh_cycles``, ``kh_period`` (s), and ``liquefies_at``, s after the pause, or
-        "F_L".
-    strata
-        Numbers of the strata that liquefy.
-    law
-        Contact law of the discs, which determines the onset.
-    passed
-        Share of the cycles after which each stratum has fully liquefied, for "F_L"; missing strata liquefy at the
-        beginning.
+    settings : settings of the slide: ``kh``, ``kh_cycles``, ``kh_period`` (s), and ``liquefies_at``, s after the pause,
+        or "F_L"
+    strata : numbers of the strata that liquefy
+    law : contact law of the discs, which determines the onset
+    passed : share of the cycles after which each stratum has fully liquefied, for "F_L"; missing strata liquefy at the
+        beginning
 
     Returns
     -------
@@ -167,12 +163,9 @@ def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.nda
 
     Parameters
     ----------
-    kh
-        Amplitude of the seismic coefficient (-).
-    cycles
-        Equivalent number of cycles with this amplitude: the first and the last count as half a cycle each.
-    period
-        Period T of a cycle (s).
+    kh : amplitude of the seismic coefficient (-)
+    cycles : equivalent number of cycles with this amplitude: the first and the last count as half a cycle each
+    period : period T of a cycle (s)
 
     Returns
     -------

@@ -64,14 +64,10 @@ class FreeSides:
 
     Parameters
     ----------
-    start
-        Discs at rest in a box.
-    ground
-        Place of the discs in a section.
-    strata
-        Numbers of the strata that liquefy; a side at which none of them lies remains a wall that does not move.
-    drained
-        Volumetric strain of these strata by drainage.
+    start : discs at rest in a box
+    ground : place of the discs in a section
+    strata : numbers of the strata that liquefy; a side at which none of them lies remains a wall that does not move
+    drained : volumetric strain of these strata by drainage
     """
 
     def __init__(self, start: DiscModel, ground: Ground, strata: Sequence[int], drained: float = 0.0) -> None:

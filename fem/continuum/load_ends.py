@@ -26,10 +26,8 @@ def with_strengthened_load_ends(section: Section, least_depth: float) -> Section
 
     Parameters
     ----------
-    section : Section
-        The ground.
-    least_depth : float
-        Half of the width, and the depth, of the ground that is strengthened (m).
+    section : the ground
+    least_depth : half of the width, and the depth, of the ground that is strengthened (m)
 
     Returns
     -------

@@ -161,8 +161,7 @@ def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
 
     Parameters
     ----------
-    faces : iterable of ShallowFailure
-        Faces as ``shallow_failures`` returns them.
+    faces : faces as ``shallow_failures`` returns them
 
     Returns
     -------

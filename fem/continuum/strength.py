@@ -59,8 +59,7 @@ def with_davis_strength(section: Section) -> Section:
 
     Parameters
     ----------
-    section : Section
-        The ground, with the dilation angles of its strata.
+    section : the ground, with the dilation angles of its strata
 
     Returns
     -------
@@ -82,11 +81,9 @@ def flow_of(strata: Sequence[Stratum], flow: FlowSetting) -> Flow:
 
     Parameters
     ----------
-    strata : sequence of Stratum
-        The strata, with the dilation angles of the section file.
-    flow : {"auto", "davis", "associated", "section"}
-        The setting. "auto" is "associated", ψ = φ, unless a dilation angle below φ is given for any of the strata. With
-        such an angle "auto" is "davis", and strata without a dilation angle have ψ = 0.
+    strata : the strata, with the dilation angles of the section file
+    flow : the setting. "auto" is "associated", ψ = φ, unless a dilation angle below φ is given for any of the strata.
+        With such an angle "auto" is "davis", and strata without a dilation angle have ψ = 0.
 
     Returns
     -------

@@ -80,20 +80,14 @@ class MaterialPointEngine:
 
     Parameters
     ----------
-    points : MaterialPoints
-        The ground as material points; the engine changes the arrays of the points.
-    grid : BackgroundGrid
-        The grid on which the points move.
-    gravity : tuple of float
-        Gravitational acceleration (m/s²), components x and z.
-    threads : int
-        Number of threads; the result is the same to the last bit for any number.
-    base_impedance : float
-        Impedance of a compliant base times its length (kg/s per metre), see `fem.kernels.grid_motion.move_base`; 0 for
-        a rigid base.
-    decay : float
-        Rate (1/s) at which velocities that the grid cannot resolve are damped; with inf they are removed in every step
-        (APIC).
+    points : the ground as material points; the engine changes the arrays of the points
+    grid : the grid on which the points move
+    gravity : gravitational acceleration (m/s²), components x and z
+    threads : number of threads; the result is the same to the last bit for any number
+    base_impedance : impedance of a compliant base times its length (kg/s per metre), see
+        `fem.kernels.grid_motion.move_base`; 0 for a rigid base
+    decay : rate (1/s) at which velocities that the grid cannot resolve are damped; with inf they are removed in every
+        step (APIC)
     """
 
     def __init__(

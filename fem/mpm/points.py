@@ -69,14 +69,10 @@ class MaterialPoints:
 
         Parameters
         ----------
-        x : ndarray (n, 2)
-            Positions (m).
-        volume : ndarray (n,)
-            Areas in the plane (m²).
-        soil : PointSoil
-            Soil of the points.
-        stratum : ndarray (n,), optional
-            Number of the stratum of each point; 0 by default.
+        x (n, 2) : positions (m)
+        volume (n,) : areas in the plane (m²)
+        soil : soil of the points
+        stratum (n,) : number of the stratum of each point; 0 by default
         """
         n = len(x)
         properties = np.zeros((n, kernel.PROPERTIES))

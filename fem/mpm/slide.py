@@ -78,12 +78,9 @@ class PointSlider:
 
     Parameters
     ----------
-    ground : PointGround
-        The section as material points; the slide changes the points.
-    downslope : int
-        +1 if the slide's positive direction is to the right, -1 if to the left.
-    threads : int
-        Number of threads of the engine; the result is the same to the last bit for any number.
+    ground : the section as material points; the slide changes the points
+    downslope : +1 if the slide's positive direction is to the right, -1 if to the left
+    threads : number of threads of the engine; the result is the same to the last bit for any number
     """
 
     def __init__(self, ground: PointGround, downslope: int, threads: int = 1) -> None:

@@ -58,11 +58,9 @@ class PointSlide:
 
         Parameters
         ----------
-        still : float
-            Largest difference of two means (m); or `STILL_SHARE` of the slide for the largest slide, and `CREEP_SHARE`
-            of it for every part of the surface, if that is larger.
-        rest_from : float
-            Time from which the ground may come to rest (s).
+        still : largest difference of two means (m); or `STILL_SHARE` of the slide for the largest slide, and
+            `CREEP_SHARE` of it for every part of the surface, if that is larger
+        rest_from : time from which the ground may come to rest (s)
         """
         times = np.array(self.times)
         if times[-1] < earliest_rest(max(rest_from, times[0])) - 1e-9:

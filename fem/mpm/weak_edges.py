@@ -72,18 +72,12 @@ def edge_strength(
 
     Parameters
     ----------
-    x : ndarray (n, 2)
-        Positions of all points on the grid (m), in columns half a cell apart.
-    height : ndarray (n,)
-        Height of each point's part of its column (m).
-    mass : ndarray (n,)
-        Mass of each point (kg/m).
-    layer : ndarray (n,) of int
-        Number of the weak layer of each point, -1 for sound ground.
-    strength : ndarray (n,)
-        Strength of each point (Pa); that of sound ground does not matter.
-    cell : float
-        Side of a cell of the grid (m).
+    x (n, 2) : positions of all points on the grid (m), in columns half a cell apart
+    height (n,) : height of each point's part of its column (m)
+    mass (n,) : mass of each point (kg/m)
+    layer (n,) : number of the weak layer of each point, -1 for sound ground
+    strength (n,) : strength of each point (Pa); that of sound ground does not matter
+    cell : side of a cell of the grid (m)
 
     Returns
     -------

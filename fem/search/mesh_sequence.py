@@ -176,13 +176,10 @@ class MeshSequence(Generic[F]):
 
     Parameters
     ----------
-    first
-        The first mesh.
-    wish
-        Accuracy and largest number of cells.
-    fits
-        Function that returns whether the first mesh is adapted to a mechanism; without it the first mesh is adapted to
-        none.
+    first : the first mesh
+    wish : accuracy and largest number of cells
+    fits : function that returns whether the first mesh is adapted to a mechanism; without it the first mesh is adapted
+        to none
 
     Attributes
     ----------

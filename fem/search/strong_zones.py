@@ -39,10 +39,8 @@ def with_strong_zones(section: Section, zones: Sequence[StrongZone]) -> Section:
 
     Parameters
     ----------
-    section : Section
-        The ground.
-    zones : sequence of StrongZone
-        Zones in which nothing fails.
+    section : the ground
+    zones : zones in which nothing fails
 
     Returns
     -------

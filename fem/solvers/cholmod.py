@@ -73,11 +73,9 @@ class Cholesky:
 
     Parameters
     ----------
-    pattern : csc matrix (n, n)
-        Pattern of the lower triangle, with sorted rows in each column; the values are not used.
-    nested : bool
-        Whether the unknowns are ordered by nested dissection, which takes as long as one to three factorisations and
-        then saves time in each; else by minimum degree.
+    pattern (n, n) : pattern of the lower triangle, with sorted rows in each column; the values are not used
+    nested : whether the unknowns are ordered by nested dissection, which takes as long as one to three factorisations
+        and then saves time in each; else by minimum degree
     """
 
     def __init__(self, pattern: sparse.csc_matrix, nested: bool = True) -> None:

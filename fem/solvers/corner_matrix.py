@@ -12,8 +12,7 @@ class CornerMatrix:
 
     Parameters
     ----------
-    rates : csr matrix (3 k, n)
-        The matrix B of strain rates, three rows for each corner.
+    rates (3 k, n) : the matrix B of strain rates, three rows for each corner
     """
 
     def __init__(self, rates: sparse.csr_matrix) -> None:

@@ -25,12 +25,10 @@ class LowerTriangle:
 
     Parameters
     ----------
-    starts, columns : ndarrays (k + 1,), (m,)
-        Unknowns of the small matrices in rising order: ``columns[starts[i] : starts[i + 1]]`` are those of number i.
-    size : int
-        Number of unknowns, n.
-    nested : bool
-        Whether the unknowns are ordered by nested dissection, see ``Cholesky``.
+    starts, columns (k + 1,) : unknowns of the small matrices in rising order: ``columns[starts[i] : starts[i + 1]]``
+        are those of number i
+    size : number of unknowns, n
+    nested : whether the unknowns are ordered by nested dissection, see ``Cholesky``
     """
 
     def __init__(self, starts: np.ndarray, columns: np.ndarray, size: int, nested: bool = True) -> None:

@@ -121,12 +121,9 @@ def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
 
     Parameters
     ----------
-    model : ForeignModel
-        The model; its layers become strata in the same places.
-    path : Path
-        The file, for messages.
-    name : str
-        The name of the section.
+    model : the model; its layers become strata in the same places
+    path : the file, for messages
+    name : the name of the section
 
     Raises
     ------

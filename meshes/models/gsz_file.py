@@ -45,12 +45,9 @@ def read_gsz(path: Path, name: str, analysis: str | None = None) -> ImportedSect
 
     Parameters
     ----------
-    path : Path
-        The file.
-    name : str
-        The name of the section.
-    analysis : str, optional
-        Name of the analysis; the first analysis of SLOPE/W if left out.
+    path : the file
+    name : the name of the section
+    analysis : name of the analysis; the first analysis of SLOPE/W if left out
 
     Raises
     ------

@@ -33,12 +33,9 @@ def read_stix(path: Path, name: str, scenario: str | None = None) -> ImportedSec
 
     Parameters
     ----------
-    path : Path
-        The file.
-    name : str
-        The name of the section.
-    scenario : str, optional
-        Label of the scenario; the first scenario if left out.
+    path : the file
+    name : the name of the section
+    scenario : label of the scenario; the first scenario if left out
 
     Raises
     ------

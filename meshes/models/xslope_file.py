@@ -42,12 +42,9 @@ def read_xslope(path: Path, name: str, part: str | None = None) -> ImportedSecti
 
     Parameters
     ----------
-    path : Path
-        The file.
-    name : str
-        The name of the section.
-    part : str, optional
-        Always None, since a workbook has no parts.
+    path : the file
+    name : the name of the section
+    part : always None, since a workbook has no parts
 
     Raises
     ------

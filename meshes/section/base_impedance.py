@@ -16,8 +16,7 @@ def base_impedance(section: Section) -> float:
 
     Parameters
     ----------
-    section : Section
-        The ground above the base.
+    section : the ground above the base
 
     Returns
     -------

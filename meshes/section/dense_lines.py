@@ -38,11 +38,9 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
 
     Parameters
     ----------
-    lines : ndarray (n, 2) each
-        Points (m) from left to right, as elevations or depths, by their places in the file; ("surface",) is one of
-        them.
-    cell : float
-        Size of cells (m).
+    lines (n, 2) : points (m) from left to right, as elevations or depths, by their places in the file; ("surface",) is
+        one of them
+    cell : size of cells (m)
 
     Returns
     -------
@@ -165,14 +163,10 @@ def needed_x(
 
     Parameters
     ----------
-    x : ndarray (n,)
-        Places (m), rising.
-    sides : list of two ndarray (n,)
-        Values of each line just left and just right of each x; NaN outside the line.
-    fixed : ndarray (n,) of bool
-        Mask of the places that stay: the first and the last place, and all places where a line steps or ends.
-    tolerance : float
-        Largest difference (m) between a line and the chord between places that stay.
+    x (n,) : places (m), rising
+    sides (n,) : values of each line just left and just right of each x; NaN outside the line
+    fixed (n,) : mask of the places that stay: the first and the last place, and all places where a line steps or ends
+    tolerance : largest difference (m) between a line and the chord between places that stay
     """
     left, right = (np.array([pair[side] for pair in sides]) for side in (0, 1))
 
@@ -193,15 +187,11 @@ def with_walls_upright(
 
     Parameters
     ----------
-    x : ndarray (n,)
-        Places (m), rising.
-    sides : list of two ndarray (n,)
-        Values of each line just left and just right of each x.
-    surface : int
-        Number of the line that is the ground surface.
-    near : float
-        Distance (m) below which places are too close to each other for cells. A wall is higher than this distance, and
-        a stretch that becomes one step is not wider.
+    x (n,) : places (m), rising
+    sides (n,) : values of each line just left and just right of each x
+    surface : number of the line that is the ground surface
+    near : distance (m) below which places are too close to each other for cells. A wall is higher than this distance,
+        and a stretch that becomes one step is not wider.
 
     Returns
     -------

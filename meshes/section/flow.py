@@ -29,16 +29,11 @@ def seepage_of(
 
     Parameters
     ----------
-    name : str
-        Name of the section, for messages.
-    strata : sequence of Stratum
-        The strata of the file; each has a permeability.
-    layers_with : callable
-        Function that returns the layers of these strata with breakpoints at additional x (m).
-    still : WaterPressure
-        Static water everywhere; its water table determines the heads.
-    walls : sequence of Wall
-        Walls that no water crosses.
+    name : name of the section, for messages
+    strata : the strata of the file; each has a permeability
+    layers_with : function that returns the layers of these strata with breakpoints at additional x (m)
+    still : static water everywhere; its water table determines the heads
+    walls : walls that no water crosses
 
     Raises
     ------

@@ -19,8 +19,7 @@ def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
 
     Parameters
     ----------
-    data : mapping
-        The tables of a section, not validated.
+    data : the tables of a section, not validated
 
     Returns
     -------

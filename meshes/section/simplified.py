@@ -11,10 +11,9 @@ def needed(points: np.ndarray, tolerance: float) -> np.ndarray:
 
     Parameters
     ----------
-    points : ndarray (n, 2)
-        Points (m); x never decreases.
-    tolerance : float
-        Largest vertical distance (m) between the original and the simplified line; points of a vertical step stay.
+    points (n, 2) : points (m); x never decreases
+    tolerance : largest vertical distance (m) between the original and the simplified line; points of a vertical step
+        stay
 
     Returns
     -------

@@ -21,10 +21,8 @@ def stress_at_potential(effective: np.ndarray, strength: np.ndarray) -> np.ndarr
 
     Parameters
     ----------
-    effective : ndarray (n,)
-        Vertical effective stress before the earthquake (Pa), compression positive.
-    strength : ndarray (n,)
-        Residual strength (Pa).
+    effective (n,) : vertical effective stress before the earthquake (Pa), compression positive
+    strength (n,) : residual strength (Pa)
 
     Returns
     -------

@@ -167,10 +167,8 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
 
     Parameters
     ----------
-    surface, base, strata
-        Surface, base and strata of the section without its zones, and without faults.
-    zones : sequence of Zone
-        The zones; each replaces the strata in its outline.
+    surface, base, strata : surface, base and strata of the section without its zones, and without faults
+    zones : the zones; each replaces the strata in its outline
     """
     ground = np.array(surface, dtype=float)
     layers = layering(ground, base, [stratum.bottom for stratum in strata]).layering

@@ -24,10 +24,8 @@ def config_after_triggering(config: Config, source: str = "section") -> Config:
 
     Parameters
     ----------
-    config : Config
-        The config as read from the file.
-    source : str
-        File from which the config was read; error messages name it.
+    config : the config as read from the file
+    source : file from which the config was read; error messages name it
 
     Returns
     -------
@@ -51,10 +49,8 @@ def load_config(path: Path, overrides: Mapping[str, Mapping[str, Any]] | None = 
 
     Parameters
     ----------
-    path : Path
-        The section file; errors name it.
-    overrides : mapping of tables or None
-        Settings of the command line, as for `Config.load`.
+    path : the section file; errors name it
+    overrides : settings of the command line, as for `Config.load`
 
     Returns
     -------

@@ -132,12 +132,9 @@ def judge(low: float | None, high: float | None, limit: float, at_least: bool) -
 
     Parameters
     ----------
-    low, high : float or None
-        Ends of the interval in which the quantity lies; None if there is no answer.
-    limit : float
-        The limit in the unit of the quantity.
-    at_least : bool
-        Whether the limit is the smallest value allowed; otherwise it is the largest.
+    low, high : ends of the interval in which the quantity lies; None if there is no answer
+    limit : the limit in the unit of the quantity
+    at_least : whether the limit is the smallest value allowed; otherwise it is the largest
 
     Returns
     -------

@@ -86,13 +86,10 @@ def equivalent_kh(
 
     Parameters
     ----------
-    motion : PeakMotion
-        Peak acceleration of the earthquake.
-    magnitude, distance, site : float or None, float or None (m), str
-        Magnitude, distance and site class, which determine cycles and period if there is no record; by default M 7.5
-        and 20 km.
-    record : Accelerogram or None
-        Record of the ground surface, which determines cycles and mean period.
+    motion : peak acceleration of the earthquake
+    magnitude, distance, site : magnitude, distance (m) and site class, which determine cycles and period if there is no
+        record; by default M 7.5 and 20 km
+    record : record of the ground surface, which determines cycles and mean period
 
     Returns
     -------

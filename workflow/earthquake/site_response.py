@@ -135,14 +135,10 @@ def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcro
 
     Parameters
     ----------
-    layers : sequence of ColumnLayer
-        The layers from the surface down.
-    base : HalfSpace
-        Half-space below the layers.
-    step : float
-        Time step (s).
-    outcrop : (t,) array
-        Acceleration (m/s²) of the half-space at an outcrop.
+    layers : the layers from the surface down
+    base : half-space below the layers
+    step : time step (s)
+    outcrop (t,) : acceleration (m/s²) of the half-space at an outcrop
 
     Returns
     -------

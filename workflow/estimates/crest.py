@@ -38,10 +38,8 @@ def crest_between(ground: np.ndarray, start: float, end: float) -> Crest:
 
     Parameters
     ----------
-    ground : (n, 2) ndarray
-        Points of the ground surface (m), x ascending.
-    start, end : float
-        x of the feet of the structure (m), inside the ground.
+    ground (n, 2) : points of the ground surface (m), x ascending
+    start, end : x of the feet of the structure (m), inside the ground
 
     Returns
     -------
@@ -68,8 +66,7 @@ def embankments(ground: np.ndarray) -> tuple[Crest, ...]:
 
     Parameters
     ----------
-    ground : (n, 2) ndarray
-        Points of the ground surface (m), x ascending.
+    ground (n, 2) : points of the ground surface (m), x ascending
 
     Returns
     -------

@@ -18,10 +18,8 @@ def crest_level(surface: np.ndarray, crest: Crest) -> float | None:
 
     Parameters
     ----------
-    surface : (n, 2) ndarray
-        Points of the ground surface (m), before or after a slide.
-    crest : Crest
-        The crest as it was before the slide.
+    surface (n, 2) : points of the ground surface (m), before or after a slide
+    crest : the crest as it was before the slide
 
     Returns
     -------
@@ -68,10 +66,8 @@ def reconsolidation_settlement(thickness: Sequence[float], volumetric_strain: Se
 
     Parameters
     ----------
-    thickness : sequence of float
-        Thickness of the liquefied layers below the crest (m).
-    volumetric_strain : sequence of float
-        Volumetric strain of each layer (-).
+    thickness : thickness of the liquefied layers below the crest (m)
+    volumetric_strain : volumetric strain of each layer (-)
 
     Returns
     -------
@@ -86,12 +82,9 @@ def freeboard(elevation: float, settlement: float, water: float) -> float:
 
     Parameters
     ----------
-    elevation : float
-        Elevation of the crest before the earthquake (m).
-    settlement : float
-        Settlement of the crest (m), down positive.
-    water : float
-        Elevation of the water beside the structure (m).
+    elevation : elevation of the crest before the earthquake (m)
+    settlement : settlement of the crest (m), down positive
+    water : elevation of the water beside the structure (m)
 
     Returns
     -------

@@ -32,18 +32,12 @@ def ground_of_circles(
 
     Parameters
     ----------
-    section : Section
-        Strata cut at the water.
-    towards : int
-        LEFT or RIGHT, the side to which the mass slides.
-    kh : float or None
-        Horizontal seismic coefficient at which the factor of safety is sought; None to seek the critical Kh.
-    least_depth : float
-        Smallest depth of circles, and depth to which faces are strengthened (m).
-    vertical : float
-        Vertical seismic coefficient, positive upwards.
-    crack : TensionCrack
-        Depth of the crack at which circles end, and the water in it.
+    section : strata cut at the water
+    towards : LEFT or RIGHT, the side to which the mass slides
+    kh : horizontal seismic coefficient at which the factor of safety is sought; None to seek the critical Kh
+    least_depth : smallest depth of circles, and depth to which faces are strengthened (m)
+    vertical : vertical seismic coefficient, positive upwards
+    crack : depth of the crack at which circles end, and the water in it
 
     Returns
     -------

@@ -70,10 +70,8 @@ def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -
 
     Parameters
     ----------
-    estimates : iterable of Estimate
-        Estimates of all methods.
-    factors : sequence of float
-        Factors of safety without shaking of the cases of liquefied ground that flow; empty if none flows.
+    estimates : estimates of all methods
+    factors : factors of safety without shaking of the cases of liquefied ground that flow; empty if none flows
 
     Returns
     -------

@@ -46,20 +46,13 @@ def zones_against(
 
     Parameters
     ----------
-    section : Section
-        The ground.
-    structure : Standing
-        The structure, with its crest.
-    towards : int
-        LEFT or RIGHT, the side to which the face slides.
-    surface : sequence of points
-        The failure to exclude, from left to right (m).
-    circle : sequence of points
-        Critical circle of the face, from left to right (m); empty if there is none.
-    zones : sequence of StrongZone
-        The zones so far.
-    least_depth : float
-        Smallest depth that a failure may have (m).
+    section : the ground
+    structure : the structure, with its crest
+    towards : LEFT or RIGHT, the side to which the face slides
+    surface : the failure to exclude, from left to right (m)
+    circle : critical circle of the face, from left to right (m); empty if there is none
+    zones : the zones so far
+    least_depth : smallest depth that a failure may have (m)
 
     Returns
     -------

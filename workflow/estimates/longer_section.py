@@ -46,14 +46,10 @@ def circle_of_longer_section(
 
     Parameters
     ----------
-    section : Section
-        The section as given; its ground, layers and water continue level past both sides.
-    ends : (left, right)
-        x (m) of the ends of the critical circle of the section.
-    critical : float
-        The critical Kh of that circle.
-    towards, least_depth, vertical, crack
-        As in `ground_of_circles`.
+    section : the section as given; its ground, layers and water continue level past both sides
+    ends (left, right) : x (m) of the ends of the critical circle of the section
+    critical : the critical Kh of that circle
+    towards, least_depth, vertical, crack : as in `ground_of_circles`
 
     Returns
     -------

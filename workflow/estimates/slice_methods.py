@@ -58,8 +58,7 @@ def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.
 
     Parameters
     ----------
-    slices, x, z, radius
-        As for `bishop_factor`; pore pressures are those during shaking.
+    slices, x, z, radius : as for `bishop_factor`; pore pressures are those during shaking
 
     Returns
     -------
@@ -115,10 +114,8 @@ def spencer_factor(slices: Slices, kh: float = 0.0) -> Balance | None:
 
     Parameters
     ----------
-    slices : Slices
-        Slices of one slip surface.
-    kh : float
-        Horizontal seismic coefficient, towards the slide.
+    slices : slices of one slip surface
+    kh : horizontal seismic coefficient, towards the slide
 
     Returns
     -------
@@ -145,8 +142,7 @@ def spencer_critical_kh(slices: Slices) -> Balance | None:
 
     Parameters
     ----------
-    slices : Slices
-        Slices of one slip surface, with pore pressures during shaking.
+    slices : slices of one slip surface, with pore pressures during shaking
 
     Returns
     -------

@@ -60,16 +60,12 @@ def divide(
 
     Parameters
     ----------
-    section : Section
-        Strata cut at the water, as `Section.parse` returns them.
-    x, z : (surfaces, slices + 1) ndarray
-        Corners of the bases from left to right (m), inside the section and not above the ground.
-    towards : int
-        LEFT or RIGHT, the side to which the mass slides and the seismic force acts.
-    seismic : bool
-        Whether excess pore pressures by shaking act.
-    vertical : float
-        Vertical seismic coefficient, positive upwards: it reduces the weight by this share of the mass.
+    section : strata cut at the water, as `Section.parse` returns them
+    x, z (surfaces, slices + 1) : corners of the bases from left to right (m), inside the section and not above the
+        ground
+    towards : LEFT or RIGHT, the side to which the mass slides and the seismic force acts
+    seismic : whether excess pore pressures by shaking act
+    vertical : vertical seismic coefficient, positive upwards: it reduces the weight by this share of the mass
 
     Returns
     -------

@@ -64,10 +64,8 @@ def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> Sli
 
     Parameters
     ----------
-    flows
-        Whether the slide flows by its weight alone; None if this is not known.
-    method
-        Method of the predictions.
+    flows : whether the slide flows by its weight alone; None if this is not known
+    method : method of the predictions
 
     Returns
     -------

@@ -67,21 +67,15 @@ def critical_circle(
 
     Parameters
     ----------
-    section : Section
-        Strata cut at the water, as `Section.parse` returns them.
-    towards : int
-        LEFT or RIGHT, the side to which the mass slides.
-    kh : float or None
-        Horizontal seismic coefficient at which the factor of safety is sought; None to seek the least Kh at which the
-        factor is 1, with excess pore pressures by shaking.
-    least_depth : float
-        Smallest depth of circles (m); at least 2 % of the height of the section.
-    vertical : float
-        Vertical seismic coefficient, positive upwards.
-    crest : (left, right) or None
-        Positions x (m) of the ends of a crest, of which at least a part has to slide; None for any circle.
-    crack : TensionCrack
-        Depth of the crack at which circles end, and the water in it.
+    section : strata cut at the water, as `Section.parse` returns them
+    towards : LEFT or RIGHT, the side to which the mass slides
+    kh : horizontal seismic coefficient at which the factor of safety is sought; None to seek the least Kh at which the
+        factor is 1, with excess pore pressures by shaking
+    least_depth : smallest depth of circles (m); at least 2 % of the height of the section
+    vertical : vertical seismic coefficient, positive upwards
+    crest (left, right) : positions x (m) of the ends of a crest, of which at least a part has to slide; None for any
+        circle
+    crack : depth of the crack at which circles end, and the water in it
 
     Returns
     -------
@@ -99,14 +93,10 @@ def surface_balance(
 
     Parameters
     ----------
-    section : Section
-        Strata cut at the water.
-    line : (n, 2) ndarray
-        Points of the slip surface (m), x ascending; its ends are extended to the ground.
-    towards : int
-        LEFT or RIGHT, the side to which the mass slides.
-    kh, vertical
-        As for `critical_circle`.
+    section : strata cut at the water
+    line (n, 2) : points of the slip surface (m), x ascending; its ends are extended to the ground
+    towards : LEFT or RIGHT, the side to which the mass slides
+    kh, vertical : as for `critical_circle`
 
     Returns
     -------
@@ -125,8 +115,7 @@ def least_balance(section: Section, line: np.ndarray, kh: float | None = 0.0, ve
 
     Parameters
     ----------
-    section, line, kh, vertical
-        As for `surface_balance`.
+    section, line, kh, vertical : as for `surface_balance`
 
     Returns
     -------

@@ -25,8 +25,7 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
 
     Parameters
     ----------
-    section : Section
-        The ground.
+    section : the ground
 
     Returns
     -------

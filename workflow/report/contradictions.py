@@ -74,11 +74,9 @@ def deepest_fall(search: DiscSearch, soil: bool) -> tuple[float, float] | None:
 
     Parameters
     ----------
-    search : DiscSearch
-        The search, whose curve contains all trials of ``soil`` discs, which are points of one test, and only the stable
-        states of other discs.
-    soil : bool
-        Whether the discs are soil discs.
+    search : the search, whose curve contains all trials of ``soil`` discs, which are points of one test, and only the
+        stable states of other discs
+    soil : whether the discs are soil discs
 
     Returns
     -------

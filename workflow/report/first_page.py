@@ -40,10 +40,8 @@ def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
 
     Parameters
     ----------
-    results : Results
-        Results of the stages; a missing number becomes a dash with its reason.
-    _ : Texts
-        Texts in the language of the report.
+    results : results of the stages; a missing number becomes a dash with its reason
+    _ : texts in the language of the report
     """
     three = (
         _with_crests(_critical(results, _), results, results.slip_surface, "critical", _),

@@ -38,16 +38,11 @@ def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, s
 
     Parameters
     ----------
-    value : float
-        Number by the flow rule ``flow`` (-).
-    flow : {"davis", "associated", "section"}
-        The flow rule of the analysis.
-    compared : float or None
-        Number by the other flow rule, if it differs (-).
-    estimate : str
-        Name of Davis's estimate.
-    shown : callable
-        Function that formats a number.
+    value : number by the flow rule ``flow`` (-)
+    flow : the flow rule of the analysis
+    compared : number by the other flow rule, if it differs (-)
+    estimate : name of Davis's estimate
+    shown : function that formats a number
 
     Returns
     -------

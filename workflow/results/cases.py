@@ -270,10 +270,8 @@ def alike(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dic
 
     Parameters
     ----------
-    cases : mapping
-        An answer for every case, by the number of the case.
-    of : iterable of int or None
-        The cases to group; None for all of them.
+    cases : an answer for every case, by the number of the case
+    of : the cases to group; None for all of them
 
     Returns
     -------

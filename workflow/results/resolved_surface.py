@@ -9,10 +9,8 @@ def smoothed(line: np.ndarray, size: float) -> np.ndarray:
 
     Parameters
     ----------
-    line : array (n, 2)
-        Tops of the discs of the surface: x and elevation (m).
-    size : float
-        Diameter of the discs (m): the surface is a running median over three diameters, then a mean over two.
+    line (n, 2) : tops of the discs of the surface: x and elevation (m)
+    size : diameter of the discs (m): the surface is a running median over three diameters, then a mean over two
 
     Returns
     -------

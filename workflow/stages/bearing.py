@@ -38,14 +38,10 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
 
     Parameters
     ----------
-    section : Section
-        Section whose strata have their strength after liquefaction or after large strains.
-    config : Config
-        Config of the run; the flow rule follows from its section.
-    mesh : QuadMesh
-        Initial mesh of the section.
-    nothing : bool
-        Whether layers have no strength at all, so that there is no factor of safety.
+    section : section whose strata have their strength after liquefaction or after large strains
+    config : config of the run; the flow rule follows from its section
+    mesh : initial mesh of the section
+    nothing : whether layers have no strength at all, so that there is no factor of safety
 
     Returns
     -------

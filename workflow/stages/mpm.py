@@ -156,10 +156,8 @@ def slide_of_points(config: Config, number: int) -> "PointSlide":
 
     Parameters
     ----------
-    config : Config
-        Config with the section, and the residual strengths of its cases.
-    number : int
-        Number of the case, from 1.
+    config : config with the section, and the residual strengths of its cases
+    number : number of the case, from 1
 
     Returns
     -------

@@ -44,13 +44,10 @@ class Ensemble:
 
     Parameters
     ----------
-    folder
-        Folder of the answers.
-    workers
-        Processes of this machine.
-    scheduler
-        Address of a Dask scheduler, whose workers are used in place of processes of this machine. The workers must see
-        the folder under the same path.
+    folder : folder of the answers
+    workers : processes of this machine
+    scheduler : address of a Dask scheduler, whose workers are used in place of processes of this machine. The workers
+        must see the folder under the same path.
     """
 
     def __init__(self, folder: Path, workers: int = 1, scheduler: str | None = None) -> None:
