@@ -2,12 +2,12 @@
 requires is measured.
 
 Under displacement control the curve continues beyond the largest Kh, like the equilibrium path of the FEM model. The
-curves of discs and FEM model are Kh over the mass-weighted mean displacement in the direction of the seismic force (m).
+curves of discs and FEM model show Kh against the mass-weighted mean displacement (m) in the direction of the force.
 Both curves are compared at the same displacement, since neither has a limit load in a box: loose ground hardens as it
-is compressed. The critical Kh of the discs is the largest moving average of Kh, over a fifth of the displacement that
-counts: `DemSettings.ductility` times the yield displacement of the FEM model. Discs require a larger strain than an
-elastic-plastic body with the same E to reach the same strength: `settings.GROWTH` describes how this larger strain was
-measured.
+is compressed. The critical Kh of the discs is the largest moving average of Kh up to a displacement of
+`DemSettings.ductility` times the yield displacement of the FEM model; the average is over a fifth of this displacement.
+Discs require a larger strain than an elastic-plastic body with the same E to reach the same strength: `settings.GROWTH`
+describes how this larger strain was measured.
 
 The place of failure is visible only later: at their critical Kh discs still harden, and shear everywhere. The
 displacement-controlled test therefore continues until the discs have a slip surface.

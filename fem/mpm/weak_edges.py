@@ -123,7 +123,7 @@ def thickness_over_width(
         Mass of each point (kg/m).
     layer : ndarray (n,) of int
         Number of the weak layer whose stress-strain law each point has, -1 for sound ground.
-    own : ndarray (n,) of bool
+    in_layer : ndarray (n,) of bool
         Whether the point belongs to the layer itself, not to the ground at the edge of the layer.
     cell : float
         Side of a cell of the grid (m).
