@@ -79,7 +79,7 @@ def _mean(
     the neighbours.
 
     over_pairs: sum over the pairs of every disc; i, j (pairs,): discs of each pair; width (pairs,): W, 0 but for two
-    liquefied discs (1/m2); area (n,): areas of liquefied discs, 0 for others (m2); own: W at no distance (1/m2).
+    liquefied discs (1/m2); area (n,): areas of liquefied discs, 0 for others (m2); at_zero: W at no distance (1/m2).
     """
     weight = at_zero * area + over_pairs(width * area[j], width * area[i])
     whole = np.where(weight > 0.0, weight, 1.0)
