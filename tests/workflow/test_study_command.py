@@ -66,7 +66,7 @@ def test_a_study_leaves_a_table_an_answer_and_a_page(alone: str, section: Path) 
     groups = {group["value"]: group["spread"]["mean"] for group in answer["results"][0]["groups"]}
     assert groups["fixed"] > groups["free-field"]  # a rigid box holds more
     page = (folder / "study.html").read_text()
-    assert "what if?" in page
+    assert "study of uncertain numbers" in page
     assert "which is also the yield coefficient of the blocks, is with ψ = φ." in page
     assert page.count("<img") == 4
 

@@ -214,7 +214,7 @@ def show_runs(runs: "Sequence[ComparedRun]") -> None:
     if differences:
         show_table(("input", *folders), differences)
     else:
-        say("Their inputs are the same.")
+        say("The inputs of these runs are the same.")
 
 
 class Counted:

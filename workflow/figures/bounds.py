@@ -128,7 +128,7 @@ def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window:
     title = f"{config.section.heading}: lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(config.section), legend_rows=3)
     image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
-    title = "mobilised strength, at the worst corner of each triangle"
+    title = "mobilised strength, largest value of each triangle"
     _draw_borders(sheet.show(0, image, window, title), config.section)
     sheet.colour_bar(in_classes(YIELD, YIELD_COLOURS), "radius of Mohr's circle over the largest possible (-)", YIELD)
     sheet.note(conditions(config, bounds, stress))

@@ -35,7 +35,8 @@ def draw(series: Sequence[Series], title: str, path: Path) -> None:
         axes.set_title(
             f"{row.name}\n{row.verdict.split(':')[0]}", fontsize=6.5, loc="left", color=INK, parse_math=False
         )
-        axes.set_xlabel("radius (m)" if row.over == "radius" else "step over the stable one", fontsize=7, color=INK)
+        across = "radius (m)" if row.over == "radius" else "time step over the stable step (-)"
+        axes.set_xlabel(across, fontsize=7, color=INK)
         axes.set_xlim(left=0.0)
         axes.tick_params(labelsize=6.5, colors=INK)
         axes.grid(color="#dddddd", linewidth=0.5)

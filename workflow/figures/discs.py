@@ -117,7 +117,7 @@ def pore_springs(model: DiscModel, path: Path | str, title: str = "Pore springs"
     """Draw intact pore springs (the second springs between discs in the paper's law) in green, cracked ones in red."""
     whole, cracked = model.pore_length > 0.0, model.pore_length < 0.0
     handles = [
-        Line2D([], [], color=WHOLE, lw=3, label=f"whole ({whole.sum()})"),
+        Line2D([], [], color=WHOLE, lw=3, label=f"intact ({whole.sum()})"),
         Line2D([], [], color=CRACKED, lw=3, label=f"cracked ({cracked.sum()})"),
     ]
     _write(path, title, window_of(model), partial(draw_pore_springs, model=model), model, handles)
@@ -224,7 +224,7 @@ def force_chains(model: DiscModel, path: Path | str, title: str = "Force chains"
     full = f"{scale / 1e3:,.0f} kN/m"
     handles = [Line2D([], [], color=INK, lw=6, label=f"compression; widest bars {full} and more")]
     if np.any(normal < -0.01 * scale):
-        handles.append(Line2D([], [], color=CRACKED, lw=6, label="pull"))
+        handles.append(Line2D([], [], color=CRACKED, lw=6, label="tension"))
     _write(path, title, window_of(model), draw, model, handles)
 
 

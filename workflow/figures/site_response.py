@@ -27,7 +27,7 @@ def draw(section: Section, answer: SiteResponseAnswer, path: Path) -> None:
         ("largest acceleration (gal)", [layer.acceleration_gal for layer in layers], tops),
         ("largest shear strain (%)", [100.0 * layer.strain for layer in layers], middles),
         ("largest shear stress (kPa)", [layer.stress_kPa for layer in layers], bottoms),
-        ("k_max of all above (-)", [layer.k_max for layer in layers], bottoms),
+        ("k_max of the ground above (-)", [layer.k_max for layer in layers], bottoms),
     )
     for axes, (label, values, depths) in zip(figure.subplots(1, 4, sharey=True), curves, strict=True):
         for layer in layers:

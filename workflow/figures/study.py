@@ -44,7 +44,7 @@ def effects(results: Sequence[Result], title: str, path: Path) -> None:
     """Draw bars for every uncertain number: rank correlations, or total Sobol' indices with intervals if available."""
     known = [result for result in results if any(effect.correlation is not None for effect in result.effects)]
     shown = [result for result in known if not result.is_detail][:ACROSS] or known[:ACROSS]
-    figure = _figure(1, f"{title}: what matters most")
+    figure = _figure(1, f"{title}: influence of the uncertain numbers")
     for axes, result in zip(np.ravel([figure.subplots(1, len(shown))]), shown, strict=True):
         bars = result.effects[:SHOWN]
         indices = all(effect.total is not None for effect in bars)
@@ -59,7 +59,7 @@ def effects(results: Sequence[Result], title: str, path: Path) -> None:
             axes.set_xlim(-1.0, 1.0)
         axes.set_yticks(places, [_broken(effect.path) for effect in bars])
         axes.axvline(0.0, color=INK, linewidth=0.7)
-        _label(axes, "total Sobol' index" if indices else "rank correlation (grey: chance alone)", "")
+        _label(axes, "total Sobol' index (-)" if indices else "rank correlation (-), grey: by chance", "")
         axes.set_title(result.title, fontsize=9, loc="left", color=INK, parse_math=False)
     save(figure, path)
 
@@ -77,7 +77,8 @@ def fragility(curves: Sequence[ProbabilityCurve], title: str, path: Path) -> Non
     for axes, (name, family) in zip(frames, families.items(), strict=False):
         for curve, colour in zip(family, (CONTINUUM, DISCS, CRITICAL, INK, "#1f6fb2") * len(family), strict=False):
             _band(axes, curve, colour, curve.name.split(": ")[-1])
-        _label(axes, "d (m)" if name.endswith("over d") else "Kh, or PGA / g", "probability of a larger slide")
+        across = "slide d (m)" if name.endswith("over d") else "Kh, or PGA / g (-)"
+        _label(axes, across, "probability of a larger slide")
         axes.set_title(name, fontsize=9, loc="left", color=INK, parse_math=False)
         axes.set_ylim(0.0, 1.0)
         axes.legend(fontsize=7, frameon=False)
@@ -85,7 +86,7 @@ def fragility(curves: Sequence[ProbabilityCurve], title: str, path: Path) -> Non
 
 
 def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], title: str, path: Path) -> None:
-    """Draw a result over every uncertain number, with a point for each sample; words are categories.
+    """Draw a result against every uncertain number, with a point for each sample; words are categories.
 
     name: name of the result; values (samples,): values of the result; drawn: values of the uncertain numbers; title:
     title above the picture; path: file of the picture.

@@ -43,9 +43,9 @@ def write_page(config: Config, answer: StudyAnswer, store: Store) -> Path:
             results=[_row(result) for result in answer.results],
             heads=(
                 "result",
-                "samples with it",
+                "samples with a result",
                 "mean",
-                "95 % of the mean",
+                "95 % interval of the mean",
                 "median",
                 "5 %",
                 "95 %",
