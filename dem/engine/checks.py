@@ -19,7 +19,7 @@ def _place(model: DiscModel, disc: int) -> str:
     )
 
 
-def check_finite(model: DiscModel, checkpoint_note: str) -> None:
+def check_finite(model: DiscModel) -> None:
     """Raise NotFiniteError if a position or velocity is not a finite number."""
     if all_finite(model.x, model.z, model.vx, model.vz, model.vr):
         return
@@ -27,11 +27,11 @@ def check_finite(model: DiscModel, checkpoint_note: str) -> None:
     fine &= np.isfinite(model.vr)
     raise NotFiniteError(
         f"{_place(model, int(np.argmin(fine)))} has a position or velocity that is no number; {int((~fine).sum())} "
-        f"discs have such values. Check the input of this disc, or use a smaller step. {checkpoint_note}"
+        f"discs have such values. Check the input of this disc, or use a smaller step."
     )
 
 
-def check_speed(model: DiscModel, dt: float, checkpoint_note: str) -> None:
+def check_speed(model: DiscModel, dt: float) -> None:
     """Raise SpeedError if a disc moves more than a quarter of the smallest radius in one step."""
     speed = np.hypot(model.vx_half, model.vz_half)
     disc = int(np.argmax(speed))
@@ -40,11 +40,11 @@ def check_speed(model: DiscModel, dt: float, checkpoint_note: str) -> None:
         raise SpeedError(
             f"{_place(model, disc)} moves at {speed[disc]:.4g} m/s, {speed[disc] * dt / least:.2g} of the smallest "
             f"radius in one step: it could pass through another disc. Use dt <= "
-            f"{FASTEST * least / speed[disc]:.3g} s, or find the cause of this speed. {checkpoint_note}"
+            f"{FASTEST * least / speed[disc]:.3g} s, or find the cause of this speed."
         )
 
 
-def check_overlap(model: DiscModel, checkpoint_note: str) -> None:
+def check_overlap(model: DiscModel) -> None:
     """Raise OverlapError if two discs overlap by more than their layers allow."""
     i, j = model.pair_i, model.pair_j
     mean = 0.5 * (model.radius[i] + model.radius[j])
@@ -54,8 +54,7 @@ def check_overlap(model: DiscModel, checkpoint_note: str) -> None:
         c = int(np.argmax(share - allowed))
         raise OverlapError(
             f"{_place(model, int(i[c]))} and disc {j[c]} overlap by {share[c]:.3g} of their mean radius, "
-            f"allowed are {allowed[c]:.3g}. Stiffen their layers, or allow more with `allowed_overlap`. "
-            f"{checkpoint_note}"
+            f"allowed are {allowed[c]:.3g}. Stiffen their layers, or allow more with `allowed_overlap`."
         )
     before, _ = line_gaps(model)
     share = -before / model.radius[model.line_disc]
@@ -64,8 +63,7 @@ def check_overlap(model: DiscModel, checkpoint_note: str) -> None:
         c = int(np.argmax(share - allowed))
         raise OverlapError(
             f"{_place(model, int(model.line_disc[c]))} overlaps rigid line {model.line_id[c]} by {share[c]:.3g} "
-            f"of its radius, allowed are {allowed[c]:.3g}. Find the cause, or allow more with `allowed_overlap`. "
-            f"{checkpoint_note}"
+            f"of its radius, allowed are {allowed[c]:.3g}. Find the cause, or allow more with `allowed_overlap`."
         )
 
 
@@ -81,21 +79,20 @@ def line_gaps(model: DiscModel) -> tuple[np.ndarray, np.ndarray]:
     return gap, along
 
 
-def check_escape(model: DiscModel, checkpoint_note: str) -> None:
+def check_escape(model: DiscModel) -> None:
     """Raise EscapeError if the centre of a disc has passed a rigid line by a radius or more."""
     line, disc = first_behind(model.x, model.z, model.radius, model.fixed, model.lines)
     if disc >= 0:
         raise EscapeError(
             f"{_place(model, disc)} has passed rigid line {line}. The boundary did not stop it: use a smaller step, "
-            f"or stiffer springs in the adjacent layer. {checkpoint_note}"
+            f"or stiffer springs in the adjacent layer."
         )
 
 
-def check_balance(model: DiscModel, energies: EnergyBalance, tolerance: float, checkpoint_note: str) -> None:
+def check_balance(model: DiscModel, energies: EnergyBalance, tolerance: float) -> None:
     """Raise EnergyBalanceError if more than `tolerance` of the total energy exchanged is unaccounted for.
 
-    model: model of the discs; energies: balance since the start; checkpoint_note: sentence on the checkpoint of the
-    run.
+    model: model of the discs; energies: balance since the start.
     """
     if not abs(energies.gap) <= tolerance * energies.turnover:
         speed = np.hypot(model.vx, model.vz) * np.sqrt(model.mass) * ~model.fixed
@@ -103,5 +100,5 @@ def check_balance(model: DiscModel, energies: EnergyBalance, tolerance: float, c
         raise EnergyBalanceError(
             f"the energy balance has a gap of {energies.gap:.4g} J/m, of {energies.turnover:.4g} J/m exchanged "
             f"(allowed share {tolerance:g}); {_place(model, disc)} has the largest kinetic energy. Take a smaller "
-            f"step, or allow more with `balance`. {checkpoint_note}"
+            f"step, or allow more with `balance`."
         )

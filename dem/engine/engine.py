@@ -6,7 +6,6 @@ Between two calls of `run` the model may be changed in any way; the engine itsel
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 from threading import current_thread, main_thread
 from typing import Any, Literal
 
@@ -93,9 +92,6 @@ class Engine:
         Normal force in the crack criterion of pore springs, equation 16 of the paper: the normal force of contact and
         pore spring together ("contact"), or of the pore spring alone ("pore"). For soil discs the criterion always has
         the normal force of the pore spring alone.
-    checkpoint, checkpoint_every : path, float
-        File of the checkpoint, and model time between two checkpoints (s); the last checkpoint is kept when a run stops
-        with an error.
     """
 
     dt: float | Literal["auto"] = "auto"
@@ -104,8 +100,6 @@ class Engine:
     balance: float = BALANCE
     pulls: bool = False
     crack_by: CrackBy = "contact"
-    checkpoint: Path | str | None = None
-    checkpoint_every: float = float("inf")
 
     def __post_init__(self) -> None:
         if self.threads < 1:
@@ -162,21 +156,15 @@ class Engine:
         if total < 0:
             raise ValueError(f"a number of steps cannot be negative, but is {steps}")
         between = total if every is None else max(1, round(every / dt))
-        saves = max(1, round(min(self.checkpoint_every, 1e9 * dt) / dt)) if self.checkpoint else 0
         run = EngineRun(self, model, dt)
         try:
             energies = run.balance() if self.energies and total == 0 else None
             end = model.steps + total
             begin = model.steps
             while model.steps < end:
-                stops = [end, begin + ((model.steps - begin) // between + 1) * between]
-                if saves:
-                    stops.append(begin + ((model.steps - begin) // saves + 1) * saves)
-                energies = run.advance(min(stops) - model.steps)
-                done = model.steps - begin
-                if saves and (done % saves == 0 or model.steps == end):
-                    model.save(str(self.checkpoint))
-                if on_output is not None and (done % between == 0 or model.steps == end):
+                stop = min(end, begin + ((model.steps - begin) // between + 1) * between)
+                energies = run.advance(stop - model.steps)
+                if on_output is not None and ((model.steps - begin) % between == 0 or model.steps == end):
                     on_output(model)
         finally:
             run.close()
@@ -192,13 +180,6 @@ class Engine:
     def law_of(self, model: DiscModel) -> Law:
         """Return the contact law with which this engine moves a model."""
         return law_of(model, self.pulls, self.crack_by)
-
-    @property
-    def checkpoint_note(self) -> str:
-        """Return a sentence on the checkpoint to continue from, for error messages."""
-        if self.checkpoint and Path(self.checkpoint).exists():
-            return f"The last checkpoint is {self.checkpoint}."
-        return "No checkpoint was kept."
 
 
 class EngineRun:
@@ -249,8 +230,8 @@ class EngineRun:
         """Write positions and velocities back into the model; the contacts are only in the layout."""
         if self.layout is not None:
             unpack_motion(self.layout, self.model)
-        check_finite(self.model, self.engine.checkpoint_note)
-        check_escape(self.model, self.engine.checkpoint_note)
+        check_finite(self.model)
+        check_escape(self.model)
 
     def begin_energy_balance(self) -> None:
         """Count as edits, in the energy balance, the energy of changes of the model since the last run."""
@@ -286,11 +267,11 @@ class EngineRun:
             reason = self.take_stretch(min(call, end - model.steps))
             if reason != DONE:
                 self.update()
-                check_finite(model, engine.checkpoint_note)
-                check_speed(model, self.dt, engine.checkpoint_note)
-                check_escape(model, engine.checkpoint_note)
+                check_finite(model)
+                check_speed(model, self.dt)
+                check_escape(model)
             if reason == OVERLAP:
-                check_overlap(model, engine.checkpoint_note)
+                check_overlap(model)
             if reason == MOVED:
                 self.list_anew()
             elif engine.energies and measured + call <= model.steps < end:
@@ -318,7 +299,7 @@ class EngineRun:
         model.turnover = energies.turnover
         try:
             looser = LOOSER if len(model.liquefied) else 1.0
-            check_balance(model, energies, looser * engine.balance, engine.checkpoint_note)
+            check_balance(model, energies, looser * engine.balance)
         except DemError:
             self.update()
             raise

@@ -174,7 +174,7 @@ def load(
                 if not to_the_end and _is_over(rows, kind):
                     break
         except DemError as error:
-            stopped = str(error).removesuffix(f" {press.run.engine.checkpoint_note}")
+            stopped = str(error)
     records = np.array(rows)[: len(rows) // AVERAGE * AVERAGE].reshape(-1, AVERAGE, 8).mean(axis=1)
     return Curve(
         kind, pressure, records[:, 0], records[:, 1:5].reshape(-1, 2, 2), records[:, 5], records[:, 6], records[:, 7],

@@ -1,7 +1,6 @@
 """Every way in which the engine stops, in words: what is lost, impossible, too deep, or out of nowhere."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -66,15 +65,12 @@ def test_smallest_of_all_limits_sets_the_step() -> None:
     assert largest_step(mixed).disc == 2
 
 
-def test_nan_stops_the_run_and_leaves_the_checkpoint(tmp_path: Path) -> None:
+def test_nan_stops_the_run() -> None:
     model = box(6, 5)
-    stored = tmp_path / "kept.npz"
-    engine = Engine(checkpoint=stored, checkpoint_every=0.05)
-    engine.run(model, 0.1)
+    Engine().run(model, 0.1)
     model.vx_half[17] = model.vx[17] = np.nan
-    with pytest.raises(NotFiniteError, match=rf"disc \d+ at x = .* t = 0\.1.*last checkpoint is {stored}"):
-        engine.run(model, 0.1)
-    assert np.isfinite(DiscModel.load(stored).x).all()
+    with pytest.raises(NotFiniteError, match=r"disc \d+ at x = .* t = 0\.1"):
+        Engine().run(model, 0.1)
 
 
 def test_too_deep_an_overlap_stops_the_run() -> None:
