@@ -18,14 +18,10 @@ class Springs(NamedTuple):
 
     Attributes
     ----------
-    pairs : (CONSTANTS, kinds)
-        Constants of contacts between discs, a column for each kind of pair.
-    records : (kinds * CONSTANT_RECORD,)
-        The constants in ``pairs``, one record for each kind of pair.
-    lines : (CONSTANTS, layers + 1)
-        Constants of contacts with rigid lines, a column for each layer.
-    walls : (k, 6)
-        Geometry of the rigid lines: see `LINE_X` and the names after it in `interaction`.
+    pairs (CONSTANTS, kinds) : constants of contacts between discs, a column for each kind of pair
+    records (kinds * CONSTANT_RECORD,) : the constants in ``pairs``, one record for each kind of pair
+    lines (CONSTANTS, layers + 1) : constants of contacts with rigid lines, a column for each layer
+    walls (k, 6) : geometry of the rigid lines: see `LINE_X` and the names after it in `interaction`
     """
 
     pairs: np.ndarray
@@ -39,8 +35,7 @@ class State(NamedTuple):
 
     Attributes
     ----------
-    discs, links, rolling, shared, partner : arrays
-        As in `Layout`.
+    discs, links, rolling, shared, partner : as in `Layout`
     """
 
     discs: np.ndarray
@@ -55,18 +50,13 @@ class Law(NamedTuple):
 
     Attributes
     ----------
-    soil : bool
-        Whether the law is that of soil discs (weaker of two strengths, cohesion, rolling resistance, stiffening at
-        large overlap); otherwise the law is that of the paper on the section S-13.
-    pores : bool
-        Whether there are pore springs.
-    floor : float
-        Least normal force of a contact (N): 0, or -inf if the dashpot may pull.
-    share : float
-        Share of the contact spring's normal force in Fn of equation 16 of the paper, the crack criterion of pore
-        springs.
-    period : Period
-        Length and rise after which periodic ground repeats itself; for soil discs only.
+    soil : whether the law is that of soil discs (weaker of two strengths, cohesion, rolling resistance, stiffening at
+        large overlap); otherwise the law is that of the paper on the section S-13
+    pores : whether there are pore springs
+    floor : least normal force of a contact (N): 0, or -inf if the dashpot may pull
+    share : share of the contact spring's normal force in Fn of equation 16 of the paper, the crack criterion of pore
+        springs
+    period : length and rise after which periodic ground repeats itself; for soil discs only
     """
 
     soil: bool
@@ -81,10 +71,8 @@ class Loads(NamedTuple):
 
     Attributes
     ----------
-    times : (n,)
-        Instants (s) at which the external acceleration is given.
-    acceleration : (3, n)
-        Components of the acceleration along x, along z, and horizontally (m/s2).
+    times (n,) : instants (s) at which the external acceleration is given
+    acceleration (3, n) : components of the acceleration along x, along z, and horizontally (m/s2)
     """
 
     times: np.ndarray
@@ -96,16 +84,11 @@ class Clock(NamedTuple):
 
     Attributes
     ----------
-    steps : int
-        Largest number of steps.
-    dt : float
-        Time step (s).
-    last_dt : float
-        Length of the step before (s); 0 after velocities were set.
-    time : float
-        Time at the beginning (s).
-    before : int
-        Number of steps taken before.
+    steps : largest number of steps
+    dt : time step (s)
+    last_dt : length of the step before (s); 0 after velocities were set
+    time : time at the beginning (s)
+    before : number of steps taken before
     """
 
     steps: int
@@ -120,12 +103,9 @@ class Team(NamedTuple):
 
     Attributes
     ----------
-    thread, threads : int
-        Number of this thread, and number of threads.
-    barrier : array of int64
-        Counters with which threads wait for each other, see `barrier.new_barrier`.
-    stops : (2, threads)
-        Reason why each thread stopped in a step, alternately for odd and even steps.
+    thread, threads : number of this thread, and number of threads
+    barrier : counters with which threads wait for each other, see `barrier.new_barrier`
+    stops (2, threads) : reason why each thread stopped in a step, alternately for odd and even steps
     """
 
     thread: int
@@ -139,10 +119,8 @@ class Entries(NamedTuple):
 
     Attributes
     ----------
-    wanted : bool
-        Whether work and losses are summed.
-    sums : (slices, ENERGY_COLUMNS)
-        Work and losses of each slice's discs (J per metre).
+    wanted : whether work and losses are summed
+    sums (slices, ENERGY_COLUMNS) : work and losses of each slice's discs (J per metre)
     """
 
     wanted: bool
@@ -154,15 +132,11 @@ class Step(NamedTuple):
 
     Attributes
     ----------
-    kick, dt, slip_time : float
-        Durations (s): from the stored to the new velocities (``kick``), from the present to the new positions (``dt``),
-        and from the last to the present positions (``slip_time``).
-    ax, az, level : float
-        External acceleration at the beginning of the step: along x, along z, and horizontally (m/s2).
-    mean_x, mean_z, mean_level : float
-        Mean external acceleration over the step (m/s2), for the energy balance.
-    reach : float
-        Square of the displacement (m2) after which a disc needs a new neighbour list.
+    kick, dt, slip_time : durations (s): from the stored to the new velocities (``kick``), from the present to the new
+        positions (``dt``), and from the last to the present positions (``slip_time``)
+    ax, az, level : external acceleration at the beginning of the step: along x, along z, and horizontally (m/s2)
+    mean_x, mean_z, mean_level : mean external acceleration over the step (m/s2), for the energy balance
+    reach : square of the displacement (m2) after which a disc needs a new neighbour list
     """
 
     kick: float

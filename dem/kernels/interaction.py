@@ -49,18 +49,13 @@ class Motion(NamedTuple):
 
     Attributes
     ----------
-    distance : float
-        Distance of the centres (m).
-    nx, nz : float
-        Unit vector from i to j.
-    lever : float
-        Lever of the tangential force over the radius, the same for both discs. The levers are the distance times
+    distance : distance of the centres (m)
+    nx, nz : unit vector from i to j
+    lever : lever of the tangential force over the radius, the same for both discs. The levers are the distance times
         r_i/(r_i + r_j). The sum of both levers is the distance, so that angular momentum is conserved and a pair that
         rotates as one body does not slip.
-    vn, vt : float
-        Speeds of separation and of slip at the end of the step (m/s).
-    slip, stretch : float
-        Slip and separation since the last step (m); separation is used only by the energy balance.
+    vn, vt : speeds of separation and of slip at the end of the step (m/s)
+    slip, stretch : slip and separation since the last step (m); separation is used only by the energy balance
     """
 
     distance: float
@@ -78,20 +73,15 @@ class Contact(NamedTuple):
 
     Attributes
     ----------
-    over : float
-        Overlap (m).
-    normal, drag : float
-        Normal force (`normal`) and tangential force (`drag`) of contact and pore spring together (N).
-    torque : float
-        Rolling moment over R = r_i r_j/(r_i + r_j) (N); positive on i, negative on j.
-    shear, pore, rolled : float
-        Stored forces of the springs of slip, of the pore spring and of rolling (N).
-    length : float
-        Length of the pore spring (m), see `contact.pore`.
-    elements, bonds, pores, rolling : float
-        Energy stored in contact springs, bonds of cohesive soil, pore springs and springs of rolling (J).
-    damped, slid, cracked, rolled_off : float
-        Twice the energy that dashpots, sliding, cracks and rolling dissipated since the last step (J).
+    over : overlap (m)
+    normal, drag : normal force (`normal`) and tangential force (`drag`) of contact and pore spring together (N)
+    torque : rolling moment over R = r_i r_j/(r_i + r_j) (N); positive on i, negative on j
+    shear, pore, rolled : stored forces of the springs of slip, of the pore spring and of rolling (N)
+    length : length of the pore spring (m), see `contact.pore`
+    elements, bonds, pores, rolling : energy stored in contact springs, bonds of cohesive soil, pore springs and springs
+        of rolling (J)
+    damped, slid, cracked, rolled_off : twice the energy that dashpots, sliding, cracks and rolling dissipated since the
+        last step (J)
     """
 
     over: float

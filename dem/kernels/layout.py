@@ -48,46 +48,30 @@ class Layout(NamedTuple):
 
     Attributes
     ----------
-    discs : (slices * DISC,)
-        Fields of the discs that only their own slice reads, in spatial order.
-    links : ((chunks + 1 + line chunks) * LINK,)
-        Fields of the contacts: chunks, one chunk whose forces are always zero, then contacts with rigid lines.
-    rolling : ((chunks + 1 + line chunks) * ROLL_LINK,)
-        History variables of rolling of the same contacts; empty for discs with the law "paper".
-    shared : (slices * 64 * SHARED,)
-        Fields of the discs that partners read, disc by disc.
-    partner : (chunks * 64,)
-        Number of the partner of each contact in spatial order.
-    kinds : (chunks * 64,)
-        Column of each contact in the table of constants.
-    fresh : (groups of eight lanes,)
-        Places in `kinds` of the groups of eight lanes whose kinds of pairs differ from the kinds in the same lanes of
-        the chunk before.
-    fresh_start : (chunks + 1,)
-        First entry of `fresh` of each chunk.
-    chunk_start : (slices + 1,)
-        First chunk of each slice.
-    incoming : (slots * 64,)
-        For each disc, the places in `links` of the contact forces that another disc owns.
-    incoming_start : (slices + 1,)
-        First slot of each slice.
-    first, last : (slices,)
-        Lowest and highest slice that owns a contact of the slice's discs.
-    line_disc, line_id, line_kind : (contacts with lines,)
-        Contacts with lines: number of the disc in spatial order, number of the line, column of the table of lines.
-    line_radius : (contacts with lines,)
-        Radius of the disc (m).
-    line_start : (slices + 1,)
-        First contact with a line in each slice.
-    added_mass_disc : (discs with added mass,)
-        Numbers of the discs with added mass, in spatial order.
-    added_mass : (discs with added mass, 4)
-        Acceleration of these discs without added mass (PULL_X, PULL_Z), and the acceleration by added mass over the
-        horizontal acceleration.
-    added_mass_start : (slices + 1,)
-        First disc with added mass in each slice.
-    liquefied : Liquefied
-        Liquefied discs and their pairs.
+    discs (slices * DISC,) : fields of the discs that only their own slice reads, in spatial order
+    links ((chunks + 1 + line chunks) * LINK,) : fields of the contacts: chunks, one chunk whose forces are always zero,
+        then contacts with rigid lines
+    rolling ((chunks + 1 + line chunks) * ROLL_LINK,) : history variables of rolling of the same contacts; empty for
+        discs with the law "paper"
+    shared (slices * 64 * SHARED,) : fields of the discs that partners read, disc by disc
+    partner (chunks * 64,) : number of the partner of each contact in spatial order
+    kinds (chunks * 64,) : column of each contact in the table of constants
+    fresh (groups of eight lanes,) : places in `kinds` of the groups of eight lanes whose kinds of pairs differ from the
+        kinds in the same lanes of the chunk before
+    fresh_start (chunks + 1,) : first entry of `fresh` of each chunk
+    chunk_start (slices + 1,) : first chunk of each slice
+    incoming (slots * 64,) : for each disc, the places in `links` of the contact forces that another disc owns
+    incoming_start (slices + 1,) : first slot of each slice
+    first, last (slices,) : lowest and highest slice that owns a contact of the slice's discs
+    line_disc, line_id, line_kind (contacts with lines,) : contacts with lines: number of the disc in spatial order,
+        number of the line, column of the table of lines
+    line_radius (contacts with lines,) : radius of the disc (m)
+    line_start (slices + 1,) : first contact with a line in each slice
+    added_mass_disc (discs with added mass,) : numbers of the discs with added mass, in spatial order
+    added_mass (discs with added mass, 4) : acceleration of these discs without added mass (PULL_X, PULL_Z), and the
+        acceleration by added mass over the horizontal acceleration
+    added_mass_start (slices + 1,) : first disc with added mass in each slice
+    liquefied : liquefied discs and their pairs
     """
 
     discs: np.ndarray

@@ -100,29 +100,18 @@ class Liquefied(NamedTuple):
 
     Attributes
     ----------
-    discs : (slots, FIELDS)
-        Fields of every disc, in spatial order.
-    first, second : (lanes,)
-        Numbers of the two discs in spatial order, sorted by the first, then by the second; equal in lanes without a
-        pair.
-    memory : (blocks * REMEMBERED,)
-        History variables, see `ALONG` and the names after it.
-    working : (blocks * WORKED,)
-        Work arrays, see `DX` and the names after it.
-    start : (slices + 1,)
-        First block of each slice, by the first discs.
-    member : (2 pairs,)
-        Places in `working` of the contributions of pairs to the density of every disc.
-    members : (slots + 1,)
-        First entry of `member` of each disc.
-    near : (discs with pairs,)
-        Numbers of the discs that have pairs.
-    near_start : (slices + 1,)
-        First entry of `near` of each slice.
-    reach : float
-        Reach H of the kernels (m).
-    every : int
-        Number of steps for which forces are constant.
+    discs (slots, FIELDS) : fields of every disc, in spatial order
+    first, second (lanes,) : numbers of the two discs in spatial order, sorted by the first, then by the second; equal
+        in lanes without a pair
+    memory (blocks * REMEMBERED,) : history variables, see `ALONG` and the names after it
+    working (blocks * WORKED,) : work arrays, see `DX` and the names after it
+    start (slices + 1,) : first block of each slice, by the first discs
+    member (2 pairs,) : places in `working` of the contributions of pairs to the density of every disc
+    members (slots + 1,) : first entry of `member` of each disc
+    near (discs with pairs,) : numbers of the discs that have pairs
+    near_start (slices + 1,) : first entry of `near` of each slice
+    reach : reach H of the kernels (m)
+    every : number of steps for which forces are constant
     """
 
     discs: np.ndarray

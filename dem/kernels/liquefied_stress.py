@@ -34,16 +34,11 @@ def measured_shear(
 
     Parameters
     ----------
-    discs
-        (n, FIELDS) Fields of liquefied discs.
-    way
-        (2, n) Displacement since the last neighbour list (m).
-    pairs
-        Numbers of the discs of each pair.
-    memory
-        (pairs, MEMORY) History variables of the bonds.
-    reach, period
-        Reach of the kernels (m), and period of the ground.
+    discs : (n, FIELDS) Fields of liquefied discs
+    way : (2, n) Displacement since the last neighbour list (m)
+    pairs : numbers of the discs of each pair
+    memory : (pairs, MEMORY) History variables of the bonds
+    reach, period : reach of the kernels (m), and period of the ground
 
     Returns
     -------

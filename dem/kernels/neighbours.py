@@ -31,14 +31,10 @@ class Near(NamedTuple):
 
     Attributes
     ----------
-    x, z, radius : (n,)
-        Positions and radii (m).
-    fixed : (n,)
-        Whether discs are fixed.
-    factor, skin : float
-        Factor (-) and margin (m) of the criterion of neighbours.
-    period : Period
-        Period of the ground, longer than three times the largest distance of neighbours.
+    x, z, radius (n,) : positions and radii (m)
+    fixed (n,) : whether discs are fixed
+    factor, skin : factor (-) and margin (m) of the criterion of neighbours
+    period : period of the ground, longer than three times the largest distance of neighbours
     """
 
     x: np.ndarray
@@ -56,20 +52,13 @@ class Grid(NamedTuple):
 
     Attributes
     ----------
-    column, row : (n,)
-        Column and row of the cell of each disc.
-    columns, rows : int
-        Numbers of columns and rows.
-    size, low : float
-        Height of a cell, and elevation of the bottom of the lowest cell (m).
-    start : (cells + 1,)
-        First item of each cell, row by row from the left.
-    items : (n,)
-        Discs by cell.
-    places : (n, 3)
-        Positions and radii (m) in the order of `items`, so that neighbouring discs are adjacent in memory.
-    height : (n,)
-        Height of every disc, moved into the period of the grid (m).
+    column, row (n,) : column and row of the cell of each disc
+    columns, rows : numbers of columns and rows
+    size, low : height of a cell, and elevation of the bottom of the lowest cell (m)
+    start (cells + 1,) : first item of each cell, row by row from the left
+    items (n,) : discs by cell
+    places (n, 3) : positions and radii (m) in the order of `items`, so that neighbouring discs are adjacent in memory
+    height (n,) : height of every disc, moved into the period of the grid (m)
     """
 
     column: np.ndarray
@@ -89,10 +78,8 @@ class Known(NamedTuple):
 
     Attributes
     ----------
-    pair, higher : (pairs,)
-        Number of each pair, and number of its other disc.
-    start : (n + 1,)
-        Place at which the pairs of each lower number begin.
+    pair, higher (pairs,) : number of each pair, and number of its other disc
+    start (n + 1,) : place at which the pairs of each lower number begin
     """
 
     pair: np.ndarray

@@ -18,10 +18,8 @@ class Period(NamedTuple):
 
     Attributes
     ----------
-    length : float
-        Length of the period along x (m).
-    rise : float
-        Rise (m) over one period, negative where the ground falls to the right.
+    length : length of the period along x (m)
+    rise : rise (m) over one period, negative where the ground falls to the right
     """
 
     length: float

@@ -36,12 +36,9 @@ class Bodies(NamedTuple):
 
     Attributes
     ----------
-    x, z, radius : (n,)
-        Places and radii (m).
-    invmass : (n,)
-        1/m (m/kg), 0 for fixed discs.
-    rim : (n,)
-        r^2/I (m/kg), 0 for discs that do not turn.
+    x, z, radius (n,) : places and radii (m)
+    invmass (n,) : 1/m (m/kg), 0 for fixed discs
+    rim (n,) : r^2/I (m/kg), 0 for discs that do not turn
     """
 
     x: np.ndarray
@@ -56,10 +53,8 @@ class Pairs(NamedTuple):
 
     Attributes
     ----------
-    i, j, kind : (m,)
-        Numbers of the discs, column of the table of constants.
-    length : (m,)
-        Length of the pore spring (m), see `contact.pore`.
+    i, j, kind (m,) : numbers of the discs, column of the table of constants
+    length (m,) : length of the pore spring (m), see `contact.pore`
     """
 
     i: np.ndarray
@@ -73,8 +68,7 @@ class LineContacts(NamedTuple):
 
     Attributes
     ----------
-    disc, line, kind : (k,)
-        Number of the disc, of the line, column of the table of lines.
+    disc, line, kind (k,) : number of the disc, of the line, column of the table of lines
     """
 
     disc: np.ndarray
