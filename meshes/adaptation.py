@@ -4,8 +4,6 @@ Plastic shear is concentrated in a band as narrow as the cells allow, and the li
 the width of the band. So small cells are most useful in the band.
 """
 
-from pathlib import Path
-
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
@@ -40,7 +38,6 @@ def adapted(
     mesh: QuadMesh,
     indicator: np.ndarray,
     cells: int,
-    path: Path | str | None = None,
     repeats: bool = False,
 ) -> QuadMesh:
     """Make a free mesh of a section with small cells where an indicator is large.
@@ -60,8 +57,6 @@ def adapted(
         Indicator, not negative, such as the plastic shear strain of each cell.
     cells : int
         Approximate number of quadrilaterals.
-    path : Path or str, optional
-        File to which the mesh is written, in the format of gmsh.
     repeats : bool, optional
         Whether the sides are periodic. Periodic sides with the same layers get the same points.
 
@@ -93,7 +88,7 @@ def adapted(
             wanted_sizes(mesh, indicator, expected, largest)[triangles],
             repeats=repeats,
         )
-        return free_mesh(section, settings, sizes, path)
+        return free_mesh(section, settings, sizes)
 
     first = made(cells / SURPLUS)
     if len(first.cells) <= TOO_MANY * cells:

@@ -309,7 +309,7 @@ def test_a_failure_keeps_what_was_there(section: Path, out: Path, monkeypatch: p
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("workflow.figures.ground.draw_mesh", fail)
-    monkeypatch.setattr("workflow.figures.ground.draw_section", fail)
+    monkeypatch.setattr("workflow.figures.ground.section_sheet", fail)
     assert run("mesh", section, "--out", out, "--force") == 2
     assert {name: (out / name).read_bytes() for name in files(out)} == before
 

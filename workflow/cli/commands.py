@@ -74,7 +74,7 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None, json: 
     """Validate a section and draw it, without any analysis."""
     from workflow.cli.invocation import Invocation
     from workflow.cli.terminal import say, say_data, show_strata
-    from workflow.figures.ground import draw_with_borings
+    from workflow.figures.ground import sheet_with_borings
     from workflow.report.data import of_section
 
     invocation = Invocation.of(section, folder, {}, settings)
@@ -82,7 +82,7 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None, json: 
     if not json:
         show_strata(invocation.config.section)
     with invocation.store.writing("figures/section.png") as path:
-        draw_with_borings(invocation.config, path)
+        sheet_with_borings(invocation.config).save(path)
     if json:
         return say_data(of_section(invocation.config, picture))
     flow = [] if (seepage := invocation.config.section.water_pressure.flow) is None else [seepage.words]

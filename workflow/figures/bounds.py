@@ -18,6 +18,7 @@ from meshes.section.section import Section
 from meshes.triangles import TriMesh
 from workflow.config import Config
 from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colours, spread
+from workflow.figures.fem import MOBILISED, MOBILISED_COLOURS
 from workflow.figures.ground import borders, foot
 from workflow.results.answer import FORCE
 from workflow.run.store import Store
@@ -25,8 +26,6 @@ from workflow.run.store import Store
 # Dissipation per area over the largest: each class three times the one before.
 DISSIPATION = (0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0)
 DISSIPATION_COLOURS = ("#f7f5ee", "#e9e4cf", "#e6d5a0", "#eab464", "#e3863c", "#c94a2c", "#7d1128")
-YIELD = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
-YIELD_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 ARROWS = "#1f6fb2"
 # The points of a mechanism with this share of its largest velocity are what fails. A failure is shown alone, with this
 # share of its width on either side and of its height below it, if the picture is narrower than this share of the
@@ -127,10 +126,12 @@ def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window:
     mesh = stress.problem.mesh_in_metres
     title = f"{config.section.heading}: lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(config.section), legend_rows=3)
-    image = render(window, _classes(mesh, yield_use(stress), YIELD, YIELD_COLOURS))
+    image = render(window, _classes(mesh, yield_use(stress), MOBILISED, MOBILISED_COLOURS))
     title = "mobilised strength, largest value of each triangle"
     _draw_borders(sheet.show(0, image, window, title), config.section)
-    sheet.colour_bar(in_classes(YIELD, YIELD_COLOURS), "radius of Mohr's circle over the largest possible (-)", YIELD)
+    sheet.colour_bar(
+        in_classes(MOBILISED, MOBILISED_COLOURS), "radius of Mohr's circle over the largest possible (-)", MOBILISED
+    )
     sheet.note(conditions(config, bounds, stress))
     return sheet
 

@@ -14,7 +14,7 @@ from workflow.estimates.sliding_block import newmark
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.displacements import displacements
 from workflow.figures.front import FRONT, front
-from workflow.figures.ground import Overlay, draw_section, foot
+from workflow.figures.ground import Overlay, foot, section_sheet
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.discs import DiscSearch
 from workflow.results.results import Results
@@ -36,10 +36,13 @@ def draw_all(results: Results) -> list[str]:
         (FRONT, front), (CURVES, _curves), (SURFACES, _surfaces), (CALIBRATION, _calibration), (BLOCK, _block),
         (DISPLACEMENTS, displacements),
     ):  # fmt: skip
-        if draw(results, name):
-            drawn.append(name)
-        else:
+        sheet = draw(results)
+        if sheet is None:
             results.store.remove([name])
+            continue
+        with results.store.writing(name) as path:
+            sheet.save(path)
+        drawn.append(name)
     return drawn
 
 
@@ -47,11 +50,11 @@ def _title(results: Results) -> str:
     return results.config.section.heading
 
 
-def _curves(results: Results, name: str) -> bool:
+def _curves(results: Results) -> Sheet | None:
     """Draw Kh against displacement, of the continuum and of the discs, on one sheet."""
     answer, discs = results.fem, results.dem
     if answer is None:
-        return False
+        return None
     sheet = Sheet(f"{_title(results)}: Kh and displacement", [0.45], foot(results.config.section), legend_rows=3)
     axes = sheet.plot(0, "mean displacement in the direction of Kh (m)", "seismic coefficient Kh (-)")
     path = [step for step in answer.curve if not step.at_rest]
@@ -97,9 +100,7 @@ def _curves(results: Results, name: str) -> bool:
     axes.set_ylim(bottom=0.0)
     axes.set_title(_brackets(results), fontsize=9, loc="left", color=INK, pad=4)
     sheet.legend(handles, 2)
-    with results.store.writing(name) as file:
-        sheet.save(file)
-    return True
+    return sheet
 
 
 def _discs(axes: Any, search: DiscSearch, look: dict[str, Any], soil: bool) -> float:
@@ -133,8 +134,8 @@ def _handle(colour: str, marker: str, label: str) -> Line2D:
     return Line2D([], [], color=colour, marker=marker, markersize=3, linewidth=1.2, label=label)
 
 
-def _surfaces(results: Results, name: str) -> bool:
-    """Draw the slip surfaces of the continuum and of the discs on the section; return False without any slip
+def _surfaces(results: Results) -> Sheet | None:
+    """Draw the slip surfaces of the continuum and of the discs on the section; return None without any slip
     surface."""
     lines = []
     both = results.dem.slip_surface if results.dem is not None else None
@@ -151,16 +152,14 @@ def _surfaces(results: Results, name: str) -> bool:
         label = "discs: slip surface at failure"
         lines.append(Overlay(np.array(both.dem), DISCS, DASHED, label))
     if not lines:
-        return False
+        return None
     title = "slip surfaces"
     if both is not None and both.mean_distance_m is not None and both.same_stratum_share is not None:
         title += (
             f", discs and FEM {both.mean_distance_m:.1f} m apart on average, in the same layer along "
             f"{100 * both.same_stratum_share:.0f} % of the length"
         )
-    with results.store.writing(name) as file:
-        draw_section(results.config.section, file, title, lines)
-    return True
+    return section_sheet(results.config.section, title, lines)
 
 
 def _one_at_a_time(sheet: Sheet, answer: CalibrationAnswer, parameters: list[str]) -> list[Line2D]:
@@ -179,13 +178,13 @@ def _one_at_a_time(sheet: Sheet, answer: CalibrationAnswer, parameters: list[str
     return handles
 
 
-def _calibration(results: Results, name: str) -> bool:
+def _calibration(results: Results) -> Sheet | None:
     """Draw the influence of each parameter on the critical Kh of the discs, and the trials of the calibrated
     parameter.
     """
     answer = results.calibration
     if answer is None or answer.target_kc is None:
-        return False
+        return None
     parameters = list(dict.fromkeys(row.parameter for row in answer.sensitivity))  # soil discs have no choice of them
     heights = [0.34] * (2 if parameters else 1)
     sheet = Sheet(f"{_title(results)}: calibration of the discs", heights, foot(results.config.section), legend_rows=1)
@@ -208,9 +207,7 @@ def _calibration(results: Results, name: str) -> bool:
         handles.append(Line2D([], [], color=DISCS, linewidth=0.8, linestyle=DASHED, label=taken))
     handles.append(Line2D([], [], color=CRITICAL, linewidth=1.0, label="target critical Kh, and tolerance"))
     sheet.legend(handles, 5)
-    with results.store.writing(name) as file:
-        sheet.save(file)
-    return True
+    return sheet
 
 
 def _factors(axes: Axes) -> None:
@@ -221,10 +218,10 @@ def _factors(axes: Axes) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _block(results: Results, name: str) -> bool:
+def _block(results: Results) -> Sheet | None:
     """Draw the accelerogram, and the slide of the rigid block under it in both directions."""
     if not results.config.sliding_block.accelerogram or results.kc is None:
-        return False
+        return None
     record = results.config.sliding_block.in_use()
     sheet = Sheet(
         f"{_title(results)}: rigid block under {record.name}",
@@ -253,6 +250,4 @@ def _block(results: Results, name: str) -> bool:
     for axes in (first, speed, path):
         axes.set_xlim(record.time[0], record.time[-1])
     sheet.legend(handles, 3)
-    with results.store.writing(name) as file:
-        sheet.save(file)
-    return True
+    return sheet

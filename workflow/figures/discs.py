@@ -70,10 +70,18 @@ def discs(model: Circles, which: np.ndarray, height: float = 0.0) -> pv.PolyData
     return cloud.glyph(orient=False, scale="radius", geom=pv.Disc(inner=0.0, outer=1.0, c_res=30))
 
 
-def bars(model: DiscModel, which: np.ndarray, width: np.ndarray, height: float = 0.1) -> pv.PolyData:
-    """Draw some of the pairs as bars between the centres; width in m.
+def draw_strata(plotter: pv.Plotter, model: Circles, stratum: np.ndarray, colours: Sequence[str]) -> None:
+    """Draw discs in the colours of their strata, and boundary discs (stratum -1) dark."""
+    for k, colour in enumerate([BOUNDARY, *colours], start=-1):
+        mesh = discs(model, stratum == k)
+        if mesh.n_points:
+            plotter.add_mesh(mesh, color=colour, lighting=False)
 
-    model: model of the discs; which: numbers of the pairs; height: above the plane, which determines what covers what.
+
+def bars(model: DiscModel, which: np.ndarray, width: np.ndarray) -> pv.PolyData:
+    """Draw some of the pairs as bars between the centres, above the discs; width in m.
+
+    model: model of the discs; which: numbers of the pairs.
     """
     i, j = model.pair_i[which], model.pair_j[which]
     if not len(i):
@@ -82,7 +90,7 @@ def bars(model: DiscModel, which: np.ndarray, width: np.ndarray, height: float =
     along = (b - a) / np.hypot(*(b - a).T)[:, None]
     side = 0.5 * width[which][:, None] * np.column_stack([-along[:, 1], along[:, 0]])
     corners = np.stack([a - side, a + side, b + side, b - side], axis=1).reshape(-1, 2)
-    points = np.column_stack([corners, np.full(len(corners), height)])
+    points = np.column_stack([corners, np.full(len(corners), 0.1)])
     faces = np.column_stack([np.full(len(i), 4), np.arange(4 * len(i)).reshape(-1, 4)])
     return pv.PolyData(points, faces=faces.ravel())
 
@@ -93,10 +101,7 @@ def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") ->
     colours = soil_colours([layer.name for layer in model.springs.layers])
 
     def draw(plotter: pv.Plotter) -> None:
-        for k, colour in enumerate([BOUNDARY, *colours], start=-1):
-            mesh = discs(model, model.layer == k)
-            if mesh.n_points:
-                plotter.add_mesh(mesh, color=colour, lighting=False)
+        draw_strata(plotter, model, model.layer, colours)
         tip = model.radius * np.array([np.cos(model.angle), np.sin(model.angle)])
         free = ~model.fixed
         spokes = np.stack([model.x, model.z, model.x + tip[0], model.z + tip[1]], axis=1)[free].reshape(-1, 2)

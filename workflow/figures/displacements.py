@@ -36,13 +36,13 @@ class MethodRow:
     why_not: str = ""
 
 
-def displacements(results: Results, name: str) -> bool:
-    """Draw a point for each method, discs and estimates, on a logarithmic axis; return False if there are fewer than
+def displacements(results: Results) -> Sheet | None:
+    """Draw a point for each method, discs and estimates, on a logarithmic axis; return None if there are fewer than
     two."""
     rows = [*_others(results), *slides(results)]
     known = [row for row in rows if row.value is not None]
     if len(known) < 2:
-        return False
+        return None
     title = f"{results.config.section.heading}: displacement by all methods"
     sheet = Sheet(title, [ROW * len(rows) + 0.06], foot(results.config.section), legend_rows=2)
     axes = sheet.plot(0, "displacement (m)", "")
@@ -63,9 +63,7 @@ def displacements(results: Results, name: str) -> bool:
     for observation in observed:
         axes.axvline(observation.displacement, color=CRITICAL, linewidth=1.2)
     sheet.legend([*_handles(known), *_measured(results)], 4)
-    with results.store.writing(name) as path:
-        sheet.save(path)
-    return True
+    return sheet
 
 
 def _draw(axes: Axes, row: MethodRow, at: int) -> None:

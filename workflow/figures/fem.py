@@ -13,16 +13,16 @@ from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
-from workflow.figures.ground import Overlay, draw_section, foot
+from workflow.figures.ground import Overlay, foot, section_sheet
 from workflow.results.answer import FORCE
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.fem_states import FemResults
 from workflow.results.mesh_grids import unstructured
 from workflow.run.store import Store
 
-# Mobilised over available shear strength: pale where there is much in hand, red at failure.
-SAFETY_BOUNDS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
-SAFETY_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
+# Mobilised over available shear strength: pale where much is in reserve, red at failure.
+MOBILISED = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
+MOBILISED_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 SLIP = "#111111"
 ARROWS = 36  # across the section
 SAFETY = "figures/fem_safety.png"
@@ -47,7 +47,7 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
     if slips := _slips(results.answer):
         names.append(SAFETY)
         with store.writing(SAFETY) as path:
-            draw_section(config.section, path, "FEM, slip surface at the factor of safety", slips)
+            section_sheet(config.section, "FEM, slip surface at the factor of safety", slips).save(path)
     store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png", SAFETY])) - set(names)))
 
 
@@ -131,9 +131,9 @@ def _views(mesh: QuadMesh, state: FieldState) -> Views:
         plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
 
     def safety(plotter: pv.Plotter) -> None:
-        grid.cell_data["safety"] = np.digitize(state.mobilised, SAFETY_BOUNDS[1:-1])
+        grid.cell_data["safety"] = np.digitize(state.mobilised, MOBILISED[1:-1])
         plotter.add_mesh(
-            grid, scalars="safety", cmap=list(SAFETY_COLOURS), clim=(-0.5, len(SAFETY_COLOURS) - 0.5),
+            grid, scalars="safety", cmap=list(MOBILISED_COLOURS), clim=(-0.5, len(MOBILISED_COLOURS) - 0.5),
             lighting=False, show_scalar_bar=False,
             show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
         )  # fmt: skip
@@ -162,7 +162,7 @@ def _state_sheet(config: Config, results: FemResults, state: FieldState, views: 
     if len(slip):
         axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
     scale = "mobilised / available shear strength (-); 1: failure"
-    sheet.colour_bar(in_classes(SAFETY_BOUNDS, SAFETY_COLOURS), scale, SAFETY_BOUNDS)
+    sheet.colour_bar(in_classes(MOBILISED, MOBILISED_COLOURS), scale, MOBILISED)
     note = f"{conditions(config, results.answer.element)}."
     if len(slip):
         note += " Dashed: slip surface."

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from matplotlib.axes import Axes
 
-from workflow.figures.canvas import CRITICAL, DISCS
-from workflow.figures.ground import Overlay, draw_section, mark_borings
+from workflow.figures.canvas import CRITICAL, DISCS, Sheet
+from workflow.figures.ground import Overlay, mark_borings, section_sheet
 from workflow.figures.material_points import seen_from_above
 from workflow.results.cases import CaseAnswer, alike
 from workflow.results.governing import governing_kh, slides_by_weight
@@ -22,8 +22,8 @@ SAME = 1.02  # times the critical Kh of the section: a face up to here fails wit
 ABOVE = 0.25  # of the height of the section: room for the arrow above it
 
 
-def front(results: Results, name: str) -> bool:
-    """Draw the section with slip surface, largest slide, borings and the seismic force; return False without any of
+def front(results: Results) -> Sheet | None:
+    """Draw the section with slip surface, largest slide, borings and the seismic force; return None without any of
     them."""
     lines: list[Overlay] = []
     governing = governing_kh(results)
@@ -44,11 +44,9 @@ def front(results: Results, name: str) -> bool:
         label = f"surface after the slide by {by}, {called}: {metres(case.slide_max_m)}"
         lines.append(Overlay(after, DISCS, (0, ()), label))
     if not lines and results.fem is None:
-        return False
-    with results.store.writing(name) as path:
-        what = "failure" if case is None else "failure and slide"
-        draw_section(results.config.section, path, what, lines, lambda axes: _marks(axes, results), ABOVE)
-    return True
+        return None
+    what = "failure" if case is None else "failure and slide"
+    return section_sheet(results.config.section, what, lines, lambda axes: _marks(axes, results), ABOVE)
 
 
 def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:

@@ -78,27 +78,26 @@ def mark_borings(axes: Axes, section: Section, borings: Iterable[tuple[str, floa
         )  # fmt: skip
 
 
-def draw_with_borings(config: Config, path: Path) -> None:
+def sheet_with_borings(config: Config) -> Sheet:
     """Draw the section with the borings of its table [triggering]."""
     borings = [
         (boring.name, boring.x, max([*(t.depth for t in boring.spt), *(t.depth for t in boring.cpt)]))
         for boring in config.triggering.borings
     ]
-    draw_section(config.section, path, decorate=lambda axes: mark_borings(axes, config.section, borings))
+    return section_sheet(config.section, decorate=lambda axes: mark_borings(axes, config.section, borings))
 
 
-def draw_section(
+def section_sheet(
     section: Section,
-    path: Path,
     title: str = "layers",
     lines: Sequence[Overlay] = (),
     decorate: Callable[[Axes], None] | None = None,
     above: float = 0.0,
-) -> None:
+) -> Sheet:
     """Draw the layers in colour, liquefying ones dotted, the water table, and lines over them, in true proportions.
 
     ``decorate``: function that draws more into each view; ``above``: space above the ground as a share of the height.
-    ``section``: the section; ``path``: file of the picture; ``title``: title above the picture.
+    ``section``: the section; ``title``: title above the picture.
     """
     outline = section.outline()
     points_per_metre = (RIGHT - LEFT) * WIDTH / DPI * 72.0 / np.ptp(outline[:, 0])
@@ -132,7 +131,7 @@ def draw_section(
             axes.plot(*line.points.T, color=line.colour, linewidth=2.0, linestyle=line.dashes)
         if decorate is not None:
             decorate(axes)
-    sheet.save(path)
+    return sheet
 
 
 def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:

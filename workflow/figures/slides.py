@@ -30,7 +30,7 @@ from workflow.figures.canvas import (
     render,
     soil_colours,
 )
-from workflow.figures.discs import BOUNDARY, FAR, NO_LINE, discs, draw_values, nice, window_of
+from workflow.figures.discs import FAR, NO_LINE, draw_strata, draw_values, nice, window_of
 from workflow.results.cases import CaseAnswer, Profile, alike
 from workflow.results.history import SlideHistory
 from workflow.results.lengths import metres
@@ -119,13 +119,7 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     window, norm = shown_window([frame], springs, before), frame.scale()
 
     colours = soil_colours([stratum.name for stratum in config.section.strata])
-
-    def strata(plotter: pv.Plotter) -> None:
-        for k, colour in enumerate([BOUNDARY, *colours], start=-1):
-            mesh = discs(frame, frame.stratum == k)
-            if mesh.n_points:
-                plotter.add_mesh(mesh, color=colour, lighting=False)
-
+    strata = partial(draw_strata, model=frame, stratum=frame.stratum, colours=colours)
     title = f"{name_of(config, springs, number)}: largest slide {metres(case.slide_max_m)}"
     left = config.cases[number - 1]
     if isinstance(case, CaseAnswer) and not (config.dem.model == "soil" and springs == "calibrated"):

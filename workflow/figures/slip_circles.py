@@ -1,18 +1,16 @@
 """Draws the critical slip circles over the layers."""
 
-from pathlib import Path
-
 import numpy as np
 
 from meshes.section.section import Section
-from workflow.figures.canvas import CONTINUUM, CRITICAL
-from workflow.figures.ground import Overlay, draw_section
+from workflow.figures.canvas import CONTINUUM, CRITICAL, Sheet
+from workflow.figures.ground import Overlay, section_sheet
 from workflow.results.slices import CirclePart, SlicesAnswer
 
 WHOLE, DASHED = (0, ()), (0, (5, 2))
 
 
-def draw(section: Section, answer: SlicesAnswer, path: Path) -> None:
+def circles_sheet(section: Section, answer: SlicesAnswer) -> Sheet:
     """Draw, towards each side, the circle with the least factor of safety at each Kh, and the circle with the least
     critical Kh.
     """
@@ -22,7 +20,7 @@ def draw(section: Section, answer: SlicesAnswer, path: Path) -> None:
         for circle in factors.circles
     ]
     lines += [_line(circle, CRITICAL, f"critical Kh = {_value(circle, 3)}") for circle in answer.critical]
-    draw_section(section, path, "slip circles by Bishop's method (Spencer's in brackets)", lines)
+    return section_sheet(section, "slip circles by Bishop's method (Spencer's in brackets)", lines)
 
 
 def _line(circle: CirclePart, colour: str, words: str) -> Overlay:

@@ -18,7 +18,7 @@ from matplotlib.colors import to_hex
 
 from workflow.figures.canvas import soil_colours
 from workflow.figures.discs import FAR
-from workflow.figures.fem import SAFETY_BOUNDS, SAFETY_COLOURS, nice_number
+from workflow.figures.fem import MOBILISED, MOBILISED_COLOURS, nice_number
 from workflow.figures.slides import Frame, name_of
 from workflow.results.disc_grids import case_name, frames
 from workflow.results.fem_states import COLLECTION, FemResults
@@ -151,8 +151,8 @@ def _path(results: Results) -> Iterator[Film]:
         "kh": [round(step.factor, 5) for step in path],
         "displacement": [float(f"{step.displacement:.5g}") for step in path],
         "kc": fields_of_fem.answer.kc,
-        "bounds": [float(bound) for bound in SAFETY_BOUNDS],
-        "shades": list(SAFETY_COLOURS),
+        "bounds": [float(bound) for bound in MOBILISED],
+        "shades": list(MOBILISED_COLOURS),
     }
     fields = [part for fem_state in states for part in (fem_state.displacement / fine, 1000.0 * fem_state.mobilised)]
     places = np.column_stack([points[:, 0] - left, points[:, 1] - bottom]) / quantum

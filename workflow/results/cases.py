@@ -1,6 +1,6 @@
 """Stores the slide of each case of liquefaction in dem/cases.json."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, ClassVar, Literal, Self, TypeVar
 
@@ -265,21 +265,12 @@ class RandomPackings(Part):
         return sum(all(less < more for less, more in pairwise(packing)) for packing in zip(*slides, strict=True))
 
 
-def alike(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dict[tuple[int, ...], Answered]:
-    """Group cases with equal answers, so that each is shown once; their stiffness may differ.
-
-    Parameters
-    ----------
-    cases : an answer for every case, by the number of the case
-    of : the cases to group; None for all of them
-
-    Returns
-    -------
-    dict
-        The numbers of the cases that have an answer, in order, and the answer of the first of them.
+def alike(cases: Mapping[int, Answered]) -> dict[tuple[int, ...], Answered]:
+    """Group cases with equal answers, so that each is shown once; their stiffness may differ. Return the numbers of the
+    cases of each group, in order, and the answer of the first of them.
     """
     groups: dict[str, list[int]] = {}
-    for number in sorted(cases if of is None else set(of) & set(cases)):
+    for number in sorted(cases):
         groups.setdefault(cases[number].model_dump_json(exclude={"stiffness"}), []).append(number)
     return {tuple(numbers): cases[numbers[0]] for numbers in groups.values()}
 

@@ -33,12 +33,12 @@ def work(job: Job) -> None:
 
 def draw(job: Job) -> None:
     """Draw the section, its weights and pore pressures, and its mesh."""
-    from workflow.figures.ground import draw_mesh, draw_with_borings
+    from workflow.figures.ground import draw_mesh, sheet_with_borings
     from workflow.figures.weights import draw_weights
     from workflow.results.stored_mesh import stored_mesh
 
     with job.store.writing("figures/section.png") as path:
-        draw_with_borings(job.config, path)
+        sheet_with_borings(job.config).save(path)
     with job.store.writing("figures/weights.png") as path:
         draw_weights(job.config.section, path)
     with job.store.writing("figures/mesh.png") as path:

@@ -107,12 +107,12 @@ def _with_longer(config: "Config", part: CirclePart) -> CirclePart:
 
 def draw(job: Job) -> None:
     """Draw the circles again from stored results."""
-    from workflow.figures.slip_circles import draw as draw_circles
+    from workflow.figures.slip_circles import circles_sheet
 
     answer = SlicesAnswer.read(job.store)
     if not answer.reason:
         with job.store.writing(PICTURE) as path:
-            draw_circles(job.config.section, answer, path)
+            circles_sheet(job.config.section, answer).save(path)
 
 
 def _parts(

@@ -11,7 +11,7 @@ from tests.support.sections import slope
 from workflow.config import Config
 from workflow.figures import fonts
 from workflow.figures.canvas import Sheet
-from workflow.figures.ground import draw_section
+from workflow.figures.ground import section_sheet
 
 JAPANESE = "能代市の斜面"
 needs_a_font = pytest.mark.skipif(
@@ -52,7 +52,7 @@ def test_a_section_with_japanese_names(tmp_path: Path) -> None:
     data["strata"][0]["name"] = "砂層"
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        draw_section(Config.parse(data).section, tmp_path / "section.png")
+        section_sheet(Config.parse(data).section).save(tmp_path / "section.png")
 
 
 def test_what_no_font_has_is_told_and_drawn_as_a_question_mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from tests.support.sections import slope
 from workflow.config import Config
 from workflow.figures.fem import conditions
-from workflow.figures.ground import WALL, draw_section
+from workflow.figures.ground import WALL, section_sheet
 
 
 def test_a_cut_off_wall_is_drawn_from_the_ground_to_its_foot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -20,7 +20,7 @@ def test_a_cut_off_wall_is_drawn_from_the_ground_to_its_foot(tmp_path: Path, mon
     monkeypatch.setattr(
         Axes, "plot", lambda axes, *args, **how: (drawn.append((args, how)), plot(axes, *args, **how))[1]
     )
-    draw_section(section, tmp_path / "section.png")
+    section_sheet(section).save(tmp_path / "section.png")
     [(x, z)] = [args for args, how in drawn if how.get("color") == WALL]
     top = section.ground[:, 1].max()
     assert x == [40.0, 40.0]

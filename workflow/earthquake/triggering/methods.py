@@ -7,7 +7,6 @@ from typing import Any, Literal
 
 from workflow.earthquake.triggering import boulanger_idriss, highway_code, idriss_boulanger
 from workflow.earthquake.triggering.blow_count import BlowCount, Resistance, SurfaceMotion
-from workflow.earthquake.triggering.boulanger_idriss import ConeTest
 from workflow.earthquake.triggering.settings import TriggeringMethod, TriggeringSettings
 
 
@@ -38,14 +37,6 @@ def _idriss_boulanger(point: BlowCount, shaking: SurfaceMotion, settings: Trigge
     return idriss_boulanger.assess(point, shaking, point.energy_ratio or settings.energy_ratio, settings.rods_above)
 
 
-def _boulanger_idriss(point: ConeTest, shaking: SurfaceMotion, settings: TriggeringSettings) -> Resistance:
-    return boulanger_idriss.assess(point, shaking)
-
-
-def _highway_1990(point: BlowCount, shaking: SurfaceMotion, settings: TriggeringSettings) -> Resistance:
-    return highway_code.assess_1990(point, shaking)
-
-
 def _highway_later(
     form: Literal["2012", "2017"], point: BlowCount, shaking: SurfaceMotion, settings: TriggeringSettings
 ) -> Resistance:
@@ -70,12 +61,12 @@ RELATIONS: dict[TriggeringMethod, Relation] = {
         "Boulanger & Idriss (2014)",
         boulanger_idriss.SOURCE,
         boulanger_idriss.VALIDITY,
-        _boulanger_idriss,
+        lambda point, shaking, _: boulanger_idriss.assess(point, shaking),
         boulanger_idriss.why_not,
         boulanger_idriss.MAGNITUDES,
         "cpt",
     ),
-    "highway_1990": _highway("1990", _highway_1990),
+    "highway_1990": _highway("1990", lambda point, shaking, _: highway_code.assess_1990(point, shaking)),
     "highway_2012": _highway("2012", partial(_highway_later, "2012")),
     "highway_2017": _highway("2017", partial(_highway_later, "2017")),
 }
