@@ -163,7 +163,7 @@ def _depth_of(slip_surface: np.ndarray, section: Section, x: float) -> float | N
 
 
 def _outside(*values: tuple[str, float, tuple[float, float]]) -> str:
-    messages = [f"{name} = {value:g} is not within {low:g}-{high:g}" for name, value, (low, high) in values
+    messages = [f"{name} = {value:.3g} is not within {low:g}-{high:g}" for name, value, (low, high) in values
             if not low <= value <= high]  # fmt: skip
     return "; ".join(messages)
 

@@ -71,8 +71,8 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     if config.section.liquefies:
         yield (
             "Liquefaction",
-            "The layers that liquefy and their residual strength are input, not results. The layers that "
-            f"liquefy lose strength {_onset(config)} under {_driven(config)}. {_of_the_paper(config)}{LIQUEFIED}",
+            f"{_source_of_liquefaction(config)} The layers that liquefy lose strength {_onset(config)} under "
+            f"{_driven(config)}. {_of_the_paper(config)}{LIQUEFIED}",
         )
         yield (
             "Discs",
@@ -86,6 +86,16 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
                 "the stiffness after failure or the dilation of the soil."
             ),
         )
+
+
+def _source_of_liquefaction(config: Config) -> str:
+    """Return a sentence on what determines the layers that liquefy, and their residual strength."""
+    liquefying = [stratum for stratum in config.section.strata if stratum.liquefies_in]
+    if not any(stratum.liquefies_in.triggered for stratum in liquefying):
+        return "The layers that liquefy and their residual strength are input, not results."
+    if any(number > len(config.slide.cases) for stratum in liquefying for number in stratum.liquefies_in):
+        return "The layers that liquefy and their residual strength follow from borings and the earthquake."
+    return "The layers that liquefy follow from borings and the earthquake; their residual strength is input."
 
 
 def _onset(config: Config) -> str:

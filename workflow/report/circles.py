@@ -113,8 +113,8 @@ def _why_far(results: Results, circle: CirclePart, elements: float, line: np.nda
         return f"{where}{steeply}: find strict bounds (bounds.run), and report the circles as the more cautious result"
     if fem is not None and fem.at_sides and kh is None:
         return (
-            f"{where}: these slide out at the {listed(list(fem.at_sides))} side, where the section was cut off; take a "
-            "longer section"
+            f"{where}: this failure reaches the {listed(list(fem.at_sides))} side, where the section was cut off; take "
+            "a longer section"
         )
     spencer = least_balance(section, line, kh, results.config.fem.vertical)
     if spencer is not None and abs(spencer - elements) <= CONFIRMS * elements:

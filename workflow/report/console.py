@@ -176,9 +176,8 @@ def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
 
 
 def _out_at(sides: tuple[str, ...]) -> str:
-    """Return a clause on the sides of the section through which the failing ground slides out; empty if there are
-    none."""
-    return f"; the ground slides out at the {' and the '.join(sides)} side" if sides else ""
+    """Return a clause on the sides of the section that the failing ground reaches; empty if there are none."""
+    return f"; the failing ground reaches the {' and the '.join(sides)} side" if sides else ""
 
 
 def proven(faces: bool, load_ends: bool) -> str:

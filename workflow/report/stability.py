@@ -60,7 +60,7 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
     other = fem.opposite
     if other is not None:
         value = f"> {coefficient(other.kc)}" if other.verdict == "no failure" else coefficient(other.kc)
-        cut = _("; slides out at the side of the section") if other.at_sides else ""
+        cut = _("; the failing ground reaches the side of the section") if other.at_sides else ""
         if structures_of(results.config.section):
             force = _("seismic force to the {side}", side=_("left" if fem.towards == "right" else "right"))
         else:

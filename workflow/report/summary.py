@@ -46,7 +46,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
     short = [part.conclusion for part in numbers]
     return Summary(
         headlines=numbers,
-        in_short=(*short, *verdict_paragraph(judged), *conclusions(results, texts)),
+        in_short=(*short, *verdict_paragraph(judged, texts), *conclusions(results, texts)),
         findings=(*findings(results), *agreeing(opinions)),
         warnings=(*contradicting(opinions), *warnings(results)),
         section=SectionLabel.of(config.section),

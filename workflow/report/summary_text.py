@@ -126,7 +126,7 @@ def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:
         )
     sides = fem.associated.at_sides if fem.associated is not None else ()
     if sides:
-        yield f"With ψ = φ the ground slides out of the section at the {listed(sides)} side."
+        yield f"With ψ = φ the failing ground reaches the {listed(sides)} side of the section."
 
 
 def _slides(results: Results) -> Iterator[str]:

@@ -13,7 +13,7 @@ from typing import Any
 from workflow.config.tables import Language
 
 SENTENCES = "sentences"  # the table of the catalogue with whole sentences, whose values are written {}
-CASES = re.compile(r"cases? ([\d, and]+)")
+CASES = re.compile(r"cases? (\d(?:[\d, and]*\d)?)")
 # A page is cut at scripts and at all tags but those within a sentence; a paragraph is cut behind its sentences.
 CUT = re.compile(r"(<(?:script|style)\b.*?</(?:script|style)>|<(?!/?(?:i|sub|a|br)\b)[^>]*>)", re.DOTALL)
 END = re.compile(r"(?<=[.。])(?<!al\.)(?<!eq\.)(?<!Sec\.) (?=[A-Z]|[^\x00-\x7f])")

@@ -8,9 +8,9 @@ from workflow.criteria.settings import judge, together
 from workflow.estimates.crest_settlement import freeboard
 from workflow.estimates.structures import structures_of
 from workflow.report.crests import crest_parts, water_at_crest
-from workflow.report.numbers import listed
 from workflow.report.structures import FaceRow, face_rows
 from workflow.report.summary_text import at_rest
+from workflow.report.texts import Texts
 from workflow.results.answer import Line
 from workflow.results.governing import governing_factor, governing_kh, governing_value
 from workflow.results.results import Results
@@ -237,26 +237,27 @@ def _not_computed(results: Results) -> Iterator[Interval]:
         yield f"after liquefaction, {results.config.called(number)}", None, None, "no slide was computed"
 
 
-def verdict_paragraph(parts: list[VerdictPart]) -> Iterator[str]:
-    """Yield a sentence on every criterion, with the governing quantities."""
-    phrases = []
+def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None) -> Iterator[str]:
+    """Yield a sentence on every criterion, with the governing quantities, in the language of the ``texts``."""
+    _, phrases = texts or Texts(), []
     for criterion in dict.fromkeys(part.criterion for part in parts):
         parts_of_criterion = [part for part in parts if part.criterion == criterion]
         verdict = together(tuple(part.verdict for part in parts_of_criterion))
         deciding = [part for part in parts_of_criterion if part.verdict == verdict]
         worst = deciding[:3] if verdict != "satisfied" else []
-        why = "" if not worst else f" ({listed([_words(part) for part in worst])})"
-        least = "at least" if criterion in AT_LEAST else "at most"
+        why = "" if not worst else f" ({_.listed([_words(part, _) for part in worst])})"
+        limit = limit_words(parts_of_criterion[0])
+        limit = _("at least {limit}", limit=limit) if criterion in AT_LEAST else _("at most {limit}", limit=limit)
         by_section = criterion not in OF_FACES or any(part.of.startswith("the section") for part in parts_of_criterion)
-        whose = "" if by_section else " of the faces of structures"
+        name = criterion if by_section else f"{criterion} of the faces of structures"
         source = f" [{parts_of_criterion[0].source}]" if parts_of_criterion[0].source else ""
-        phrases.append(f"{criterion}{whose} {least} {limit_words(parts_of_criterion[0])}{source}: {verdict}{why}")
+        phrases.append(f"{_.sentence(name)} {limit}{source}: {_.sentence(verdict)}{why}")
     if phrases:
-        yield f"Criteria: {'; '.join(phrases)}."
+        yield _("Criteria: {each}.").format(each="; ".join(phrases))
 
 
-def _words(part: VerdictPart) -> str:
-    return f"{part.of}: {part.reason or interval_words(part)}"
+def _words(part: VerdictPart, _: Texts) -> str:
+    return f"{_.sentence(part.of)}: {_.sentence(part.reason) or interval_words(part)}"
 
 
 def limit_words(part: VerdictPart) -> str:

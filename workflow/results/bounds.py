@@ -67,7 +67,7 @@ class DirectionPart(Part):
     lower: float | None
     upper: float | None
     leaves: tuple[Literal["left", "right"], ...] = Field(
-        description="sides of the section through which the failing ground slides out"
+        description="sides of the section, left or right, that the failing ground reaches"
     )
     history: tuple[BoundsRound, ...]
 
@@ -88,8 +88,8 @@ class DirectionPart(Part):
 
     @property
     def way_out(self) -> str:
-        """Return a clause on the sides at which the ground slides out; empty if there are none."""
-        return f"; the ground slides out at the {' and the '.join(self.leaves)} side" if self.leaves else ""
+        """Return a clause on the sides that the failing ground reaches; empty if there are none."""
+        return f"; the failing ground reaches the {' and the '.join(self.leaves)} side" if self.leaves else ""
 
 
 class BracketPart(Part):

@@ -146,7 +146,7 @@ def _other_way(adapted: "AdaptiveResult[Any] | None") -> OtherWay | None:
 
 
 def _at_sides(adapted: "AdaptiveResult[Any]") -> tuple[str, ...]:
-    """Return the sides of the section through which the failing ground slides out; none if the ground does not fail."""
+    """Return the sides of the section that the failing ground reaches; none if the ground does not fail."""
     return adapted.at_sides if adapted.result.verdict in ("plateau", "peak") else ()
 
 

@@ -96,11 +96,11 @@ def test_what_stands_beside_the_critical_kh(run: Config) -> None:
     }
     answer = fem(run).model_copy(update={**more, "warnings": (warning, known)})
     messages = report_text(results(run, fem=answer, bounds=bounds(run, 0.30, 0.31)))
-    assert "With ψ = φ the ground slides out of the section at the left side." in messages
+    assert "With ψ = φ the failing ground reaches the left side of the section." in messages
     assert "At Kh = 0.050 already, the cohesionless face of upper from x = 20 to 44 m fails as an infinite" in messages
     rows = {(row.value, row.conditions) for row in stability_rows(results(run, fem=answer), Texts())}
     assert ("0.306", "free-field sides, associated flow, ψ = φ") in rows
-    assert ("0.173", "seismic force upslope; slides out at the side of the section") in rows
+    assert ("0.173", "seismic force upslope; the failing ground reaches the side of the section") in rows
     assert warned(results(run, fem=answer))[0] == "A finer mesh gives 0.20. Refine it."
     stands = fem(run).model_copy(update={"opposite": other.model_copy(update={"verdict": "no failure", "kc": 1.5})})
     assert "> 1.500" in [row.value for row in stability_rows(results(run, fem=stands), Texts())]

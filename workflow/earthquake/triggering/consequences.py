@@ -17,7 +17,7 @@ from workflow.earthquake.triggering.residual import RELATIONS, Penetration
 from workflow.earthquake.triggering.settings import CaseName, TriggeringSettings
 
 ISHIHARA_YOSHIMINE = (
-    "K. Ishihara, M. Yoshimine, Soils and Foundations 32 (1992) 173-188, as Idriss & Boulanger (2008) have it"
+    "K. Ishihara, M. Yoshimine, Soils and Foundations 32 (1992) 173-188, in the form of Idriss & Boulanger (2008)"
 )
 STRAIN_VALIDITY = "clean sand, and silty sand by (N1)60cs; level ground"
 SEED = "H. B. Seed, P. P. Martin, J. Lysmer, J. Geotech. Eng. Div. 102 (1976) 323-346"
