@@ -157,9 +157,8 @@ def cases_of_loose_sand(section: Section) -> tuple[Case, ...]:
 
     Returns
     -------
-    tuple of Case
-        Cases whose residual strength is the ratio in `LOOSE_SAND` times the mean vertical effective stress of each
-        liquefying soil (Pa).
+    Cases whose residual strength is the ratio in `LOOSE_SAND` times the mean vertical effective stress of each
+    liquefying soil (Pa).
     """
     areas, parts = section.layering.areas(), dict[str, list[int]]()
     for k, stratum in enumerate(section.strata):

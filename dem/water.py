@@ -56,9 +56,8 @@ def buoyancy(section: Section, places: Places, discs: DiscState) -> np.ndarray |
 
     Returns
     -------
-    (n, 2) or None
-        The accelerations, zero for discs of strata without a water level. None for a section without still water below
-        a table: for seepage and for a pore pressure ratio, the pressure at new positions is not known.
+    The accelerations (n, 2), zero for discs of strata without a water level. None for a section without still water
+    below a table: for seepage and for a pore pressure ratio, the pressure at new positions is not known.
     """
     water = section.water_pressure
     levels = zip(water.levels, section.strata, strict=True)

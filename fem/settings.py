@@ -70,8 +70,7 @@ def usual_point_sides(section: Section) -> Sides | None:
 
     Returns
     -------
-    str or None
-        "smooth", or None for the sides of the elements.
+    "smooth", or None for the sides of the elements.
     """
     left, right = _level_ends(section)
     higher, lower = (left, right) if downhill(section.ground) > 0 else (right, left)

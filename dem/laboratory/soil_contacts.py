@@ -109,8 +109,7 @@ def mohr_coulomb_strength(cohesion: float, friction_angle: float, pressure: np.n
 
     Returns
     -------
-    (n,)
-        Radius of the Mohr circle that touches the failure line and whose smaller principal stress is p.
+    Radius (n,) of the Mohr circle that touches the failure line and whose smaller principal stress is p.
     """
     sine, cosine = np.sin(friction_angle), np.cos(friction_angle)
     return np.asarray((pressure * sine + cohesion * cosine) / (1.0 - sine))

@@ -37,8 +37,7 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
 
     Returns
     -------
-    PatchStrength or str
-        The result, or the reason if the patch does not come to rest or cannot be compressed.
+    The result, or the reason if the patch does not come to rest or cannot be compressed.
     """
     file = _file(numbers, seed)
     with suppress(OSError, ValueError, TypeError, KeyError):

@@ -58,8 +58,7 @@ def replace_contacts_of_clay(model: DiscModel, seconds: float, ground: Ground | 
 
     Returns
     -------
-    bool
-        Whether there is clay.
+    Whether there is clay.
 
     Raises
     ------

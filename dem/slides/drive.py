@@ -99,8 +99,7 @@ def cycles(
 
     Returns
     -------
-    Shaking or None
-        The cycles; None if Kh is zero or not cyclic.
+    The cycles; None if Kh is zero or not cyclic.
     """
     if settings.kh_cycles is None or settings.kh_period is None or settings.kh == 0.0:
         return None
@@ -169,8 +168,8 @@ def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.nda
 
     Returns
     -------
-    time, acceleration : (n,) arrays
-        Times from 0 (s), and acceleration of the mass of the ground (m/s²), which begins and ends with 0.
+    time, acceleration (n,) : times from 0 (s), and acceleration of the mass of the ground (m/s²), which begins and ends
+        with 0
 
     Raises
     ------

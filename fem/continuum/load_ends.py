@@ -31,8 +31,7 @@ def with_strengthened_load_ends(section: Section, least_depth: float) -> Section
 
     Returns
     -------
-    Section
-        The strengthened section; ``section`` itself where no surcharge ends on bare ground without cohesion.
+    The strengthened section; ``section`` itself where no surcharge ends on bare ground without cohesion.
     """
     ends: dict[float, float] = {}
     for number, x, _ in section.surface_loads.bare_ends():

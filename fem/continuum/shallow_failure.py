@@ -162,10 +162,6 @@ def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
     Parameters
     ----------
     faces : faces as ``shallow_failures`` returns them
-
-    Returns
-    -------
-    list of ShallowFailure
     """
     failures: list[ShallowFailure] = []
     for face in faces:

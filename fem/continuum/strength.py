@@ -60,10 +60,6 @@ def with_davis_strength(section: Section) -> Section:
     Parameters
     ----------
     section : the ground, with the dilation angles of its strata
-
-    Returns
-    -------
-    Section
     """
     strata = []
     for soil in section.strata:
@@ -87,8 +83,7 @@ def flow_of(strata: Sequence[Stratum], flow: FlowSetting) -> Flow:
 
     Returns
     -------
-    {"davis", "associated", "section"}
-        The flow rule.
+    The flow rule.
     """
     if flow != "auto":
         return flow

@@ -81,8 +81,7 @@ def edge_strength(
 
     Returns
     -------
-    EdgeStrength
-        Strength of the points of sound ground that lie in these knot spans, in the order of the numbers of the points.
+    Strength of the points of sound ground that lie in these knot spans, in the order of the numbers of the points.
     """
     column, row = _places(x, cell)
     above = np.zeros(len(x))
@@ -130,8 +129,7 @@ def thickness_over_width(
 
     Returns
     -------
-    ndarray (n,)
-        Ratio of thickness to width, at most 1; 1 for sound ground.
+    Ratio (n,) of thickness to width, at most 1; 1 for sound ground.
     """
     column, _ = _places(x, cell)
     share = np.ones(len(x))

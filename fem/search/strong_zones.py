@@ -41,10 +41,6 @@ def with_strong_zones(section: Section, zones: Sequence[StrongZone]) -> Section:
     ----------
     section : the ground
     zones : zones in which nothing fails
-
-    Returns
-    -------
-    Section
     """
     layers, strata = section.layering, section.strata
     heaviest = max(max(stratum.density_ordinary, stratum.density_seismic) for stratum in strata)

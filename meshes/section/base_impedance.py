@@ -20,9 +20,8 @@ def base_impedance(section: Section) -> float:
 
     Returns
     -------
-    float
-        ρ V_s L in kg/s per metre out of plane: the harmonic mean of ρ V_s over the area, with V_s = sqrt(G/ρ) and
-        G = E / (2 (1 + ν)), times the length L of the section.
+    ρ V_s L in kg/s per metre out of plane: the harmonic mean of ρ V_s over the area, with V_s = sqrt(G/ρ) and G = E /
+    (2 (1 + ν)), times the length L of the section.
     """
     strata, areas, (left, right) = section.strata, section.layering.areas(), section.extent
     moduli = [stratum.youngs_modulus / (2.0 * (1.0 + stratum.poissons_ratio)) for stratum in strata]

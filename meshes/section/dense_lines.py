@@ -44,10 +44,8 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
 
     Returns
     -------
-    lines : dict of ndarray
-        The thinned lines. If only few points are dense, all lines are unchanged.
-    tolerance : float
-        Largest distance (m) of a line from its running median; 0 if no line was changed.
+    lines : the thinned lines. If only few points are dense, all lines are unchanged.
+    tolerance : largest distance (m) of a line from its running median; 0 if no line was changed
     """
     x = np.unique(np.concatenate([points[:, 0] for points in lines.values()]))
     gaps = np.diff(x)
@@ -195,10 +193,8 @@ def with_walls_upright(
 
     Returns
     -------
-    x : ndarray (m,)
-        Places (m), rising.
-    sides : list of two ndarray (m,)
-        Values of the lines there.
+    x (m,) : places (m), rising
+    sides (m,) : values of the lines there
     """
     left, right = (np.array([pair[side] for pair in sides]) for side in (0, 1))
     keep = np.ones(len(x), dtype=bool)

@@ -23,10 +23,8 @@ def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
 
     Returns
     -------
-    data : dict
-        The same data with other points.
-    notices : list of str
-        One sentence for each line whose points were moved, and one for all lines that were reversed.
+    data : the same data with other points
+    notices : one sentence for each line whose points were moved, and one for all lines that were reversed
     """
     data = dict(data)
     notices = _reversed_lines(data)

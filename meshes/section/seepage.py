@@ -157,10 +157,6 @@ def steady_seepage(
     tolerance : float
         Distance (m) within which points are merged.
 
-    Returns
-    -------
-    Seepage
-
     Raises
     ------
     SeepageError

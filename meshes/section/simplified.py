@@ -17,8 +17,7 @@ def needed(points: np.ndarray, tolerance: float) -> np.ndarray:
 
     Returns
     -------
-    ndarray (n,) of bool
-        Mask of the points to keep; the ends are always kept.
+    Mask (n,) of the points to keep; the ends are always kept.
     """
     keep = np.zeros(len(points), dtype=bool)
     keep[[0, -1]] = True

@@ -26,7 +26,6 @@ def stress_at_potential(effective: np.ndarray, strength: np.ndarray) -> np.ndarr
 
     Returns
     -------
-    ndarray (n,)
-        Shear stress (Pa).
+    Shear stress (n,) in Pa.
     """
     return np.minimum(HOLDS * np.maximum(effective, 0.0), LARGEST_SHARE * strength)

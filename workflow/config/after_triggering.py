@@ -29,9 +29,8 @@ def config_after_triggering(config: Config, source: str = "section") -> Config:
 
     Returns
     -------
-    Config
-        The config with all values that follow from blow counts and earthquake: strata that liquefy in all cases, excess
-        pore pressure ratios of other strata, cases of the slides, and a numerical Kh.
+    The config with all values that follow from blow counts and earthquake: strata that liquefy in all cases, excess
+    pore pressure ratios of other strata, cases of the slides, and a numerical Kh.
 
     Raises
     ------
@@ -51,10 +50,6 @@ def load_config(path: Path, overrides: Mapping[str, Mapping[str, Any]] | None = 
     ----------
     path : the section file; errors name it
     overrides : settings of the command line, as for `Config.load`
-
-    Returns
-    -------
-    Config
 
     Raises
     ------

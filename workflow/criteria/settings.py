@@ -138,8 +138,7 @@ def judge(low: float | None, high: float | None, limit: float, at_least: bool) -
 
     Returns
     -------
-    CriterionVerdict
-        The verdict; "not decided" without an answer, or if the limit lies inside the interval.
+    The verdict; "not decided" without an answer, or if the limit lies inside the interval.
     """
     if low is None or high is None:
         return "not decided"

@@ -90,10 +90,6 @@ def equivalent_kh(
     magnitude, distance, site : magnitude, distance (m) and site class, which determine cycles and period if there is no
         record; by default M 7.5 and 20 km
     record : record of the ground surface, which determines cycles and mean period
-
-    Returns
-    -------
-    EquivalentKh
     """
     peak = motion.median / GRAVITY
     words = f"{SHARE:g} of the peak of {peak:.3g} g (Seed & Idriss 1971)"

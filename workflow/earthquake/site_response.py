@@ -140,10 +140,6 @@ def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcro
     step : time step (s)
     outcrop (t,) : acceleration (m/s²) of the half-space at an outcrop
 
-    Returns
-    -------
-    Response
-
     Raises
     ------
     ValueError

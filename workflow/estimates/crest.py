@@ -40,10 +40,6 @@ def crest_between(ground: np.ndarray, start: float, end: float) -> Crest:
     ----------
     ground (n, 2) : points of the ground surface (m), x ascending
     start, end : x of the feet of the structure (m), inside the ground
-
-    Returns
-    -------
-    Crest
     """
     inside = ground[(ground[:, 0] > start) & (ground[:, 0] < end)]
     ends = np.interp([start, end], *ground.T)
@@ -67,10 +63,6 @@ def embankments(ground: np.ndarray) -> tuple[Crest, ...]:
     Parameters
     ----------
     ground (n, 2) : points of the ground surface (m), x ascending
-
-    Returns
-    -------
-    tuple of Crest
     """
     crests: list[Crest] = []
     for crest in sorted(_standing_out(ground), key=lambda bank: -bank.elevation):

@@ -23,8 +23,7 @@ def crest_level(surface: np.ndarray, crest: Crest) -> float | None:
 
     Returns
     -------
-    float or None
-        Elevation (m); None if the surface does not reach from foot to foot.
+    Elevation (m); None if the surface does not reach from foot to foot.
     """
     line = surface[np.argsort(surface[:, 0], kind="stable")]
     if not len(line) or line[0, 0] > crest.left or line[-1, 0] < crest.right:
@@ -51,8 +50,7 @@ def crest_settlement(before: np.ndarray, after: np.ndarray, crest: Crest) -> flo
 
     Returns
     -------
-    float or None
-        Settlement (m), down positive; None if a surface does not reach over the crest.
+    Settlement (m), down positive; None if a surface does not reach over the crest.
     """
     was, became = crest_level(before, crest), crest_level(after, crest)
     return None if was is None or became is None else was - became
@@ -71,8 +69,7 @@ def reconsolidation_settlement(thickness: Sequence[float], volumetric_strain: Se
 
     Returns
     -------
-    float
-        Settlement (m), down positive.
+    Settlement (m), down positive.
     """
     return float(sum(h * strain for h, strain in zip(thickness, volumetric_strain, strict=True)))
 
@@ -85,9 +82,5 @@ def freeboard(elevation: float, settlement: float, water: float) -> float:
     elevation : elevation of the crest before the earthquake (m)
     settlement : settlement of the crest (m), down positive
     water : elevation of the water beside the structure (m)
-
-    Returns
-    -------
-    float
     """
     return elevation - settlement - water

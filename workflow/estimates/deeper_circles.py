@@ -41,10 +41,8 @@ def ground_of_circles(
 
     Returns
     -------
-    ground : Section
-        The section, or the section with its faces strengthened.
-    circle : SlipCircle or None
-        The critical circle in this ground; None if no circle slides.
+    ground : the section, or the section with its faces strengthened
+    circle : the critical circle in this ground; None if no circle slides
     """
     circle = critical_circle(section, towards, kh, least_depth, vertical, crack=crack)
     direction: Direction = "downhill" if sign_of(section, "downhill") == towards else "uphill"

@@ -72,10 +72,6 @@ def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -
     ----------
     estimates : estimates of all methods
     factors : factors of safety without shaking of the cases of liquefied ground that flow; empty if none flows
-
-    Returns
-    -------
-    list of Estimate
     """
     rows = list(estimates)
     if not factors:

@@ -56,8 +56,7 @@ def zones_against(
 
     Returns
     -------
-    tuple of StrongZone or None
-        The zones; None if no zone can be added.
+    The zones; None if no zone can be added.
     """
     first, last = section.extent
     crest, middle = structure.crest, 0.5 * (surface[0][0] + surface[-1][0])

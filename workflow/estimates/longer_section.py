@@ -53,9 +53,8 @@ def circle_of_longer_section(
 
     Returns
     -------
-    LongerSectionCircle or None
-        The circle; None if the given circle ends at no side, the section cannot be continued, or no circle of the
-        longer section has a smaller critical Kh.
+    The circle; None if the given circle ends at no side, the section cannot be continued, or no circle of the longer
+    section has a smaller critical Kh.
     """
     left, right = section.extent
     near = AT_SIDE * (right - left)

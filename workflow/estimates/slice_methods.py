@@ -31,10 +31,6 @@ def bishop_factor(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarr
         Centre (mirrored x as in ``slices``) and radius of each circle (m).
     kh : float
         Horizontal seismic coefficient, towards the slide.
-
-    Returns
-    -------
-    (surfaces,) ndarray
     """
     driving = -(_moments(slices, x, z) @ np.array([1.0, kh]))
     slides = driving > 0.0
@@ -59,10 +55,6 @@ def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.
     Parameters
     ----------
     slices, x, z, radius : as for `bishop_factor`; pore pressures are those during shaking
-
-    Returns
-    -------
-    (surfaces,) ndarray
     """
     ones = np.ones(len(x))
     still, m_alpha = _shear(slices, slices.vertical, ones)
@@ -119,8 +111,7 @@ def spencer_factor(slices: Slices, kh: float = 0.0) -> Balance | None:
 
     Returns
     -------
-    Balance or None
-        The equilibrium; None if no factor between 0.02 and 100 balances forces and moments.
+    The equilibrium; None if no factor between 0.02 and 100 balances forces and moments.
     """
 
     def force_balance(theta: float) -> float:
@@ -146,8 +137,7 @@ def spencer_critical_kh(slices: Slices) -> Balance | None:
 
     Returns
     -------
-    Balance or None
-        The equilibrium; None if no coefficient between -5 and 5 balances forces and moments.
+    The equilibrium; None if no coefficient between -5 and 5 balances forces and moments.
     """
     ones = np.ones(1)
 

@@ -66,10 +66,6 @@ def divide(
     towards : LEFT or RIGHT, the side to which the mass slides and the seismic force acts
     seismic : whether excess pore pressures by shaking act
     vertical : vertical seismic coefficient, positive upwards: it reduces the weight by this share of the mass
-
-    Returns
-    -------
-    Slices
     """
     shape = (len(x), x.shape[1] - 1)
     middle, base = 0.5 * (x[:, 1:] + x[:, :-1]), 0.5 * (z[:, 1:] + z[:, :-1])
@@ -125,10 +121,6 @@ def loaded_by_crack(
         x and elevation (m) of the upper ends of the slip surfaces, which are the bottoms of the cracks.
     towards : int
         LEFT or RIGHT, the side to which the mass slides.
-
-    Returns
-    -------
-    Slices
     """
     x, z = head
     depth = section.layering.interfaces(x)[:, 0] - z

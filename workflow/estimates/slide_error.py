@@ -69,8 +69,7 @@ def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> Sli
 
     Returns
     -------
-    SlideError or None
-        None if no field case of the collection was computed.
+    None if no field case of the collection was computed.
     """
     rows = _rows(method)
     field = [(kind, ratio) for group, kind, ratio in rows if group == "field"]

@@ -79,8 +79,7 @@ def critical_circle(
 
     Returns
     -------
-    SlipCircle or None
-        The circle; None if no circle slides.
+    The circle; None if no circle slides.
     """
     depth = max(least_depth, LEAST_DEPTH * float(np.ptp(section.outline()[:, 1])))
     return _CircleSearch(section, towards, kh, depth, vertical, crest, crack).run()
@@ -100,8 +99,7 @@ def surface_balance(
 
     Returns
     -------
-    float or None
-        Factor of safety or critical Kh; None if forces and moments do not balance.
+    Factor of safety or critical Kh; None if forces and moments do not balance.
     """
     line = _to_the_ground(section, line, towards)
     x = np.linspace(line[0, 0], line[-1, 0], FINE_SLICES + 1)
@@ -119,9 +117,8 @@ def least_balance(section: Section, line: np.ndarray, kh: float | None = 0.0, ve
 
     Returns
     -------
-    float or None
-        Factor of safety or critical Kh; None for a line of fewer than three points, or if forces and moments balance
-        towards neither side.
+    Factor of safety or critical Kh; None for a line of fewer than three points, or if forces and moments balance
+    towards neither side.
     """
     if len(line) < FEWEST_POINTS:
         return None

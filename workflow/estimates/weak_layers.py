@@ -29,8 +29,7 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
 
     Returns
     -------
-    tuple of str
-        Names of the soils in the section file.
+    Names of the soils in the section file.
     """
     layers = section.layering
     left, right = section.extent

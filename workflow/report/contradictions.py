@@ -80,8 +80,7 @@ def deepest_fall(search: DiscSearch, soil: bool) -> tuple[float, float] | None:
 
     Returns
     -------
-    tuple of float or None
-        Kh before and after the fall (-).
+    Kh before and after the fall (-).
     """
     points = [(t.displacement_m, t.kh) for t in search.trials] if soil else [(u, kh) for kh, u in search.curve]
     kh = np.array([kh for _, kh in sorted(points)])

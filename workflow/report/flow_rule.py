@@ -46,8 +46,7 @@ def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, s
 
     Returns
     -------
-    str
-        Text such as "0.158 with ψ = φ; Davis's estimate for ψ = 0, which is no bound: 0.125".
+    Text such as "0.158 with ψ = φ; Davis's estimate for ψ = 0, which is no bound: 0.125".
     """
     match flow:
         case "associated":

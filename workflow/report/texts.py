@@ -70,8 +70,7 @@ class Texts:
 
         Returns
         -------
-        str
-            The text in the language of the report; in English where the catalogue has no translation.
+        The text in the language of the report; in English where the catalogue has no translation.
         """
         translated = self.translations.get(text, text)
         words = {name: self._value(value) if isinstance(value, str) else value for name, value in values.items()}

@@ -14,8 +14,7 @@ def smoothed(line: np.ndarray, size: float) -> np.ndarray:
 
     Returns
     -------
-    array (m, 2)
-        Points half a diameter apart.
+    Points (m, 2) half a diameter apart.
     """
     line = line[np.argsort(line[:, 0], kind="stable")]
     if len(line) < 2 or not size > 0.0 or np.ptp(line[:, 0]) < 4.0 * size:

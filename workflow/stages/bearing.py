@@ -45,8 +45,7 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
 
     Returns
     -------
-    Bearing
-        The results, and notes on missing ones.
+    The results, and notes on missing ones.
     """
     from fem.continuum.strength import flow_of
 

@@ -161,8 +161,7 @@ def slide_of_points(config: Config, number: int) -> "PointSlide":
 
     Returns
     -------
-    PointSlide
-        The slide.
+    The slide.
 
     Raises
     ------
