@@ -134,7 +134,7 @@ def liquefy(model: DiscState, onset: Onset) -> None:
     """
     if model.law != "soil":
         raise ValueError(
-            "discs: the laws of liquefied ground need law='soil'; for law='paper' a case has factors on the springs"
+            "discs: the laws of liquefied ground need law='soil'; with law='paper', liquefaction reduces the springs"
         )
     reach = model.reach or 2.0 * REACH * float(model.radius[~model.fixed].mean())
     if model.period is not None and model.period[0] < NEEDED * (reach + model.skin):

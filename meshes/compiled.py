@@ -1,6 +1,6 @@
 """Manages the folder of compiled kernels: one folder for each state of their sources, so that no change is overlooked.
 
-Numba stores compiled functions and compiles again when the file of a function changes. It does not check the files of
+Numba stores compiled functions and compiles again when the file of a function changes, but does not check the files of
 functions that are called from there (Numba's issue 1833): after a change in `contact.py` alone, `stepping.py` would
 still be used with the old contact law. So the name of the folder contains a hash of all kernels.
 

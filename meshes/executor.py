@@ -4,10 +4,10 @@ choice of the executor.
 One rule for interruption and cancelling
 ----------------------------------------
 The main thread waits while another one works (`interruptible`), so that it hears Ctrl-C at once, and no library does.
-The end of an executor's ``with`` block cancels all that is left of its tasks. Those that have not begun never do. A
-process is killed in the middle of its task: files are there whole or not at all. It ends by itself when the program
-that started it ends, however that happens. A thread raises KeyboardInterrupt at its next `check_cancelled`; nobody
-waits for it, and a program that ends while it `is_left_working` does so at once.
+The end of an executor's ``with`` block cancels its unfinished tasks. Tasks that have not begun are not run. A process
+is killed in the middle of its task: files are there whole or not at all. A process also ends by itself when the program
+that started the process ends for any reason. A thread raises KeyboardInterrupt at its next `check_cancelled`; the
+program does not wait for the thread, and ends at once even if a thread `is_left_working`.
 """
 
 import pickle

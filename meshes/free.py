@@ -231,8 +231,8 @@ def _cut_ring(
     tolerance: float,
     reach: np.ndarray,
 ) -> list[int]:
-    """Return a polygon as indices of corners. It includes every corner that lies on one of its edges, which is a corner
-    nearer than its ``reach`` (m) to the edge."""
+    """Return a polygon as indices of corners, including every corner that lies on one of its edges, nearer than the
+    ``reach`` (m) of the corner."""
     ring: list[int] = []
     for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         length = float(np.hypot(*(end - start)))

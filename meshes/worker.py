@@ -1,7 +1,7 @@
 """Runs a process of this machine that does tasks for another process, one after the other.
 
-The process ignores Ctrl-C. It ends with the program that started it, even in the middle of a task: its main thread only
-waits for requests, and when they end it ends the process.
+The process ignores Ctrl-C. The process ends with the program that started it, even in the middle of a task: its main
+thread only waits for requests, and ends the process when the requests end.
 """
 
 import os

@@ -231,8 +231,8 @@ def _driven(row: Row) -> str:
 
 
 def _count_of(count: str, report: str, driven: str) -> str:
-    """Return the text of the blow count. It is ISPT_NVAL, unless ISPT_NVAL is missing, or the report or the drive
-    states a refusal.
+    """Return the text of the blow count: ISPT_NVAL, unless ISPT_NVAL is missing, or the report or the drive states a
+    refusal.
 
     ``count``: ISPT_NVAL; ``report``: ISPT_REP; ``driven``: blows and penetration of the drive.
     """

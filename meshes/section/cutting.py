@@ -146,8 +146,9 @@ def divided_by_water(layers: Layering, k: int, water: np.ndarray) -> DividedStra
 
 
 def _reach(gap: np.ndarray, x: np.ndarray, tolerance: float) -> np.ndarray:
-    """Return the distance (m) between two lines, at both ends of intervals, below which the lines count as meeting
-    there. It is the tolerance within which two points are one, or the distance between lines that cross within this
+    """Return the distance (m) between two lines, at both ends of intervals, below which the lines count as meeting.
+
+    This distance is the tolerance within which two points are one, or the distance between lines that cross within this
     tolerance to either side of a breakpoint.
     """
     reach = tolerance * np.maximum(1.0, np.abs(gap[:, 1] - gap[:, 0]) / np.diff(x))

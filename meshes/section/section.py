@@ -43,8 +43,8 @@ from meshes.section.zone import Zone, with_elevations, with_materials, without_d
 class Section(Model):
     """Holds the section of a layered slope; x to the right and elevation upwards, in metres.
 
-    Strata are listed from the top down. A stratum lies between its bottom line and the stratum above. It ends where its
-    bottom line ends, where this line meets the line above, or where it reaches the ground surface.
+    Strata are listed from the top down. A stratum lies between its bottom line and the stratum above, and ends where
+    its bottom line ends, meets the line above, or reaches the ground surface.
     """
 
     name: str = Field(

@@ -24,10 +24,10 @@ PALE = "#d7dde2"
 
 
 def fails(values: np.ndarray, curve: ProbabilityCurve, title: str, path: Path) -> None:
-    """Draw a histogram of the critical Kh, ``values`` (samples,), and the probability of failure over Kh with its
+    """Draw a histogram of the critical Kh, ``values`` (samples,), and the probability of failure against Kh with its
     interval.
 
-    curve: probability over Kh; title: title above the picture; path: file of the picture.
+    curve: probability of failure and its Kh; title: title above the picture; path: file of the picture.
     """
     figure = _figure(1, f"{title}: critical Kh of {len(values)} samples")
     left, right = figure.subplots(1, 2)

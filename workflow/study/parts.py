@@ -12,7 +12,7 @@ from workflow.study.task import Numbers, StudySample
 
 @dataclass(frozen=True)
 class StudyPart:
-    """Holds a part of a study.
+    """Holds a part of a study: a result that the study computes for every sample, such as the critical Kh.
 
     Attributes
     ----------
