@@ -20,6 +20,7 @@ StratumAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 ROW = np.sqrt(0.75)  # height of a row of a triangular lattice over its spacing
 OVERLAP = 0.01  # of the mean radius, that random packings are left with at most
+SWEEPS = 4000  # that push discs apart, at most
 ABOVE = 4  # rows that side walls stand higher than the surface
 
 
@@ -121,18 +122,17 @@ def random_packing(
     spread: float = 0.2,
     porosity: float = 0.2,
     seed: int = 0,
-    sweeps: int = 4000,
 ) -> Packing:
     """Pack discs of random radii at random places; they grow in steps and are pushed apart until overlaps are small.
 
     radius: mean radius (m); spread: half the width of the uniform distribution of radii over the mean; porosity: voids
     over area; seed: seed of the random numbers; equal seeds give equal packings. outline: (n, 2) polygon (m);
-    stratum_at: number of the stratum at points x, z; sweeps: largest number of sweeps that push discs apart. Raises
+    stratum_at: number of the stratum at points x, z. Raises
     ValueError, with the porosity that was reached, if the discs do not fit; 2-D packings jam at a porosity of about
     0.16.
     """
     outline = _checked(outline)
-    x, z, sizes = _grown_discs(outline, outline, ENDLESS, (radius, spread, porosity), seed, sweeps)
+    x, z, sizes = _grown_discs(outline, outline, ENDLESS, (radius, spread, porosity), seed)
     return _surrounded(x, z, sizes, outline, stratum_at)
 
 
@@ -145,14 +145,13 @@ def periodic_packing(
     spread: float = 0.2,
     porosity: float = 0.2,
     seed: int = 0,
-    sweeps: int = 4000,
 ) -> Packing:
     """Pack discs of random size, as `random_packing` does, between two lines whose right ends continue at their left
     ends.
 
     There are neither boundary discs nor rigid lines.
     lower, upper: (n, 2) corners of the lines from left to right (m), between the same two x, both with the same rise
-    from end to end; radius, spread, porosity, stratum_at, seed, sweeps: as of `random_packing`.
+    from end to end; radius, spread, porosity, stratum_at, seed: as of `random_packing`.
     Raises ValueError if the discs do not fit, or if one line rises by more than the other from end to end.
     """
     length, rise = upper[-1] - upper[0]
@@ -162,7 +161,7 @@ def periodic_packing(
     walls = np.vstack([_thrice(lower, shift), _thrice(upper, shift)[::-1]])
     outline = np.vstack([lower, upper[::-1]])
     period = Period(float(length), float(rise))
-    x, z, sizes = _grown_discs(outline, walls, period, (radius, spread, porosity), seed, sweeps)
+    x, z, sizes = _grown_discs(outline, walls, period, (radius, spread, porosity), seed)
     layer = _known_strata(x, z, stratum_at)
     return Packing(x, z, sizes, layer, np.zeros((0, 6)), (float(length), float(rise)))
 
@@ -178,7 +177,6 @@ def _grown_discs(
     period: Period,
     grains: tuple[float, float, float],
     seed: int,
-    sweeps: int,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return positions and radii of discs of random size in an outline, pushed apart until overlaps are small.
 
@@ -200,8 +198,8 @@ def _grown_discs(
     fixed = np.zeros(count, bool)
     left = float(outline[:, 0].min())
     deepest = np.inf
-    for sweep in range(0, sweeps, 10):
-        grown = sizes * min(1.0, 0.5 + 1.25 * sweep / sweeps)
+    for sweep in range(0, SWEEPS, 10):
+        grown = sizes * min(1.0, 0.5 + 1.25 * sweep / SWEEPS)
         i, j = pairs_within(x, z, grown, fixed, 0.5 * radius, period)
         spread_out(x, z, grown, i, j, walls, 10, period)
         x, z = brought_back(x, z, left, period)
@@ -211,7 +209,7 @@ def _grown_discs(
     if deepest > OVERLAP * radius:
         raise ValueError(
             f"{count} discs for a porosity of {porosity:g} still overlap by {deepest / radius:.3g} of their mean "
-            f"radius after {sweeps} sweeps, {OVERLAP:g} is allowed: use more voids, a wider spread, or more sweeps"
+            f"radius after {SWEEPS} sweeps, {OVERLAP:g} is allowed: use more voids, or a wider spread"
         )
     return x, z, sizes
 

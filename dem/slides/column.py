@@ -20,6 +20,7 @@ from dem.springs import SMOOTH, LayerSprings
 G = 9.81  # m/s2
 WALL, FLOOR, GATE = range(3)  # numbers of the rigid lines
 SINKS = 0.015  # of the height, in settling
+SPREAD = 0.2  # half the width of the range of radii, over the mean radius
 ROUGHNESS = 0.4  # mean radii that the tops of the floor's discs lie below z = 0, at most
 AT_REST = 1e-7  # of g times the height: kinetic energy per mass
 STILL = 1e-3  # of the width
@@ -44,8 +45,6 @@ class SoilColumn:
         Seed of the random packing.
     reach
         Length of the rough floor over the width.
-    spread
-        Half the width of the range of radii, over the mean radius.
 
     Attributes
     ----------
@@ -67,11 +66,10 @@ class SoilColumn:
         *,
         seed: int = 0,
         reach: float = 8.0,
-        spread: float = 0.2,
     ) -> None:
         self.width, self.height, self.radius = width, height, radius
-        x, z, r = _packed(width, height * (1.0 + SINKS), radius, spread, seed)
-        floor = _rough_floor(np.random.default_rng(1000 + seed), radius, -3.0 * radius, reach * width, spread)
+        x, z, r = _packed(width, height * (1.0 + SINKS), radius, seed)
+        floor = _rough_floor(np.random.default_rng(1000 + seed), radius, -3.0 * radius, reach * width)
         void_ratio = width * height / float(np.sum(np.pi * r**2)) - 1.0
         lines = np.array([
             [0.0, 0.0, 1.0, 0.0, -4.0 * radius, 50.0 * height],
@@ -135,14 +133,12 @@ class SoilColumn:
         return run_until_rest(self.model, still=STILL * self.width, longest=longest * self.unit, every=0.5 * self.unit)
 
 
-def _packed(
-    width: float, height: float, radius: float, spread: float, seed: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _packed(width: float, height: float, radius: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     outline = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
     for porosity in POROSITIES["soil"]:
         try:
             packing = random_packing(
-                outline, lambda x, z: np.zeros(len(x), np.int32), radius, spread=spread, porosity=porosity, seed=seed
+                outline, lambda x, z: np.zeros(len(x), np.int32), radius, spread=SPREAD, porosity=porosity, seed=seed
             )
         except ValueError as error:
             refused = error
@@ -152,11 +148,11 @@ def _packed(
     raise refused
 
 
-def _rough_floor(rng: np.random.Generator, radius: float, left: float, right: float, spread: float) -> np.ndarray:
+def _rough_floor(rng: np.random.Generator, radius: float, left: float, right: float) -> np.ndarray:
     """Return a row of adjacent discs whose tops are at or below z = 0: x, z, radius (3, n)."""
     discs, x = [], left
     while x < right:
-        r = radius * rng.uniform(1.0 - spread, 1.0 + spread)
+        r = radius * rng.uniform(1.0 - SPREAD, 1.0 + SPREAD)
         discs.append((x + r, -r - radius * rng.uniform(0.0, ROUGHNESS), r))
         x += 2.0 * r
     return np.array(discs).T

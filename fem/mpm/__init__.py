@@ -12,16 +12,3 @@ from fem.mpm.ground import PointGround, ground_of
 from fem.mpm.points import MaterialPoints, PointSoil
 from fem.mpm.slide import PointSlider, SlideProgramme
 from fem.mpm.slide_record import PointSlide
-
-__all__ = [
-    "BackgroundGrid",
-    "MaterialPointEnergy",
-    "MaterialPointEngine",
-    "MaterialPoints",
-    "PointGround",
-    "PointSlide",
-    "PointSlider",
-    "PointSoil",
-    "SlideProgramme",
-    "ground_of",
-]

@@ -84,8 +84,6 @@ class MaterialPointEngine:
     grid : the grid on which the points move
     gravity : gravitational acceleration (m/s²), components x and z
     threads : number of threads; the result is the same to the last bit for any number
-    base_impedance : impedance of a compliant base times its length (kg/s per metre), see
-        `fem.kernels.grid_motion.move_base`; 0 for a rigid base
     decay : rate (1/s) at which velocities that the grid cannot resolve are damped; with inf they are removed in every
         step (APIC)
     """
@@ -97,7 +95,6 @@ class MaterialPointEngine:
         gravity: tuple[float, float] = (0.0, -GRAVITY),
         threads: int = 1,
         decay: float = np.inf,
-        base_impedance: float = 0.0,
     ) -> None:
         self.points, self.grid, self.gravity, self.threads, self.decay = points, grid, gravity, threads, decay
         self.time, self.steps = 0.0, 0
@@ -112,8 +109,7 @@ class MaterialPointEngine:
             stripes -= 1  # even, so that the last one is no neighbour of its like
         self._stripes = np.arange(stripes, dtype=np.int64)
         self._sums = np.zeros((stripes, 2))
-        self.base = np.zeros(grid_motion.BASE)
-        self.base[grid_motion.IMPEDANCE] = base_impedance
+        self.base = np.zeros(grid_motion.BASE)  # rigid; see `grid_motion.move_base`
         self._sort()
 
     @property

@@ -32,16 +32,16 @@ class OwnDilation:
 
     Attributes
     ----------
+    cells : cells of the meshes
     kc : the critical Kh on the last mesh (-); None if the iteration has no answer
     low, high : smallest and largest value of the three meshes (-)
-    cells : cells of the meshes
     reason : reason why there is no answer; empty otherwise
     """
 
-    kc: float | None
-    low: float | None
-    high: float | None
     cells: tuple[int, ...]
+    kc: float | None = None
+    low: float | None = None
+    high: float | None = None
     reason: str = ""
 
 
@@ -61,23 +61,20 @@ def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult
             mesh = generate(section, MeshSettings(size=math.sqrt(area / cells)))
             sizes.append(len(mesh.cells))
             if sizes[-1] > MOST_TIMES * cells:
-                return OwnDilation(None, None, None, tuple(sizes), "thin layers need too many cells")
+                return OwnDilation(tuple(sizes), reason="thin layers need too many cells")
             full = critical_limit_load(section, mesh, settings, faces=known.ground.faces)
         except (NoAnswerError, InputError) as error:
-            return OwnDilation(None, None, None, tuple(sizes), str(error))
+            return OwnDilation(tuple(sizes), reason=str(error))
         if full.mechanism is None or full.kc <= 0.0 or np.isfinite(full.ground.problem.strength.tension).any():
-            return OwnDilation(
-                None, None, None, tuple(sizes), "there is no failure, or a stratum has a tension cut-off"
-            )
+            return OwnDilation(tuple(sizes), reason="there is no failure, or a stratum has a tension cut-off")
         ground = full.ground
         second = None if values else full.mechanism.stress
         result = nonassociated_limit_load(ground.problem, mesh, ground.constant, ground.load, second, left)
         left -= result.work
         if result.kh is None:
-            return OwnDilation(None, None, None, tuple(sizes), result.reason)
+            return OwnDilation(tuple(sizes), reason=result.reason)
         values.append(result.kh)
-    if max(values) - min(values) > SPREAD * abs(values[-1]):
-        return OwnDilation(
-            None, min(values), max(values), tuple(sizes), "the values on the three meshes differ too much"
-        )
-    return OwnDilation(values[-1], min(values), max(values), tuple(sizes))
+    low, high = min(values), max(values)
+    if high - low > SPREAD * abs(values[-1]):
+        return OwnDilation(tuple(sizes), None, low, high, "the values on the three meshes differ too much")
+    return OwnDilation(tuple(sizes), values[-1], low, high)

@@ -5,7 +5,6 @@ import platform
 import socket
 import time
 import traceback
-from collections.abc import Iterator
 from contextlib import suppress
 from datetime import datetime
 from importlib import metadata
@@ -88,11 +87,8 @@ def _processor() -> str:
 
 def versions() -> dict[str, str]:
     """Return the version of this program, of Python, and of every package that computes or draws."""
-    return dict(_versions())
-
-
-def _versions() -> Iterator[tuple[str, str]]:
-    yield "python", platform.python_version()
+    numbers = {"python": platform.python_version()}
     for name in PACKAGES:
         with suppress(metadata.PackageNotFoundError):
-            yield name, metadata.version(name)
+            numbers[name] = metadata.version(name)
+    return numbers

@@ -108,11 +108,7 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
 def _critical(
     section: Section, config: Config, mesh: "QuadMesh", fem: FemSettings, notes: list[str]
 ) -> "LimitLoadResult | CriticalResult | None":
-    """Return the critical Kh by finite elements; if there is no answer, return None and add a note.
-
-    ``section``: section with changed strength; ``config``: config with the settings of the mesh; ``mesh``: initial
-    mesh; ``fem``: settings; ``notes``: list to which notes are added.
-    """
+    """Return the critical Kh by finite elements; if there is no answer, return None and add a note."""
     from fem.continuum.strength import is_associated
     from fem.search.adaptive import AdaptiveSearch
     from fem.search.critical import critical_coefficient
@@ -126,8 +122,6 @@ def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float
     """Return the multiple of its weight that the ground resists by finite elements. The multiple is infinite if the
     flow is not associated, or if there is no result: a path would search for an equilibrium for minutes, and ground
     that flows has none.
-
-    ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``: settings.
     """
     from fem.continuum.strength import is_associated
     from fem.limit_load.limit_load import weight_borne
@@ -143,11 +137,7 @@ def _factors(
 ) -> "tuple[float | None, SafetyBounds | None]":
     """Return the factor of safety at Kh = 0 between held sides by finite elements, and its strict bounds. If the first
     bounds do not decide whether the ground stands, closer bounds are computed. If the finite elements have no answer,
-    return None and add a note.
-
-    ``section``: section with changed strength; ``mesh``: mesh of the section; ``fem``, ``bounds_settings``: settings
-    of both methods; ``notes``: list to which notes are added.
-    """
+    return None and add a note."""
     from fem.limit.safety_bounds import safety_bounds
     from fem.search.strength_reduction import safety_factor
 
@@ -171,9 +161,6 @@ def _between_own_sides(
 ) -> "tuple[SmallerKhBounds | None, str]":
     """Return the strict bounds of the critical Kh with the sides of the section. If the ground with these sides fails
     under its weight, return the reason.
-
-    ``section``: section with changed strength; ``fem``, ``bounds_settings``: settings; ``notes``: list to which a note
-    is added if there is no answer.
     """
     from fem.limit.bounds import kh_bounds
 

@@ -4,6 +4,7 @@ bounds."""
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -55,22 +56,6 @@ class FaceTask:
     circle: Surface
 
 
-@dataclass(frozen=True, eq=False)
-class UnchangedTask:
-    """Holds one quantity of the section without strong zones, which all faces of a side share.
-
-    Attributes
-    ----------
-    config : config of the run.
-    side : side to which the seismic force acts; for a factor of safety either side.
-    quantity : name of the quantity to compute.
-    """
-
-    config: Config
-    side: int
-    quantity: Quantity
-
-
 def work(job: Job) -> None:
     """Compute the critical Kh and the factor of safety of all faces; writes fem/faces.json."""
     config = job.config
@@ -113,14 +98,15 @@ def _unchanged(job: Job, fem: FemAnswer, sides: Sequence[int]) -> dict[tuple[Qua
     values: dict[tuple[Quantity, int], FaceLimit | str] = dict(_of_elements(job.config, fem))
     wanted: list[tuple[Quantity, int]] = [("critical Kh", side) for side in dict.fromkeys(sides)]
     wanted += [("factor of safety", side) for side in sides[:1] if ("factor of safety", side) not in values]
-    tasks = [UnchangedTask(job.config, side, quantity) for quantity, side in wanted if (quantity, side) not in values]
+    tasks = [key for key in wanted if key not in values]
 
     def heard(place: int, message: str) -> None:
-        job.progress(f"unchanged section, {tasks[place].quantity}: {message}", None)
+        job.progress(f"unchanged section, {tasks[place][0]}: {message}", None)
 
-    for task, value in zip(tasks, job.executor.compute(unchanged_value, tasks, heard), strict=True):
-        for side in (LEFT, RIGHT) if task.quantity == "factor of safety" else (task.side,):
-            values[task.quantity, side] = value
+    computed = job.executor.compute(partial(unchanged_value, job.config), tasks, heard)
+    for (quantity, towards), value in zip(tasks, computed, strict=True):
+        for side in (LEFT, RIGHT) if quantity == "factor of safety" else (towards,):
+            values[quantity, side] = value
     return values
 
 
@@ -144,11 +130,11 @@ def _of_elements(config: Config, fem: FemAnswer) -> "Iterator[tuple[tuple[Quanti
                 yield ("factor of safety", side), FaceLimit(factor.factor, factor.davis, np.array(factor.slip_surface))
 
 
-def unchanged_value(task: UnchangedTask, tell: Tell) -> "FaceLimit | str":
-    """Return a quantity of the section without strong zones, or the reason why there is none."""
+def unchanged_value(config: Config, task: tuple[Quantity, int], tell: Tell) -> "FaceLimit | str":
+    """Return a quantity of the section without strong zones, towards a side, or the reason why there is none."""
     tell("finite elements")
     try:
-        return _computed(task.config, task.quantity, task.side, ())
+        return _computed(config, *task, ())
     except (InputError, NoAnswerError) as error:
         return str(error)
 

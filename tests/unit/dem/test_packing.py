@@ -80,9 +80,10 @@ def test_seed_decides_the_random_packing() -> None:
     assert not np.array_equal(first.x, other.x)
 
 
-def test_too_dense_a_packing_is_refused_in_words() -> None:
+def test_too_dense_a_packing_is_refused_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("dem.packing.SWEEPS", 200)
     with pytest.raises(ValueError, match="use more voids"):
-        random_packing(STEP, two_layers, RADIUS, porosity=0.08, sweeps=200)
+        random_packing(STEP, two_layers, RADIUS, porosity=0.08)
 
 
 @pytest.mark.parametrize(
