@@ -166,11 +166,11 @@ def fem(
     section: SectionFile,
     folder: Out = None,
     kh: Annotated[
-        list[float] | None, typer.Option(help="Seismic coefficient whose fields are kept; repeatable.")
+        list[float] | None, typer.Option(help="Seismic coefficient at which fields are stored; repeatable.")
     ] = None,
-    sides: Annotated[str | None, typer.Option(help="free-field, smooth, fixed or periodic.")] = None,
-    element: Annotated[str | None, typer.Option(help="auto, quadratic, reduced or bilinear.")] = None,
-    direction: Annotated[str | None, typer.Option(help="both, downhill or uphill.")] = None,
+    sides: Annotated[str | None, typer.Option(help="Sides: free-field, smooth, fixed or periodic.")] = None,
+    element: Annotated[str | None, typer.Option(help="Finite element: auto, quadratic, reduced or bilinear.")] = None,
+    direction: Annotated[str | None, typer.Option(help="Seismic force: both, downhill or uphill.")] = None,
     vertical: Annotated[float | None, typer.Option(help="Vertical seismic coefficient, positive upwards.")] = None,
     associated: Annotated[bool, typer.Option("--associated", help="Take ψ = φ in all strata.")] = False,
     safety_factor: Annotated[
@@ -251,7 +251,7 @@ def view(
 def report(
     folder: Folder,
     pdf: Annotated[
-        bool, typer.Option("--pdf", help="Print the report as report.pdf, too; by Chromium or WeasyPrint.")
+        bool, typer.Option("--pdf", help="Also print the report as report.pdf, by Chromium or WeasyPrint.")
     ] = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -293,11 +293,12 @@ def bounds(
     section: SectionFile,
     folder: Out = None,
     gap: Annotated[float | None, typer.Option(help="Required gap: (upper - lower) over their mean.")] = None,
-    davis: Annotated[bool | None, typer.Option(help="Bound Davis's reduced strength for ψ < φ, too.")] = None,
+    davis: Annotated[bool | None, typer.Option(help="Also bounds with Davis reduced strength for ψ < φ.")] = None,
     safety_factor: Annotated[
-        bool | None, typer.Option("--safety-factor", help="Bound the factor of safety, too, ψ = φ.", show_default=False)
+        bool | None,
+        typer.Option("--safety-factor", help="Also bounds of the factor of safety, ψ = φ.", show_default=False),
     ] = None,
-    sides: Annotated[str | None, typer.Option(help="free-field, smooth, fixed or periodic.")] = None,
+    sides: Annotated[str | None, typer.Option(help="Sides: free-field, smooth, fixed or periodic.")] = None,
     max_cells: Annotated[int | None, typer.Option(help="Largest number of triangles.")] = None,
     settings: Set = None,
     force: Force = False,
@@ -335,14 +336,14 @@ def _of_stage(stage: str, panel: str, words: str, bounds: bool = False) -> None:
 
 
 _of_stage("triggering", Panel.LIQUEFACTION, "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
-_of_stage("slices", Panel.GROUND, "Slip circles by Bishop and Spencer, towards both sides: factor of safety and Kh.")
-_of_stage("faces", Panel.GROUND, "Every face of structures by elements and bounds: Kh, factor of safety.", bounds=True)
+_of_stage("slices", Panel.GROUND, "Slip circles by Bishop and Spencer, to both sides: factor of safety, critical Kh.")
+_of_stage("faces", Panel.GROUND, "Critical Kh and factor of safety of every face, by elements and bounds.", bounds=True)
 _of_stage("residual", Panel.GROUND, "Factor of safety with peak, then with residual strength, and the critical Kh.")
 _of_stage(
     "liquefied", Panel.LIQUEFACTION, "Whether the ground still stands once layers have liquefied, and the critical Kh."
 )
-_of_stage("response", Panel.GROUND, "Response of the layers to a record of the rock below, over depth, and k_max.")
-_of_stage("calibrate", Panel.LIQUEFACTION, "Calibrate the discs so that they fail at the Kh of the finite elements.")
+_of_stage("response", Panel.GROUND, "Response of the layers to a record of the rock: profiles with depth, and k_max.")
+_of_stage("calibrate", Panel.LIQUEFACTION, "Calibrate the discs to the critical Kh of the finite elements.")
 
 
 @app.command(rich_help_panel=Panel.LIQUEFACTION)

@@ -52,7 +52,7 @@ Set = Annotated[
 ]
 Force = Annotated[bool, typer.Option("--force", help="Run again even if nothing has changed.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only errors.")]
-Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say every step.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Print details of every step.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the answers as JSON, and nothing else.")]
 Workers = Annotated[
     int | None, typer.Option(help="Processes of this machine. [default: dem.workers]", show_default=False)

@@ -21,7 +21,7 @@ LAYERS_OPTION = typer.Option(
 BORINGS_OPTION = typer.Option(
     help="The borings of the section, by name; repeatable, or with commas. [default: all]", show_default=False
 )
-PART_OPTION = typer.Option(help="The scenario or the analysis of a model. [default: its first]", show_default=False)
+PART_OPTION = typer.Option(help="The scenario or the analysis of a model. [default: the first]", show_default=False)
 
 
 def section(
