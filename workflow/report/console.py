@@ -83,7 +83,7 @@ def fem_sentences(
     how = ""
     if every or answer.ended not in ("plateau", "limit load"):
         most = f", at most {coefficient(answer.kc_upper)} on this mesh" if answer.kc_upper > answer.kc else ""
-        how = f": {answer.ended}{most}, {answer.reason}"
+        how = f"; {answer.reason}" if answer.by_limit_analysis else f": {answer.ended}{most}, {answer.reason}"
     yield (
         f"Critical Kh = {critical_with_flow(answer, coefficient)}.{how_to_get_own_dilation(answer)} The seismic "
         f"force acts {FORCE[answer.direction]}, to the {answer.towards}{how}.{interval}"
@@ -110,8 +110,9 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
     number = with_flow(factor.factor, answer.flow, compared, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
         return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, where the search ended."
-    phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {factor.verdict.capitalize()}{most}, "
-    phrase += f"{factor.reason}{rest}."
+    of_mesh = factor.reason.startswith("the factor of safety")
+    end = "This is " if of_mesh else f"{factor.verdict.capitalize()}{most}, "
+    phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {end}{factor.reason}{rest}."
     if not every:
         gain = factor.rest or 0.0
         finer = f" A finer mesh may give {100 * gain:.1f} % less." if gain >= LEAST_REST else ""

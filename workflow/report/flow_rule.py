@@ -98,7 +98,7 @@ def how_to_get_own_dilation(fem: FemAnswer) -> str:
     full = fem.kc if fem.associated is None else fem.associated.kc
     low = fem.kc if fem.davis is None else fem.davis.kc
     return (
-        f" --set fem.own_dilation=true computes about the critical Kh for {fem.own_angles}."
+        f" The option --set fem.own_dilation=true also computes an approximate critical Kh for {fem.own_angles}."
         if low < FAR_APART * full
         else ""
     )

@@ -146,7 +146,7 @@ def test_a_third_number_is_about_so_much_and_one_that_did_not_settle_says_why(ru
 def test_a_third_number_is_offered_where_the_two_lie_far_apart(davis: float, far_apart: bool, run: Config) -> None:
     low = OtherWay(kc=davis, kc_upper=davis, verdict="plateau", reason="", direction="downhill", at_sides=())
     answer = fem(run, 0.21).model_copy(update={"davis": low, "dilation_deg": {"Soil": 0.0}})
-    offer = " --set fem.own_dilation=true computes about the critical Kh for ψ = 0."
+    offer = " The option --set fem.own_dilation=true also computes an approximate critical Kh for ψ = 0."
     assert how_to_get_own_dilation(answer) == (offer if far_apart else "")
     third = OwnDilationPart(kc=0.129, low=0.128, high=0.134, cells=(350, 450, 600), reason="")
     assert how_to_get_own_dilation(answer.model_copy(update={"own_dilation": third})) == ""
