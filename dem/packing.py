@@ -209,7 +209,7 @@ def _grown_discs(
     if deepest > OVERLAP * radius:
         raise ValueError(
             f"{count} discs for a porosity of {porosity:g} still overlap by {deepest / radius:.3g} of their mean "
-            f"radius after {SWEEPS} sweeps, {OVERLAP:g} is allowed: use more voids, or a wider spread"
+            f"radius after {SWEEPS} sweeps, {OVERLAP:g} is allowed: use a larger porosity, or a wider spread"
         )
     return x, z, sizes
 

@@ -54,7 +54,7 @@ def check_overlap(model: DiscModel) -> None:
         c = int(np.argmax(share - allowed))
         raise OverlapError(
             f"{_place(model, int(i[c]))} and disc {j[c]} overlap by {share[c]:.3g} of their mean radius, "
-            f"allowed are {allowed[c]:.3g}. Stiffen their layers, or allow more with `allowed_overlap`."
+            f"allowed is {allowed[c]:.3g}. Stiffen their layers, or allow more with `allowed_overlap`."
         )
     before, _ = line_gaps(model)
     share = -before / model.radius[model.line_disc]
@@ -63,7 +63,7 @@ def check_overlap(model: DiscModel) -> None:
         c = int(np.argmax(share - allowed))
         raise OverlapError(
             f"{_place(model, int(model.line_disc[c]))} overlaps rigid line {model.line_id[c]} by {share[c]:.3g} "
-            f"of its radius, allowed are {allowed[c]:.3g}. Find the cause, or allow more with `allowed_overlap`."
+            f"of its radius, allowed is {allowed[c]:.3g}. Find the cause, or allow more with `allowed_overlap`."
         )
 
 

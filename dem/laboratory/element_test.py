@@ -199,7 +199,7 @@ def element_test(
         If a patch does not come to rest under its pressure.
     """
     if len(set(pressures)) < 2 or not all(np.isfinite(p) and p > 0.0 for p in pressures):
-        raise ValueError(f"pressures: expected two or more different ones above 0 Pa, not {list(pressures)}")
+        raise ValueError(f"pressures: expected two or more different pressures above 0 Pa, not {list(pressures)}")
     if not (0.0 < strain <= 0.5 and 0.0 < rate <= 1e-2):
         raise ValueError(f"strain = {strain}, rate = {rate}: expected a strain up to 0.5 and a rate up to 0.01")
     tests = tuple(_at_pressure(sample.patch(threads), p, strain, rate) for p in sorted(pressures))

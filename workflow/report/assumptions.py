@@ -153,5 +153,5 @@ def _driven(config: Config) -> str:
         return f"{words}, as if all shaking were over"
     if config.slide.kh_cycles is not None:
         return f"{words}: uniform cycles instead of the irregular ones of an earthquake"
-    lasts = "" if config.slide.kh_seconds is not None else " that acts until their end"
+    lasts = "" if config.slide.kh_seconds is not None else " that acts until the slides end"
     return f"a constant {words}{lasts}, while an earthquake acts in both directions and ends"

@@ -76,7 +76,7 @@ def test_nan_stops_the_run() -> None:
 def test_too_deep_an_overlap_stops_the_run() -> None:
     model = box(6, 5, replace(SOIL, kn=1e4, ks=1e4))
     with pytest.raises(
-        OverlapError, match=r"disc \d+ at x = .* overlap by 0\.5\d* of their mean radius, allowed are 0\.5"
+        OverlapError, match=r"disc \d+ at x = .* overlap by 0\.5\d* of their mean radius, allowed is 0\.5"
     ):
         Engine(balance=1.0).run(model, 5.0)
     model = box(6, 5, replace(SOIL, kn=3e5, ks=1e4, allowed_overlap=1.5))

@@ -82,7 +82,7 @@ def test_seed_decides_the_random_packing() -> None:
 
 def test_too_dense_a_packing_is_refused_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("dem.packing.SWEEPS", 200)
-    with pytest.raises(ValueError, match="use more voids"):
+    with pytest.raises(ValueError, match="use a larger porosity"):
         random_packing(STEP, two_layers, RADIUS, porosity=0.08)
 
 
