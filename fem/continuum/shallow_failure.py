@@ -182,8 +182,8 @@ def faces_at(section: Section, settings: FemSettings, kh: float) -> list[Shallow
 
 
 def has_uncounted_water(section: Section, face: ShallowFailure, depth: float) -> bool:
-    """Return whether water stands less than a ``depth`` (m) below a part of a dry face, and is not counted in its
-    critical Kh since this part is short. Shallow ground may slip there before the face does.
+    """Return whether water stands less than a ``depth`` (m) below a part of a dry face, and is not counted in the
+    critical Kh of the face since this part is short. In this part shallow ground may slip before the face fails.
     """
     short = min(SHORT * depth, 0.5 * (face.end - face.start))
     x = np.array([face.start + short, face.end - short])

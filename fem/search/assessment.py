@@ -321,9 +321,9 @@ class _Search:
         return replace(adapted, result=replace(adapted.result, by_other_flow=other_factor))
 
     def fails(self, settings: FemSettings, error: UnstableError, known: SafetyFactor | None = None) -> UnstableError:
-        """Return the error with the factor of safety added, by both flow rules if ψ < φ; ``known`` is this factor if it
-        is already computed. If pore pressure exceeds the weight above it, the factor of safety against uplift is added
-        in place of the factor of safety.
+        """Return the ``error`` with the factor of safety in its message, by both flow rules if ψ < φ. If pore pressure
+        exceeds the weight above it, the message has the factor of safety against uplift instead. ``known`` is the
+        factor of safety if it is already computed.
         """
         if self.section.uplift is not None:
             return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)

@@ -357,8 +357,8 @@ class _Method:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """Holds a direction of the method: the residuals that it corrects, its changes, and its longest steps (at
-    most 1)."""
+    """Holds a search direction of the interior-point method: the residuals that the direction corrects, the changes of
+    the variables, and the longest primal and dual steps along it (at most 1)."""
 
     d: np.ndarray
     dy: np.ndarray

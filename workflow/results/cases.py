@@ -1,6 +1,6 @@
 """Stores the slide of each case of liquefaction in dem/cases.json."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, ClassVar, Literal, Self, TypeVar
 
@@ -265,12 +265,12 @@ class RandomPackings(Part):
         return sum(all(less < more for less, more in pairwise(packing)) for packing in zip(*slides, strict=True))
 
 
-def alike(cases: Mapping[int, Answered]) -> dict[tuple[int, ...], Answered]:
+def alike(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dict[tuple[int, ...], Answered]:
     """Group cases with equal answers, so that each is shown once; their stiffness may differ. Return the numbers of the
-    cases of each group, in order, and the answer of the first of them.
+    cases of each group, in order, and the answer of the first of them. Templates group only the cases ``of`` a row.
     """
     groups: dict[str, list[int]] = {}
-    for number in sorted(cases):
+    for number in sorted(cases if of is None else set(of) & set(cases)):
         groups.setdefault(cases[number].model_dump_json(exclude={"stiffness"}), []).append(number)
     return {tuple(numbers): cases[numbers[0]] for numbers in groups.values()}
 

@@ -25,6 +25,7 @@ from workflow.results.cases import CasesAnswer, alike
 from workflow.results.continuum import VariantsAnswer
 from workflow.results.results import Results
 from workflow.results.slices import FacePart, FactorCircles, SlicesAnswer
+from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.results.summary import Summary
 
 
@@ -128,6 +129,25 @@ def test_cases_that_slide_alike_are_shown_once(s13: Config) -> None:
     result = results(s13, cases=CasesAnswer(sets={"calibrated": cases}, random=None))
     assert re.findall(r"<tr><td>([\d, ]+)</td><td class=\"n\"><b>", html(result)) == ["1, 3", "2"]
     assert [row.words for row in slides(result)][:2] == ["discs, cases 1, 3", "discs, case 2"]
+
+
+def test_the_slides_of_a_case_stand_beside_its_stability(s13: Config) -> None:
+    """Templates call functions with arguments that no other check sees."""
+    stratum = LiquefiedStratum(name="4 Asd", cohesion_kPa=15.6, friction_deg=0.0, over_effective=0.2)
+    stands = [
+        LiquefiedCase(
+            cases=cases, names=(), strata=(stratum,), stands="stands", reason="of a test", notes=(), kc=0.09,
+            kc_lower=0.085, kc_upper=0.095, factor=4.7, factor_lower=4.6, factor_upper=4.8,
+        )
+        for cases in ((1, 3), (2,))
+    ]  # fmt: skip
+    liquefied = LiquefiedAnswer(section=SectionLabel.of(s13.section), sides="free-field", cases=tuple(stands))
+    cases = {number: dem_fixture.case(0.1, far) for number, far in ((1, 2.0), (2, 3.0), (3, 2.0))}
+    text = html(results(s13, liquefied=liquefied, cases=CasesAnswer(sets={"calibrated": cases}, random=None)))
+    rows = re.findall(
+        r"<tr><td>(1, 3|2)</td>\s*<td>4 Asd.*?0.085 to 0.095.*?([\d.]+ m)</td></tr>", text, flags=re.DOTALL
+    )
+    assert rows == [("1, 3", "2.0 m"), ("2", "3.0 m")]
 
 
 def test_the_input_is_a_table_strata_first(s13: Config) -> None:
