@@ -26,35 +26,38 @@ GROUPS = ("theory", "experiment", "field")
 
 HEAD = f"""# Known slides
 
-Slides whose run-out is known by theory, experiment or the field, with what the soil discs predict: nothing is tuned to
-them, strengths are those given, or what a triggering relation leaves. Every case is a file with a table `[known]`; one
-of the field is a section as users write it. Made by `python -m docs.known_slides`.
-`python -m docs.verify --slides column` runs those whose names begin so.
+Slides whose run-out is known from theory, experiments or the field, compared with the predictions of soil discs and of
+material points. Nothing is fitted to these slides: strengths are the published ones, or follow from a triggering
+relation. Every case is a file with a table `[known]`; a field case is a section as users write it. Made by
+`python -m docs.known_slides`. `python -m docs.verify --slides column` runs the cases whose names begin with "column".
 
-The ratio is the mean prediction of the packings over the (geometric) middle of what was measured, in brackets that of
-the least and of the largest prediction. **Within the band** is a mean between the least and the largest number that was
-measured or derived; else the word says whether the ratio is within a factor of {CLOSE:g}, within {FAR:g}, or beyond.
-Where nothing moved in nature, **stands** is right and **moved** is wrong. An endless slope **flows** where its weight
-asks for more than the strength that is left.
+The ratio is the mean prediction over the packings, divided by the geometric mean of the smallest and the largest
+measured value. The brackets have the ratios of the smallest and the largest prediction. A mean prediction between the
+smallest and the largest measured or derived value is **within the band**; otherwise the last column says whether the
+ratio is within a factor of {CLOSE:g}, within {FAR:g}, or beyond. Where nothing moved in nature, **stands** is right and
+**moved** is wrong. An infinite slope **flows** if its weight requires more than the residual strength. Loose mass is
+the share of the mass that left the connected ground.
 
-Slides of the field are run as a user without a record of the site runs them: flows and dams by their weight alone,
-spreads under the cycles of Kh, in both directions, that the program takes from the earthquake. Gently sloping ground
-is an endless slope: of each earthquake in the data base of Youd et al. the row in the middle of what was measured, and
-of the two largest the quartiles. Behind a free face the ground is level and its water falls to the toe; quays have a
-caisson and the sea. Predictions of others for the same ground are given for comparison.
+Field slides are computed as by a user who has no record of the site. Flow failures and dams slide by their weight
+alone. Lateral spreads slide under cycles of Kh in both directions, which the program derives from the earthquake.
+Gently sloping ground is an infinite slope. Of each earthquake in the data base of Youd et al. the row with the median
+displacement is computed, and of the two largest earthquakes also the quartiles. Behind a free face the ground is level,
+and the water table falls to the toe of the face; quays have a caisson and the sea. Predictions of others for the same
+ground are given for comparison.
 
-Spreads move by the strain potential of the sand, which blow counts give. Behind a face the crust is one to three discs
-thick. It sinks and drifts with the liquefied ground below it, by packing more than by anything else: level ground
-drifts as well, either way, by up to a fifth of a disc's diameter (0.5 m for discs of 1.26 m radius), and in discs as
-thick as the crust ground far behind a bank hardly follows. Material points depend on neither. They move gently sloping
-ground as the discs do, and as the strain potential does in closed form, layer by layer. They slide too far where the
-residual strength lets a bank flow by its weight, which moved by less than a metre in the field: most of all at
-Wildlife, whose sand lies below 2.5 m of silt and reaches below the bed of the river. Level ground ends at smooth sides
-for points and at the walls of a box for discs: both hold the ground farthest behind a face, and what is asked for lies
-25 to 180 m from there. Behind quays the rubble decides. A wall that is pushed into discs of sand meets the passive
-wedge of ψ = φ (`tests/verification/dem/test_passive_wall.py`), material points have ψ = 0, and so a quay that hardly
-stands is kept by discs and let go by points. Dry columns and clay let go at once run farther by points than by discs:
-their grid hardly damps what it resolves."""
+Lateral spreads move by the strain potential of the sand, which follows from blow counts. Behind a face the crust is one
+to three discs thick. The crust sinks and drifts with the liquefied ground below it, mainly because of the random
+packing. Level ground of discs drifts as well, in either direction, by up to a fifth of the diameter of a disc (0.5 m
+for discs of 1.26 m radius). If the discs are as thick as the crust, the ground far behind a bank hardly moves. Material
+points have neither error. They move gently sloping ground as the discs do, and as the strain potential does in closed
+form, layer by layer. Material points slide too far where a bank flows by its weight with the residual strength, but
+moved by less than a metre in the field: most of all at Wildlife, whose sand lies below 2.5 m of silt and reaches below
+the bed of the river. Level ground ends at smooth sides for points and at the walls of a box for discs. Both support the
+ground farthest behind a face, and the measured places are 25 to 180 m from there. Behind quays the rubble governs. A
+wall that moves into discs of sand meets the passive wedge of ψ = φ (`tests/verification/dem/test_passive_wall.py`),
+while material points have ψ = 0. A quay that hardly stands is therefore held by discs, and fails with material points.
+Columns of dry sand and of clay that are released at once run farther with material points than with discs, because the
+grid hardly damps the motion that it resolves."""
 
 
 def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:
@@ -110,7 +113,7 @@ def counts(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> di
 
 def _table(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer], verdicts: Mapping[str, SlideVerdict]) -> str:
     rows = [
-        "| | case | measured | predicted, by packing | predicted over measured | loose | |",
+        "| | case | measured | predicted, by packing | predicted over measured | loose mass | |",
         "|---|---|---|---|---|---|---|",
     ]
     for case in cases:
@@ -148,7 +151,7 @@ def _remarks(case: SlideCase, answer: SlideAnswer | None) -> Iterator[str]:
     if answer is not None and answer.failure:
         yield f"no prediction: {answer.failure}"
     if answer is not None and answer.rested and not all(answer.rested):
-        yield "it had not come to rest in every packing"
+        yield "the slide had not come to rest in every packing"
 
 
 def draw(case: SlideCase, answer: SlideAnswer, path: Path) -> None:

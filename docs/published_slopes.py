@@ -28,21 +28,22 @@ TALLEST, FLATTEST = 0.6, 0.22
 
 HEAD = """# Published slopes
 
-Slopes on which others have published numbers, with what this program finds: strict bounds by limit analysis (ψ = φ),
-and finite elements with ψ = φ, the answer of `noshiro fem`, and by Davis's estimate for ψ, which is zero unless a file
-says otherwise, and which is no bound. Every case is a section as users write it, with a table `[published]`. Made by
-`make verify`; `python -m docs.verify acads` runs those whose names begin so.
+Slopes with numbers published by others, compared with the results of this program: strict bounds by limit analysis
+(ψ = φ), finite elements with ψ = φ, which is the answer of `noshiro fem`, and Davis's estimate. Davis's estimate is for
+ψ = 0 unless a file gives ψ, and is no bound. Every case is a section as users write it, with a table `[published]`.
+Made by `make verify`; `python -m docs.verify acads` runs the cases whose names begin with "acads".
 
-A published number is no truth: where the bounds exclude it, the remarks say so. **Right** is a case whose elements
-agree with its bounds (at most {below:g} % below, {above:g} % above) and in which the median of each kind of published
-value is no further from them than {tolerances}. **Explained** is one that does not, for a reason that stands in its
-file.
+A published number may be wrong: where the bounds exclude it, the remarks say so. A case is **right** if its finite
+elements agree with its bounds (at most {below:g} % below, {above:g} % above), and if the median of each kind of
+published value differs from both results by at most: {tolerances}. A case is **explained** if it does not agree for a
+reason that its file gives.
 
-Davis's estimate is in form B, whose factor of safety for one soil without dilation is √(F² - tan² φ) where cohesion
-is small, F that of ψ = φ (Tschuchnigg, Schweiger & Sloan 2015). Where it is below 1 the ground would have to be
-stronger, hence steeper in φ, and the steeper φ the more Davis takes off: on steep friction it comes out far below F,
-as 0.57 beside 1.01 for spencer_1969 with φ = 40°. Read it as a slope that fails by Davis's strength, and as how many
-times stronger it would have to be; form A, about F cos φ, is 1 where form B is, and 0.76 there.
+Davis's estimate is in form B. For one soil without dilation and with little cohesion its factor of safety is
+√(F² - tan² φ), with the factor of safety F for ψ = φ (Tschuchnigg, Schweiger & Sloan 2015). If this factor is below 1,
+the search increases the strength, and with it the friction angle, which Davis's factor then reduces more. For large
+friction angles the estimate is therefore far below F, such as 0.57 instead of 1.01 for spencer_1969 with φ = 40°. Such
+a slope fails with Davis's strength; its factor says by how much the strength would have to be larger. Form A gives
+about F cos φ, which is 0.76 for this slope.
 """
 
 
