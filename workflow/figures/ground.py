@@ -110,7 +110,7 @@ def section_sheet(
     sheet = _sheet(section, f"{section.heading}: {title}", window, handles)
     line_width = _line_width(section)
     for view, much in enumerate(window.exaggerations()):
-        axes = sheet.frame(view, window, _heights(much), much)
+        axes = sheet.frame(view, window, heights_in_words(much), much)
         for k, (stratum, colour) in enumerate(zip(section.strata, _colours(section), strict=True)):
             hatch = HATCH if stratum.liquefiable else None
             for polygon in section.layering.polygons(k):
@@ -160,7 +160,7 @@ def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
 
     sheet = _sheet(section, title, window, _legend_of(section, water=False))
     for view, much in enumerate(window.exaggerations()):
-        text = f"{_heights(much)}; {subtitle}" if view == 0 else _heights(much)
+        text = f"{heights_in_words(much)}; {subtitle}" if view == 0 else heights_in_words(much)
         sheet.show(view, render(window, draw, exaggeration=much), window, text, much)
     sheet.save(path)
 
@@ -270,7 +270,8 @@ def _fill_water(axes: Axes, section: Section, table: np.ndarray) -> None:
     axes.fill_between(x, ground, level, where=list(level > ground), color=WATER, alpha=0.25, linewidth=0)
 
 
-def _heights(much: int) -> str:
+def heights_in_words(much: int) -> str:
+    """Return how many times the heights of a view are exaggerated."""
     return "true proportions" if much == 1 else f"heights exaggerated {much} times"
 
 

@@ -20,7 +20,7 @@ from meshes.quad_mesh import QuadMesh
 from workflow.figures import discs
 from workflow.figures import fem as fem_figures
 from workflow.figures.canvas import INK, Sheet, Window, render
-from workflow.figures.ground import foot
+from workflow.figures.ground import foot, heights_in_words
 from workflow.results.discs import SETS
 from workflow.results.fem_states import FemResults
 from workflow.results.mesh_grids import unstructured
@@ -202,7 +202,7 @@ def _sheet(job: Job, mesh: QuadMesh, state: FieldState, field: Field) -> Sheet:
         title, [much * view.proportion for much in view.exaggerations()], foot(job.config.section), legend_rows=3
     )
     for number, much in enumerate(view.exaggerations()):
-        heights = "true proportions" if much == 1 else f"heights exaggerated {much} times"
-        sheet.show(number, render(view, paint, exaggeration=much), view, f"FEM, {state.label}; {heights}", much)
+        title = f"FEM, {state.label}; {heights_in_words(much)}"
+        sheet.show(number, render(view, paint, exaggeration=much), view, title, much)
     sheet.colour_bar(ScalarMappable(Normalize(low, high), field.colours), field.label)
     return sheet

@@ -168,7 +168,6 @@ def animate(config: Config, paths: Sequence[Path], springs: str, out: Mapping[in
     """
     last = Frame.read(paths[-1])
     norm, window = last.scale(), shown_window([Frame.read(paths[0]), last], springs)
-    window = Window(window.left, window.right, window.bottom, window.top)
     states = [Frame.read(path) for path in paths]
     pictures = [render(window, partial(draw_frame, frame=frame, norm=norm), FRAME_WIDTH) for frame in states]
     durations = [FRAME_MS] * (len(states) - 1) + [HOLD_MS]

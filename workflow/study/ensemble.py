@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent import futures
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, Generic
 
@@ -27,12 +26,10 @@ class TaskOutcome(Generic[Result]):
     ----------
     answer : the answer; None if the task failed
     reason : reason why the task failed
-    reused : whether the answer was already stored
     """
 
     answer: Result | None
     reason: str = ""
-    reused: bool = False
 
 
 # Hears after every task how many are done, how many of these failed, and how many there are.
@@ -66,7 +63,7 @@ class Ensemble:
             if stored is None:
                 missing[task.fingerprint] = task
             else:
-                rows[task.fingerprint] = _row(task, stored, reused=True)
+                rows[task.fingerprint] = _row(task, stored)
         total = len(rows) + len(missing)
 
         def tell() -> None:
@@ -116,8 +113,7 @@ class Ensemble:
     ) -> None:
         """Try every missing task once. Tasks that another machine computes remain missing."""
         tasks = list(missing.values())
-        attempts = [Attempt(str(self.folder), task.fingerprint, partial(_outcome, task), task.name) for task in tasks]
-        waiting = {executor.submit(attempt, each): task for each, task in zip(attempts, tasks, strict=True)}
+        waiting = {executor.submit(attempt, self.folder, task): task for task in tasks}
         for future in futures.as_completed(waiting):
             task = waiting[future]
             try:
@@ -134,27 +130,17 @@ class Ensemble:
             tell()
 
 
-@dataclass(frozen=True)
-class Attempt:
-    """Holds the input of a worker: the folder of the answers, the fingerprint of the task, and the function."""
-
-    folder: str
-    fingerprint: str
-    compute: Callable[[], Outcome]
-    name: str
-
-
-def attempt(wanted: Attempt) -> Outcome | None:
-    """Compute a task unless its answer is stored, or another worker computes it (then return None). Workers call this
-    function."""
-    cache = ResultCache(Path(wanted.folder))
-    with cache.claimed(wanted.fingerprint) as claimed:
-        there = cache.read(wanted.fingerprint)
+def attempt(folder: Path, task: Task[Any, Any]) -> Outcome | None:
+    """Compute a task unless its answer is stored in the folder, or another worker computes it (then return None).
+    Workers call this function, with a task whose fingerprint is already computed."""
+    cache = ResultCache(folder)
+    with cache.claimed(task.fingerprint) as claimed:
+        there = cache.read(task.fingerprint)
         if there is not None or not claimed:
             return there
-        outcome = wanted.compute()
+        outcome = _outcome(task)
         if outcome.lasting:
-            cache.write(wanted.fingerprint, outcome)
+            cache.write(task.fingerprint, outcome)
         return outcome
 
 
@@ -179,6 +165,6 @@ def _outcome(task: Task[Input, Result]) -> Outcome:
     )  # fmt: skip
 
 
-def _row(task: Task[Any, Result], outcome: Outcome, reused: bool = False) -> TaskOutcome[Result]:
+def _row(task: Task[Any, Result], outcome: Outcome) -> TaskOutcome[Result]:
     answer = None if outcome.answer is None else task.answer_type.model_validate(outcome.answer)
-    return TaskOutcome(answer, outcome.reason, reused)
+    return TaskOutcome(answer, outcome.reason)

@@ -25,8 +25,9 @@ def totals(count: int) -> list[Task[Numbers, Number]]:
 def test_rows_come_in_the_order_of_the_tasks_and_are_kept(tmp_path: Path) -> None:
     first = Ensemble(tmp_path, 2).rows(totals(5))
     assert [row.answer for row in first] == [Number(value=0.1 * k + 0.2) for k in range(5)]
-    longer = Ensemble(tmp_path, 2).rows(totals(7))
-    assert [row.reused for row in longer] == [True] * 5 + [False] * 2
+    messages: list[tuple[int, int, int]] = []
+    longer = Ensemble(tmp_path, 2).rows(totals(7), lambda *counts: messages.append(counts))
+    assert messages[0] == (5, 0, 7)
     assert [row.answer for row in longer[:5]] == [row.answer for row in first]
 
 
@@ -49,7 +50,9 @@ def test_a_failed_task_is_a_row_with_its_reason(tmp_path: Path) -> None:
     assert messages[0] == (0, 0, 3)
     assert messages[-1] == (3, 2, 3)
     # what may be mended is tried again, what has no answer is not
-    assert [row.reused for row in Ensemble(tmp_path, 1).rows(tasks)] == [True, False, True]
+    messages.clear()
+    Ensemble(tmp_path, 1).rows(tasks, lambda *counts: messages.append(counts))
+    assert messages == [(2, 1, 3), (3, 2, 3)]
 
 
 def test_a_worker_that_dies_costs_its_task_a_second_try_and_no_third(tmp_path: Path) -> None:
@@ -73,7 +76,7 @@ def test_a_half_written_or_foreign_file_is_no_answer(tmp_path: Path) -> None:
     task = totals(1)[0]
     result_cache = ResultCache(tmp_path)
     result_cache.write(task.fingerprint, Outcome(task=task.name, given={}, answer={"value": 7.0}))
-    assert Ensemble(tmp_path, 1).rows([task]) == [TaskOutcome(Number(value=7.0), reused=True)]
+    assert Ensemble(tmp_path, 1).rows([task]) == [TaskOutcome(Number(value=7.0))]
     result_cache.path(task.fingerprint).write_text('{"task": "tests.supp')
     assert Ensemble(tmp_path, 1).rows([task])[0].answer == Number(value=0.2)
 
