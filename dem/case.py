@@ -60,9 +60,8 @@ class Case(Model):
     residual: Share | dict[str, Share] = Field(
         default=0.0,
         description=(
-            "residual strength over the vertical effective stress before shaking; one value for all "
-            "strata, or one for each stratum by name. If shares of friction and cohesion give a larger "
-            "strength, that strength counts"
+            "residual strength over the vertical effective stress before shaking; one value for all strata, or one for "
+            "each stratum by name. If shares of friction and cohesion give a larger strength, that strength counts"
         ),
     )
     residual_strength: ResidualStrength | dict[str, ResidualStrength] = Field(

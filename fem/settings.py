@@ -132,10 +132,9 @@ class FemSettings(Model):
         ge=0.0,
         le=0.5,
         description=(
-            "largest remaining discretisation error, such as 0.01; finer meshes are made until the error "
-            "is smaller. The error is a share of the critical Kh, or of 0.2 if the critical Kh is "
-            "smaller; a factor of safety has half of this error. With 0, or with given columns and rows, "
-            "the first mesh is the only one"
+            "largest remaining discretisation error, such as 0.01; finer meshes are made until the error is smaller. "
+            "The error is a share of the critical Kh, or of 0.2 if the critical Kh is smaller; a factor of safety has "
+            "half of this error. With 0, or with given columns and rows, the first mesh is the only one"
         ),
     )
     max_cells: int = Field(default=6000, ge=100, le=500_000, description="largest number of cells of a mesh")
@@ -202,8 +201,7 @@ class BoundsSettings(Model):
         ge=1e-4,
         le=1.0,
         description="gap (upper - lower) at which the search for bounds ends, such as 0.01: as a share of the "
-        "mean of both, or of a Kh "
-        "of 0.2 if the mean is smaller; half of this gap for a factor of safety",
+        "mean of both, or of a Kh of 0.2 if the mean is smaller; half of this gap for a factor of safety",
     )
     max_cells: int = Field(default=20_000, ge=100, le=500_000, description="largest number of triangles")
     seconds: float = Field(

@@ -124,9 +124,8 @@ class Engine:
         if dt > stable.seconds:
             d = stable.disc
             raise StepTooLargeError(
-                f"dt = {dt:.4g} s is above the stable step of {stable.seconds:.4g} s that disc {d} at "
-                f"x = {model.x[d]:.4g} m, z = {model.z[d]:.4g} m allows at t = {model.time:.6g} s. "
-                "Use dt = 'auto' or less."
+                f"dt = {dt:.4g} s is above the stable step of {stable.seconds:.4g} s that disc {d} at x = "
+                f"{model.x[d]:.4g} m, z = {model.z[d]:.4g} m allows at t = {model.time:.6g} s. Use dt = 'auto' or less."
             )
 
     def measure(self, model: DiscModel) -> EnergyBalance:

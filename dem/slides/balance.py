@@ -189,9 +189,8 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
     listed = ", ".join(f"{name} ({thick:.2g} m)" for name, thick in thin.items())
     return [
         *notes,
-        f"strata {listed} liquefy and are thinner than two discs: discs of this size underestimate the slide of "
-        "the ground behind a "
-        f"bank or quay wall; check with discs of {radius}",
+        f"strata {listed} liquefy and are thinner than two discs: discs of this size underestimate the slide of the "
+        f"ground behind a bank or quay wall; check with discs of {radius}",
     ]
 
 
@@ -223,7 +222,6 @@ def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[
         return []
     return [
         f"the ground above the liquefied strata is {crust:.2g} m thick in the model, less than two disc diameters: "
-        "discs of this "
-        "size move at random and underestimate the slide of the ground behind a bank or quay wall; check with "
-        f"discs of {crust / 4.0:.2g} m radius"
+        "discs of this size move at random and underestimate the slide of the ground behind a bank or quay wall; check "
+        f"with discs of {crust / 4.0:.2g} m radius"
     ]

@@ -354,9 +354,8 @@ class Slider:
         has_residual = case is not None and (case.residual or case.residual_strength)
         advice = "more residual strength" if has_residual else "a residual strength"
         return [
-            f"without any shaking the surface slides {far:.2g} m within {alone.rows[-1].time_s:.0f} s, a flow "
-            f"failure: its factor of safety after liquefaction is below 1, and {advice} "
-            "(slide.cases, residual) may stabilise it"
+            f"without any shaking the surface slides {far:.2g} m within {alone.rows[-1].time_s:.0f} s, a flow failure: "
+            f"its factor of safety after liquefaction is below 1, and {advice} (slide.cases, residual) may stabilise it"
         ]
 
     def _keep(self) -> None:

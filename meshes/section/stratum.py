@@ -114,9 +114,8 @@ class Stratum(Model):
     consolidated_below: ElevationOrLine | None = Field(
         default=None,
         description=(
-            "line, elevation (m) or { depth = ... } that separates consolidated ground from new soil "
-            "above it, such as a new embankment; the weight of the new soil does not count in the σ'v of "
-            "strength_ratio"
+            "line, elevation (m) or { depth = ... } that separates consolidated ground from new soil above it, such "
+            "as a new embankment; the weight of the new soil does not count in the σ'v of strength_ratio"
         ),
     )
     friction_angle: Angle = Field(description='a friction angle such as "35 deg"')

@@ -49,9 +49,8 @@ class Surcharge(Model):
         ge=0.0,
         le=1.0,
         description=(
-            "the share of the load under which the ground has consolidated, from 0 (traffic, a new load) to 1 "
-            "(a load of years); this share counts in the vertical effective stress by which strength ratios "
-            "are multiplied"
+            "the share of the load under which the ground has consolidated, from 0 (traffic, a new load) to 1 (a load "
+            "of years); this share counts in the vertical effective stress by which strength ratios are multiplied"
         ),
     )
 

@@ -44,9 +44,8 @@ class Water(Model):
     after_drawdown: ElevationOrLine | None = Field(
         default=None,
         description=(
-            "water table after a rapid drawdown; the key table then gives the water table before it. In "
-            "strata that do not drain, the pore pressure falls only by the load of the water that was "
-            "removed from the ground surface"
+            "water table after a rapid drawdown; the key table then gives the water table before it. In strata that do "
+            "not drain, the pore pressure falls only by the load of the water that was removed from the ground surface"
         ),
     )
     unit_weight: UnitWeight = Field(

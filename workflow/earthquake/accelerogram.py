@@ -151,8 +151,7 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
     if record.peak >= IMPOSSIBLE:
         raise ValueError(
             f'the peak of the record is {record.peak / GRAVITY:.3g} g with the unit "{series.unit or unit}"; no '
-            f"recorded "
-            "ground motion is as large: check the unit, and that the values are accelerations"
+            "recorded ground motion is as large: check the unit, and that the values are accelerations"
         )
     stated = None if series.peak is None else measured.factor * series.peak
     return replace(
@@ -169,8 +168,7 @@ def _unit(series: RecordedSeries, setting: str) -> MotionUnit:
     if named is None and wanted is None:
         raise ValueError(
             'the heading of the file names no unit; expected unit = "g", "m/s^2" or "gal" after the name of the '
-            "file, or a "
-            "heading such as time (s), acceleration (g)"
+            "file, or a heading such as time (s), acceleration (g)"
         )
     if named is not None and wanted is not None and named != wanted:
         raise ValueError(
