@@ -109,7 +109,7 @@ def adapted_to(
 
 def factor_like(limit: AdaptiveResult[LimitLoadResult], kh: float) -> float:
     """Estimate the factor of safety at ``kh`` of ground whose critical Kh is known, by a block on the chord of the slip
-    surface. Return 1 without a slip surface that descends.
+    surface. Return 1 if there is no slip surface, or if its chord does not descend.
 
     A block on a plane at the angle β needs the friction tan(β + atan Kh). The estimate is the friction needed at the
     critical Kh over the friction needed at ``kh``, and a little more.

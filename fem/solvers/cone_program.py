@@ -130,8 +130,8 @@ NEAR = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Warm:
-    """Holds a starting point (or none), and the stiffness matrix with its order of elimination, for programs with the
-    same ``rates``."""
+    """Holds a starting point (or none), and the stiffness matrix with its order of elimination, for programs with equal
+    matrices of strain rates."""
 
     place: Place | None
     matrix: CornerMatrix

@@ -35,7 +35,7 @@ Judged = tuple[str, float, float | None, float | None, bool]
 
 @dataclass(frozen=True)
 class Results:
-    """Holds the results of an input. ``ends`` are the outcomes of the stages, ``missing`` the reasons why other stages
+    """Holds the results of a run. ``ends`` are the outcomes of the stages, ``missing`` the reasons why other stages
     have no result, ``older`` the stages computed by another version of the program, and ``stages`` the stages of the
     report.
 
