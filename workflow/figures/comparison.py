@@ -73,7 +73,10 @@ def _curves(results: Results) -> Sheet | None:
             look: dict[str, Any] = {"color": CONTINUUM, "marker": "o", "markerfacecolor": "white", "linestyle": ""}
             axes.plot(*np.array(rest).T, **look, markersize=4)
             handles.append(Line2D([], [], **look, markersize=4, label="in equilibrium without overstress"))
-    if results.kc is not None:
+    if answer.by_limit_analysis:
+        axes.axhline(answer.kc, color=CONTINUUM, linewidth=0.9, alpha=0.6)
+        handles.append(Line2D([], [], color=CONTINUUM, linewidth=0.9, alpha=0.6, label="limit load of the FEM"))
+    elif results.kc is not None:
         axes.axhspan(answer.kc_lower, answer.kc_upper, color=CONTINUUM, alpha=0.15, linewidth=0)
     if discs is not None:
         soil = discs.model.discs == "soil"

@@ -157,7 +157,7 @@ def _state_sheet(config: Config, results: FemResults, state: FieldState, views: 
         1,
         views.safety,
         window,
-        "mobilised strength τ / (c + N tan φ) on the worst plane",
+        "mobilised strength τ / (c + σ'n tan φ) on the worst plane",
     )
     if len(slip):
         axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
@@ -199,13 +199,16 @@ def _curve_sheet(config: Config, answer: FemAnswer) -> Sheet:
         color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.2,
     )  # fmt: skip
     axes.plot([100 * s.displacement for s in resting], [s.factor for s in resting], "s", color=INK, markersize=3.5)
-    axes.axhspan(answer.kc_lower, answer.kc_upper, color=CRITICAL, alpha=0.15, linewidth=0)
+    bracket = ""
+    if not answer.by_limit_analysis:
+        bracket = ", and its bracket"
+        axes.axhspan(answer.kc_lower, answer.kc_upper, color=CRITICAL, alpha=0.15, linewidth=0)
     axes.axhline(answer.kc, color=CRITICAL, linewidth=1.0)
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     handles = [
         Line2D([], [], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.2, label="path, every step converged"),
-        Line2D([], [], color=CRITICAL, linewidth=1.0, label="critical Kh, and its bracket"),
+        Line2D([], [], color=CRITICAL, linewidth=1.0, label=f"critical Kh{bracket}"),
     ]
     if resting:
         handles.append(

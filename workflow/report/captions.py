@@ -52,9 +52,9 @@ CAPTIONS = (
     Caption(
         r"curves",
         "both",
-        "Kh against displacement of the continuum and of the discs. Bands: brackets of the critical Kh. The critical "
-        "Kh of soil discs, which harden and have no plateau, is the largest moving average of Kh up to the "
-        "displacement at the vertical line; the average is over a fifth of this displacement.",
+        "Kh against displacement of the continuum and of the discs. Bands: brackets of the critical Kh of discs and of "
+        "paths. The critical Kh of soil discs, which harden and have no plateau, is the largest moving average of Kh "
+        "up to the displacement at the vertical line; the average is over a fifth of this displacement.",
         True,
     ),
     Caption(
@@ -64,7 +64,12 @@ CAPTIONS = (
         "formed, at a larger displacement than that of their critical Kh.",
         True,
     ),
-    Caption(r"fem_plateau", "fem", "Continuum at the end of the path: the failure mechanism.", True),
+    Caption(
+        r"fem_plateau",
+        "fem",
+        "Continuum at the last step of the path: displacement, mobilised strength and slip surface.",
+        True,
+    ),
     Caption(
         r"fem_kh_(\d+\.\d+)",
         "fem",
@@ -125,7 +130,7 @@ CAPTIONS = (
 
 # Captions of pictures that show discs, if there are any, where there are none.
 WITHOUT_DISCS = {
-    "curves": "Kh against displacement of the continuum. Band: bracket of the critical Kh.",
+    "curves": "Kh against displacement of the continuum. Line: limit load. Band: bracket of the critical Kh of a path.",
     "slip_surfaces": "Slip surface of the continuum.",
 }
 OF_DISCS = r"(dem_|case\d).*"  # pictures that are there if discs are
