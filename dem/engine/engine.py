@@ -16,9 +16,8 @@ from dem.chunked_map import threaded
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
 from dem.engine.compliant_base import Look, felt, felt_until
 from dem.engine.energy_balance import EnergyBalance
-from dem.engine.laws import CrackBy, law_of, springs_of
 from dem.engine.memory import Room, keep_freed_arrays
-from dem.engine.packer import pack, unpack, unpack_motion
+from dem.engine.packer import CrackBy, law_of, pack, springs_of, unpack, unpack_motion
 from dem.engine.sharing import needs
 from dem.errors import DemError, StepTooLargeError
 from dem.kernels import energy

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dem.engine.compliant_base import felt
-from dem.engine.laws import law_of, springs_of
-from dem.engine.packer import pack, unpack
+from dem.engine.packer import law_of, pack, springs_of, unpack
 from dem.engine.sharing import needs
 from dem.kernels.arguments import ENERGY_COLUMNS, Clock, Entries, Loads, Team
 from dem.kernels.barrier import new_barrier

@@ -1,11 +1,14 @@
-"""Converts a DiscModel to a Layout and back."""
+"""Converts a DiscModel to a Layout and back, and its law and springs to arguments of the kernels."""
 
 from functools import partial
+from typing import Literal
 
 import numpy as np
 
 from dem.chunked_map import Ranges, serial
 from dem.engine.memory import Room, large_zeros
+from dem.kernels.arguments import Law, Springs
+from dem.kernels.contact import KPN
 from dem.kernels.layout import (
     DISC_FIELDS,
     LANES,
@@ -25,7 +28,7 @@ from dem.kernels.liquefied_lists import members_of, place_pairs
 from dem.kernels.liquefied_pairs import FIELDS, WORKING, Liquefied
 from dem.kernels.liquefied_pairs import MEMORY as BOND_MEMORY
 from dem.kernels.motion import list_motion, place_fields, place_motion
-from dem.kernels.transpose import SHARED
+from dem.kernels.transpose import CONSTANT_RECORD, SHARED
 from dem.model import DiscModel
 from dem.state import MEMORY, ROLLING_MEMORY
 
@@ -199,3 +202,26 @@ def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = serial) -> None
         rolling = layout.rolling.reshape(-1, ROLL_FIELDS, LANES)
         for field, name in _LINE_ROLLING.items():
             setattr(model, name, rolling[chunk, field, lane])
+
+
+CrackBy = Literal["contact", "pore"]
+
+
+def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact") -> Law:
+    """Return the contact law of a model as an argument of the kernels; pulls and crack_by as in `Engine`.
+
+    In soil discs Fn in equation 16 of the paper is the force of the pore spring alone, since the normal force of the
+    contact already contributes to the friction of the contact.
+    """
+    soil = model.law == "soil"
+    pores = bool(model.springs.pairs[KPN].any())
+    share = 1.0 if crack_by == "contact" and not soil else 0.0
+    return Law(soil, pores, -np.inf if pulls else 0.0, share, model.repeats)
+
+
+def springs_of(model: DiscModel) -> Springs:
+    """Return all constants of the contacts of a model as an argument of the kernels."""
+    pairs = model.springs.pairs
+    records = large_zeros(pairs.shape[1], CONSTANT_RECORD)
+    records[:, : len(pairs)] = pairs.T
+    return Springs(pairs, records.reshape(-1), model.springs.lines, model.lines)

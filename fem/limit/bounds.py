@@ -340,7 +340,7 @@ def _varying(section: Section, davis: bool) -> CornerCohesion:
 
 
 def _ground(section: Section, sign: int) -> Side:
-    """Return the section as a rigid-plastic body with its soils, pore pressures and loads."""
+    """Return the ground surface with its loads and the water on it."""
     water, loads = section.water_pressure, section.surface_loads
     if not (water.present or loads.present):
         return Side()

@@ -48,17 +48,6 @@ LARGEST_GUESS, ABOVE = 4.0, 1.2
 FAILS_BY_ITSELF = "the ground fails under its own weight"
 
 
-def is_adapted(section: Section, meshing: MeshSettings, first: QuadMesh, settings: FemSettings) -> bool:
-    """Return whether meshes are adapted to the mechanism.
-
-    Meshes are not adapted if the settings require no accuracy, if the flow is not associated, so that the limit load is
-    not unique, or if columns and rows or the mesh itself are given. ``section`` is the ground; ``meshing`` are the
-    settings of meshes; ``first`` is the mesh to begin with; ``settings`` are those of the finite elements.
-    """
-    chosen = meshing.columns or meshing.rows or first.method == "given"
-    return settings.accuracy > 0.0 and not chosen and is_associated(section.strata, settings.flow)
-
-
 def next_mesh(
     section: Section,
     meshing: MeshSettings,
@@ -85,11 +74,6 @@ def next_mesh(
     if strong is None:
         return adapted(section, meshing, mesh, moved, cells, repeats=repeats)
     return without_strips(adapted(strong, meshing, mesh, moved, cells, repeats=repeats), section)
-
-
-def strong_below(section: Section, faces: Sequence[ShallowFailure], settings: FemSettings) -> Section | None:
-    """Return the section with the ground below ``faces`` strengthened; None without faces."""
-    return strengthened(section, faces, settings) if faces else None
 
 
 def adapted_to(
@@ -174,7 +158,7 @@ class AdaptiveSearch:
         self, direction: Direction, settings: FemSettings, other: Callable[[], float]
     ) -> AdaptiveResult[LimitLoadResult]:
         one_way = settings.changed(direction=direction)
-        faces = self._rough_faces(self.first, one_way)
+        faces = self._rough_faces(one_way)
         wish = Wish(settings.accuracy, self._most_cells(settings), other, LEAST_KH)
         sequence = MeshSequence[LimitLoadResult](self.first, wish)
         while (mesh := sequence.mesh) is not None:
@@ -192,13 +176,18 @@ class AdaptiveSearch:
         self, mesh: QuadMesh, strain: np.ndarray, cells: int, faces: Sequence[ShallowFailure], settings: FemSettings
     ) -> QuadMesh:
         """Return the mesh of `next_mesh` for ground that is strengthened below ``faces``."""
-        strong = strong_below(self.section, faces, settings)
+        strong = strengthened(self.section, faces, settings) if faces else None
         repeats = settings.sides == "periodic"
         return next_mesh(self.section, self.meshing, mesh, strain, cells, strong, repeats)
 
     def _most_cells(self, settings: FemSettings) -> int:
-        """Return the largest number of cells; 0 if meshes are not adapted."""
-        return settings.max_cells if is_adapted(self.section, self.meshing, self.first, settings) else 0
+        """Return the largest number of cells; 0 if meshes are not adapted: if the settings require no accuracy, if the
+        flow is not associated, so that the limit load is not unique, or if columns and rows or the mesh itself are
+        given.
+        """
+        chosen = self.meshing.columns or self.meshing.rows or self.first.method == "given"
+        unique = is_associated(self.section.strata, settings.flow)
+        return settings.max_cells if settings.accuracy > 0.0 and not chosen and unique else 0
 
     def by_other_rule(
         self, base: AdaptiveResult[LimitLoadResult], other: FemSettings
@@ -319,11 +308,11 @@ class AdaptiveSearch:
         factor *= base.result.factor / shared.result.factor
         return (max if other.flow == "associated" else min)(factor, base.result.factor)
 
-    def _rough_faces(self, first: QuadMesh, settings: FemSettings) -> list[ShallowFailure] | None:
-        """Return the cohesionless faces to strengthen on a ``first`` mesh of many cells, determined on a coarse mesh.
+    def _rough_faces(self, settings: FemSettings) -> list[ShallowFailure] | None:
+        """Return the cohesionless faces to strengthen on a first mesh of many cells, determined on a coarse mesh.
         Return None if they have to be determined on the first mesh, by one more limit load.
         """
-        rough = self._rough_mesh(first)
+        rough = self._rough_mesh()
         try:
             return critical_limit_load(self.section, rough, settings, self.comm).ground.faces if rough else None
         except NoAnswerError:
@@ -332,17 +321,17 @@ class AdaptiveSearch:
     def _rough_safety(self, settings: FemSettings, kh: float) -> float:
         """Return the initial guess of the factor of safety: 1, or the factor on a coarse mesh if the first mesh is
         fine."""
-        rough = self._rough_mesh(self.first)
+        rough = self._rough_mesh()
         try:
             return limit_load_safety_factor(self.section, rough, settings, kh, self.comm).factor if rough else 1.0
         except NoAnswerError:
             return 1.0
 
-    def _rough_mesh(self, first: QuadMesh) -> QuadMesh | None:
-        """Return a coarse mesh; None if the ``first`` mesh is coarse itself."""
-        if len(first.cells) <= MANY_TIMES * FEWEST_CELLS:
+    def _rough_mesh(self) -> QuadMesh | None:
+        """Return a coarse mesh; None if the first mesh is coarse itself."""
+        if len(self.first.cells) <= MANY_TIMES * FEWEST_CELLS:
             return None
-        size = math.sqrt(float(areas(first.points, first.cells).sum()) / FEWEST_CELLS)
+        size = math.sqrt(float(areas(self.first.points, self.first.cells).sum()) / FEWEST_CELLS)
         try:
             return generate(self.section, MeshSettings(size=size))
         except (NoAnswerError, InputError):

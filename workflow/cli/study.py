@@ -45,8 +45,7 @@ def study(
     from workflow.cli.terminal import Counted, say, say_data
     from workflow.report.study import sentences, write_page
     from workflow.study.ensemble import Ensemble
-    from workflow.study.pictures import draw_all
-    from workflow.study.study import run
+    from workflow.study.study import draw_all, run
 
     options = {"samples": samples, "method": method, "seed": seed}
     overrides = {"study": {key: value for key, value in options.items() if value is not None}}

@@ -21,8 +21,7 @@ from workflow.config.tables import Tables
 from workflow.earthquake.records_in_use import remarks
 from workflow.earthquake.settings import CYCLES, EARTHQUAKE
 from workflow.earthquake.triggering.assessment import below_loads, off_the_section
-from workflow.earthquake.triggering.plausibility import implausible_triggering
-from workflow.earthquake.triggering.settings import CASE_NAMES, left_to_blow_counts
+from workflow.earthquake.triggering.settings import CASE_NAMES, implausible_triggering, left_to_blow_counts
 from workflow.uncertain.limits import Reach, reach_of
 from workflow.uncertain.path import changed, plain
 

@@ -6,14 +6,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, PlainSerializer, PlainValidator
 
 from dem.settings import SlideSettings
 from meshes.errors import InputError
-from meshes.section.motion_units import RecordComponent, RecordScale, RecordUnit
-from meshes.section.quantity import GRAVITY, Coordinate, Density, Length
+from meshes.section.motion_units import RecordComponent, RecordScale, RecordUnit, motion_unit
+from meshes.section.quantity import GRAVITY, NUMBER_AND_UNIT, Coordinate, Density, Kind, Length, with_a_point
 from meshes.section.section import Model
-from workflow.earthquake.acceleration import Acceleration
 from workflow.earthquake.accelerogram import STRONG, Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.attenuation import GAL, Mechanism, PeakMotion, Site, fukushima_tanaka, si_midorikawa
@@ -28,6 +27,36 @@ PLAIN_IN_G = 1.5  # below it a plain number of m/s² may be one of g
 FIRM = 760.0  # m/s, within the range of what asks for vs30, where it is missing and other problems are looked for
 
 Relation = Literal["si_midorikawa", "fukushima_tanaka", "boore"]
+
+
+class AccelerationKind(Kind):
+    """Describes an acceleration in the units of ground motion, such as g and gal, which the library pint would read as
+    grams and gallons."""
+
+    def _convert(self, text: str) -> float:
+        if comma := with_a_point(text):
+            raise ValueError(f'has a decimal comma; write "{comma}"; {self.expected}')
+        parts = NUMBER_AND_UNIT.fullmatch(text)
+        if parts is None:
+            raise ValueError(f"not understood as a number with a unit; {self.expected}")
+        if not parts[2]:
+            raise ValueError(f"has no unit; {self.expected}, or a plain number in {self.unit}")
+        unit = motion_unit(parts[2])
+        if unit is None:
+            raise ValueError(f'"{parts[2]}" is not understood as a unit of acceleration; {self.expected}')
+        if unit.motion != "acceleration":
+            raise ValueError(f'"{parts[2]}" is a unit of {unit.motion}; {self.expected}')
+        return float(parts[1]) * unit.factor
+
+
+ACCELERATION = AccelerationKind(
+    "an acceleration", "m/s^2", '"250 gal", "0.25 g", "2.5 m/s^2" or "25 %g"', minimum=0.0, maximum=50.0,
+    minimum_allowed=False, limits=" above 0 and below 50 m/s^2",
+)  # fmt: skip
+
+Acceleration = Annotated[
+    float, PlainValidator(ACCELERATION.read), PlainSerializer(lambda number: getattr(number, "written", number))
+]
 
 
 class EarthquakeSettings(Model):

@@ -31,11 +31,10 @@ from workflow.figures.canvas import (
     soil_colours,
 )
 from workflow.figures.discs import FAR, NO_LINE, draw_strata, draw_values, nice, window_of
-from workflow.results.cases import CaseAnswer, Profile, alike
+from workflow.results.cases import CaseAnswer, Profile, alike, smoothed
 from workflow.results.history import SlideHistory
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
-from workflow.results.resolved_surface import smoothed
 
 SPRINGS = {"calibrated": "calibrated discs", "table2": "springs of Table 2", "mpm": "material points"}
 FRAME_WIDTH = 1000  # px

@@ -97,7 +97,7 @@ def work(job: Job) -> None:
         job.progress(said, sum(share * cost for share, cost in zip(shares, costs, strict=True)) / sum(costs))
 
     slides: dict[int, list[PointSlide]] = {}
-    for run, slide in zip(runs, job.executor.compute(_slid, runs, heard), strict=True):
+    for run, slide in zip(runs, job.executor.compute(slid, runs, heard), strict=True):
         slides.setdefault(run.number, []).append(slide)
     ground = slider.ground
     PointSlidesAnswer(
@@ -146,34 +146,12 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
 
-    ground = ground_of(config.section, config.slide.mpm_cells // fewer, config.sides_of_slides)
+    ground = ground_of(config.section, config.slide.mpm_cells // fewer, config.sides_ofslides)
     slider = PointSlider(ground, downhill(config.section.ground))
     return slider, slider.settle()
 
 
-def slide_of_points(config: Config, number: int) -> "PointSlide":
-    """Compute the slide of one case by material points, with the standard damping rate of unresolved velocities.
-
-    Parameters
-    ----------
-    config : config with the section, and the residual strengths of its cases
-    number : number of the case, from 1
-
-    Returns
-    -------
-    The slide.
-
-    Raises
-    ------
-    FloatingPointError
-        If the ground has no equilibrium under its weight.
-    """
-    from fem.mpm.slide import DECAYS
-
-    return _slid(PointRun(config, at_rest(config)[0], number, DECAYS[0]), lambda _: None)
-
-
-def _slid(run: PointRun, tell: Tell) -> "PointSlide":
+def slid(run: PointRun, tell: Tell) -> "PointSlide":
     """Compute a slide; ``tell`` is called with the finished share, the time (s) and the largest slide (m)."""
     from fem.mpm.slide import DECAYS, LOOK
     from fem.mpm.slide_record import earliest_rest

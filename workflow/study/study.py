@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from meshes.errors import InputError, NoAnswerError
+from meshes.section.section import Section
 from workflow.config import Config
 from workflow.config.after_triggering import config_after_triggering
+from workflow.figures import study as figures
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import Spread
 from workflow.results.study import Failure, Group, Result, StudyAnswer
@@ -197,3 +199,30 @@ def _groups(table: SampleTable, name: str, path: str) -> Iterator[Group]:
     for value in dict.fromkeys(drawn):
         group = column[[value_of_group == value for value_of_group in drawn]]
         yield Group(path=path, value=value, samples=int(np.isfinite(group).sum()), spread=_spread(group))
+
+
+def draw_all(section: Section, table: SampleTable, answer: StudyAnswer, store: Store) -> None:
+    """Write figures/study_*.png; pictures without data are left out.
+
+    ``section``: the section of the ground; ``table``: table of all samples; ``answer``: answer of the study; ``store``:
+    store of the folder with the results.
+    """
+    title = section.heading
+    store.remove(["figures/study_*.png"])
+    if answer.fails is not None:
+        kc = table.column("kc")
+        with store.writing("figures/study_fails.png") as path:
+            figures.fails(kc[np.isfinite(kc)], answer.fails, title, path)
+    if any(effect.correlation is not None for result in answer.results for effect in result.effects):
+        with store.writing("figures/study_effects.png") as path:
+            figures.effects(answer.results, title, path)
+    if answer.fragility:
+        with store.writing("figures/study_fragility.png") as path:
+            figures.fragility(answer.fragility, title, path)
+    first = answer.results[:1]
+    slides = [result for result in answer.results[1:] if result.name.startswith("case") and not result.is_detail]
+    for result in (*first, *slides):
+        drawn = {effect.path: table.drawn(effect.path) for effect in result.effects}
+        name = "samples" if result in first else f"samples_{result.name.split('_')[0]}"
+        with store.writing(f"figures/study_{name}.png") as path:
+            figures.single(result.title, table.column(result.name), drawn, title, path)

@@ -10,9 +10,10 @@ from docs.verify.slides.point_columns import run_out_of_column
 from docs.verify.slides.shaking import shaking_of_slope
 from docs.verify.slides.sliding import Sliding, number_of
 from fem.mpm import PointSlide, PointSlider, SlideProgramme, ground_of
+from fem.mpm.slide import DECAYS
 from meshes.section.section import Section
 from workflow.config import Config
-from workflow.stages.mpm import slide_of_points
+from workflow.stages.mpm import PointRun, at_rest, slid
 
 # Cells: at least, over the layer that liquefies and over its crust; along the slope; of firm ground below.
 ACROSS, CRUST, ALONG, BELOW = 6, 2, 4, 3
@@ -52,8 +53,12 @@ def by_points(case: SlideCase) -> float | None:
 
 @lru_cache(maxsize=8)
 def _slid(sliding: Sliding, number: int) -> PointSlide:
-    """A slide by material points, of the transfer that counts."""
     return slide_of_points(sliding.config, number)
+
+
+def slide_of_points(config: Config, number: int) -> PointSlide:
+    """A slide by material points, with the damping rate of unresolved velocities that counts."""
+    return slid(PointRun(config, at_rest(config)[0], number, DECAYS[0]), lambda _: None)
 
 
 def _along_uniform_slope(case: SlideCase, wanted: UniformSlope) -> float:

@@ -10,9 +10,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from fem.continuum.shallow_failure import shallow_failures
+from fem.continuum.shallow_failure import shallow_failures, strengthened
 from fem.errors import UnstableError
-from fem.search.adaptive import next_mesh, strong_below
+from fem.search.adaptive import next_mesh
 from fem.search.mesh_sequence import FEWEST_CELLS, AdaptiveResult, MeshRound, MeshSequence, Wish
 from fem.settings import FemSettings
 from meshes.errors import NoAnswerError
@@ -193,7 +193,7 @@ def test_cells_follow_the_strip_below_a_cohesionless_face() -> None:
     data["strata"][0]["cohesion"] = 0
     section = Section.parse(data)
     settings, meshing = FemSettings(direction="downhill", flow="associated"), MeshSettings(method="free")
-    strong = strong_below(section, shallow_failures(section, settings), settings)
+    strong = strengthened(section, shallow_failures(section, settings), settings)
     assert strong is not None
     first = generate(section, meshing)
     cut = next_mesh(section, meshing, first, np.ones(len(first.cells)), 800)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from meshes.section.motion_units import motion_unit, time_unit
 from tests.support import records
 from tests.support.records import CM, GRAVITY, WRITERS, bhrc, columns, geonet, motion, read_text, refused
-from workflow.earthquake.acceleration import ACCELERATION
+from workflow.earthquake.settings import ACCELERATION
 
 STEPS = st.sampled_from([0.005, 0.01, 0.02])
 

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from docs.verify.slides.points import slide_of_points
 from fem.kernels import material_points as kernel
 from fem.kernels import mohr_coulomb
 from fem.mpm import (
@@ -30,7 +31,6 @@ from tests.support.material_points import UNIT_WEIGHT, EndlessSlope, displaced, 
 from tests.support.sections import layer, slope
 from workflow.config import Config
 from workflow.config.after_triggering import config_after_triggering
-from workflow.stages.mpm import slide_of_points
 
 DENSITY = 1800.0
 
