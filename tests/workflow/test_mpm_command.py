@@ -119,25 +119,25 @@ def test_a_stopped_slide_goes_on_with_the_same_bits(
     slider, _ = at_rest(config)
     checkpoint = Store(tmp_path)
 
-    def slid(heard: Tell, where: Store | None) -> PointSlide:
+    def continued(heard: Tell, where: Store | None) -> PointSlide:
         return slid(PointRun(config, slider, 2, 10.0, where), heard)
 
     def stop(message: tuple[float, float, float]) -> None:
         if message[1] > 3.0:
             raise KeyboardInterrupt
 
-    whole = slid(lambda _: None, None)
+    whole = continued(lambda _: None, None)
     with pytest.raises(KeyboardInterrupt):
-        slid(stop, checkpoint)
+        continued(stop, checkpoint)
     times: list[float] = []
-    again = slid(lambda message: times.append(message[1]), checkpoint)
+    again = continued(lambda message: times.append(message[1]), checkpoint)
     assert min(times) > 2.5
     assert again.times == whole.times
     assert np.array_equal(again.slide, whole.slide)
     assert np.array_equal(again.after, whole.after)
     assert (again.reason, again.energy_lost_share) == (whole.reason, whole.energy_lost_share)
     times.clear()
-    assert np.array_equal(slid(lambda message: times.append(message[1]), checkpoint).slide, whole.slide)
+    assert np.array_equal(continued(lambda message: times.append(message[1]), checkpoint).slide, whole.slide)
     assert times == []  # it had come to its end
 
 

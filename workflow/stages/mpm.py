@@ -146,7 +146,7 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
 
-    ground = ground_of(config.section, config.slide.mpm_cells // fewer, config.sides_ofslides)
+    ground = ground_of(config.section, config.slide.mpm_cells // fewer, config.sides_of_slides)
     slider = PointSlider(ground, downhill(config.section.ground))
     return slider, slider.settle()
 
