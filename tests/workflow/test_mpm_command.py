@@ -14,7 +14,7 @@ from tests.support.borings import SAND
 from tests.support.sections import layer
 from workflow.config import Config
 from workflow.run.store import Store
-from workflow.stages.mpm import PointRun, _answer, alike_by_strength, at_rest
+from workflow.stages.mpm import PointRun, _answer, alike_by_strength, at_rest, slid
 
 
 @pytest.fixture(scope="module")
