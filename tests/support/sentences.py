@@ -109,7 +109,7 @@ CHECKS: tuple[tuple[str, Check], ...] = (
     (r"^No (?:critical Kh|factor of safety): (.*)\.$", lambda s, why: why == s["no_answer"]["fem"]["reason"]),
     (rf"stands at every Kh up to {NUMBER}, the largest Kh of the", lambda s, kh: _near(kh, s["fem"]["kc_lower"])),
     (rf"with a factor of safety of {NUMBER} \(|with its strength divided by {NUMBER}\.", _any_safe),
-    (r"^No factor of safety was computed; fem.safety_factor_at = \[0.0\] asks for one", lambda s: True),
+    (r"^No factor of safety was computed; fem.safety_factor_at = \[0.0\] requests one", lambda s: True),
     (
         rf"^The section fails \w+, to the \w+, at Kh = {NUMBER} \({NUMBER} m/s²\)",
         lambda s, kh, a: _near(kh, s["fem"]["kc"]) and _near(a, GRAVITY * s["fem"]["kc"]),
@@ -123,7 +123,7 @@ CHECKS: tuple[tuple[str, Check], ...] = (
         lambda s, more: _near(more, 100.0 * (s["fem"]["kc"] / s["bounds"]["upper"] - 1.0)),
     ),
     (rf"^With Davis reduced strength the factor of safety is {NUMBER}\.", lambda s, factor: _safe(s, factor, "davis")),
-    (rf"^With Davis reduced strength, .* it is {NUMBER}\.", lambda s, kh: _near(kh, s["fem"]["kc_davis"])),
+    (rf"^With Davis reduced strength, .* the critical Kh is {NUMBER}\.", lambda s, kh: _near(kh, s["fem"]["kc_davis"])),
     (
         rf"^The section fails at Kh = {NUMBER} by (?:strict )?bounds[\w ]*, below the {NUMBER} ",
         lambda s, high, kh: _near(high, s["bounds"]["upper"]) and _near(kh, s["fem"]["kc"]),

@@ -246,8 +246,9 @@ def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None) -> I
         deciding = [part for part in parts_of_criterion if part.verdict == verdict]
         worst = deciding[:3] if verdict != "satisfied" else []
         why = "" if not worst else f" ({_.listed([_words(part, _) for part in worst])})"
-        limit = limit_words(parts_of_criterion[0])
+        limit = _number(criterion, parts_of_criterion[0].limit)
         limit = _("at least {limit}", limit=limit) if criterion in AT_LEAST else _("at most {limit}", limit=limit)
+        limit += _at(parts_of_criterion[0], _)
         by_section = criterion not in OF_FACES or any(part.of.startswith("the section") for part in parts_of_criterion)
         name = criterion if by_section else f"{criterion} of the faces of structures"
         source = f" [{parts_of_criterion[0].source}]" if parts_of_criterion[0].source else ""
@@ -260,9 +261,14 @@ def _words(part: VerdictPart, _: Texts) -> str:
     return f"{_.sentence(part.of)}: {_.sentence(part.reason) or interval_words(part)}"
 
 
-def limit_words(part: VerdictPart) -> str:
-    """Return the limit with its unit, and the Kh at which it applies."""
-    return _number(part.criterion, part.limit) + ("" if part.kh is None else f" at Kh = {part.kh:g}")
+def limit_words(part: VerdictPart, texts: Texts) -> str:
+    """Return the limit with its unit, and the Kh at which it applies, in the language of the ``texts``."""
+    return _number(part.criterion, part.limit) + _at(part, texts)
+
+
+def _at(part: VerdictPart, _: Texts) -> str:
+    """Return the Kh at which a limit applies, after a blank; empty if there is none."""
+    return "" if part.kh is None else _(" at Kh = {kh}", kh=f"{part.kh:g}")
 
 
 def interval_words(part: VerdictPart) -> str:
