@@ -129,6 +129,8 @@ def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], other_
     if number := NUMBERS.get(error["type"]):
         return [f"{key}{shown}: {number}" + (f", {expected}" if expected else "")]
     plain = PLAIN_WORDS.get(error["type"])
+    if error["type"] == "bool_type" and expected.startswith("true ") and not expected.startswith("true or"):
+        return [f"{key}{shown}: {plain}; {expected}"]
     if plain:
         return [f"{key}{shown}: " + (f"expected {expected}" if expected else plain)]
     message = error["msg"][0].lower() + error["msg"][1:]

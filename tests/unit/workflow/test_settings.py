@@ -36,6 +36,11 @@ def test_values_are_toml_or_text(text: str, tables: dict[str, object]) -> None:
     assert dotted([text]) == tables
 
 
+def test_a_setting_that_is_true_or_false_says_both() -> None:
+    with pytest.raises(InputError, match="own_dilation = 'auto': expected true or false; true to compute"):
+        Config.parse(slope() | {"fem": {"own_dilation": "auto"}})
+
+
 def test_several_settings_of_one_table() -> None:
     assert dotted(["fem.sides=fixed", "mesh.sizes.a=1", "mesh.sizes.b=2", "fem.vertical=0.1"]) == {
         "fem": {"sides": "fixed", "vertical": 0.1},
