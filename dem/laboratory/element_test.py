@@ -193,10 +193,8 @@ def element_test(
 
     Raises
     ------
-    ValueError
-        If the pressures, the strain or the rate are not valid.
-    DemError
-        If a patch does not come to rest under its pressure.
+    ValueError : if the pressures, the strain or the rate are not valid
+    DemError : if a patch does not come to rest under its pressure
     """
     if len(set(pressures)) < 2 or not all(np.isfinite(p) and p > 0.0 for p in pressures):
         raise ValueError(f"pressures: expected two or more different pressures above 0 Pa, not {list(pressures)}")

@@ -62,8 +62,7 @@ def replace_contacts_of_clay(model: DiscModel, seconds: float, ground: Ground | 
 
     Raises
     ------
-    DemError
-        If a run of the engine stops.
+    DemError : if a run of the engine stops
     """
     layers = list(model.springs.layers)
     clay = clay_of(layers)

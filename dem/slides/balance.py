@@ -12,8 +12,8 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.slides.surface import Surface
 from dem.slides.volume import shortening
-from meshes.counting import counted
 from meshes.section.cutting import shown_name
+from meshes.section.sentences import counted
 
 LOST = 0.01  # of the area, beyond what was asked for
 THROUGH = 1.0  # mean radii of overlap with a fixed disc: the centre of one is within the rim of the other

@@ -173,8 +173,7 @@ def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.nda
 
     Raises
     ------
-    ValueError
-        If cycles or period are not positive.
+    ValueError : if cycles or period are not positive
     """
     if not (cycles > 0.0 and period > 0.0):
         raise ValueError(f"expected positive cycles and a positive period, not {cycles} and {period} s")

@@ -43,8 +43,8 @@ from dem.slides.slide import Row, Slide
 from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
 from dem.slides.volume import swollen, undrained, volume_change
-from meshes.counting import counted
 from meshes.files import whole
+from meshes.section.sentences import counted
 
 LEAST_STEP = 0.25  # of the step asked for; it is halved, and the slide begun again, where the energy does not balance
 FAR = 0.25  # of the section's height, that a slide is longer than before it is asked whether it needs Kh at all

@@ -116,9 +116,8 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
 
     Raises
     ------
-    InputError
-        If fewer than two borings with layers are without error, or if more than half of the blow counts cannot be read.
-        The error contains all problems.
+    InputError : if fewer than two borings with layers are without error, or if more than half of the blow counts cannot
+        be read. The error contains all problems.
     """
     groups, columns = read_groups(path), columns or {}
     naming = (columns["layer"],) if "layer" in columns else ("GEOL_GEOL", "GEOL_LEG")

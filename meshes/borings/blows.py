@@ -57,8 +57,7 @@ def read_blows(value: Any) -> Quantity:
 
     Raises
     ------
-    ValueError
-        If the text is no blow count; the message states the expected form.
+    ValueError : if the text is no blow count; the message states the expected form
     """
     if isinstance(value, Quantity):
         number, written = float(value), value.written

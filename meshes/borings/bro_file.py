@@ -40,8 +40,7 @@ def read_bro(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
     Raises
     ------
-    InputError
-        If the file is no such document, or if the readings are impossible for soil.
+    InputError : if the file is no such document, or if the readings are impossible for soil
     """
     text = path.read_bytes()
     if b"<!ENTITY" in text:

@@ -28,8 +28,7 @@ def read_cones(path: Path, columns: Mapping[str, str]) -> BoringFile:
 
     Raises
     ------
-    InputError
-        If the file cannot be read; the error contains all problems.
+    InputError : if the file cannot be read; the error contains all problems
     """
     table = read_table(path, NEEDED, KNOWN, columns)
     logs = [_log(name, lines, table) for name, lines in table.lines.items()]

@@ -46,9 +46,8 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
     Raises
     ------
-    InputError
-        If the file has problems, or if more than half of the blow counts cannot be read. The error contains all
-        problems.
+    InputError : if the file has problems, or if more than half of the blow counts cannot be read. The error contains
+        all problems.
     """
     columns = columns or {}
     if has_column(path, "qc", columns):

@@ -42,8 +42,7 @@ def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
 
     Raises
     ------
-    InputError
-        If the file cannot be read; the error contains all problems.
+    InputError : if the file cannot be read; the error contains all problems
     """
     text = read_text(path)
     head, mark, data = text.text.partition("#EOH")
@@ -100,8 +99,7 @@ def cones_of(path: Path, readings: Iterable[Mapping[int, float]], area: float) -
 
     Raises
     ------
-    InputError
-        If a reading is impossible, or if none is left.
+    InputError : if a reading is impossible, or if none is left
     """
     cones: dict[float, Cone] = {}
     for count, values in enumerate(readings, start=1):

@@ -83,8 +83,7 @@ def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns:
 
     Raises
     ------
-    InputError
-        If columns are missing or unknown, or have units that cannot be read.
+    InputError : if columns are missing or unknown, or have units that cannot be read
     """
     sheet = _sheet(path, columns, known)
     if len(sheet.rows) < 2:

@@ -89,8 +89,7 @@ def read_dxf(path: Path, name: str, unit: float | None = None) -> Drawn:
 
     Raises
     ------
-    InputError
-        If the file cannot be read; the error contains all problems.
+    InputError : if the file cannot be read; the error contains all problems
     """
     ezdxf = _ezdxf(path)
     from ezdxf import recover

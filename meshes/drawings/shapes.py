@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from meshes.counting import counted
 from meshes.section.columns import JOINED
 from meshes.section.layering import WIDEST
+from meshes.section.sentences import counted
 
 # Chords leave a curve by at most this (m), or this share of the drawing's height if that is less.
 SAGITTA, SHARE_OF_HEIGHT = 0.01, 1.0 / 2000.0

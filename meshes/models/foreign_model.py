@@ -127,8 +127,7 @@ def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
 
     Raises
     ------
-    InputError
-        If the layers do not form a section.
+    InputError : if the layers do not form a section
     """
     names = layer_names(model.layers)
     columns = columns_of(names, [layer.points for layer in model.layers])

@@ -51,8 +51,7 @@ def read_gsz(path: Path, name: str, analysis: str | None = None) -> ImportedSect
 
     Raises
     ------
-    InputError
-        If the file is no such model, or has no such analysis.
+    InputError : if the file is no such model, or has no such analysis
     """
     with as_input_errors(path, EXPECTED):
         return section_of(_model(_document(path), path, analysis), path, name)

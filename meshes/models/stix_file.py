@@ -39,8 +39,7 @@ def read_stix(path: Path, name: str, scenario: str | None = None) -> ImportedSec
 
     Raises
     ------
-    InputError
-        If the file is no such model, or has no such scenario.
+    InputError : if the file is no such model, or has no such scenario
     """
     with as_input_errors(path, EXPECTED):
         return section_of(_model(_read(path), path, scenario), path, name)

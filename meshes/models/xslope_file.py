@@ -48,8 +48,7 @@ def read_xslope(path: Path, name: str, part: str | None = None) -> ImportedSecti
 
     Raises
     ------
-    InputError
-        If the file is no such workbook, or if a part is given.
+    InputError : if the file is no such workbook, or if a part is given
     """
     if part is not None:
         raise InputError("--part", [f'"{part}": expected none, since a workbook of xslope holds one model'])

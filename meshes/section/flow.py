@@ -37,10 +37,8 @@ def seepage_of(
 
     Raises
     ------
-    InputError
-        If the water table lies above neither the ground nor a side, so that there is no head.
-    SeepageError
-        If the iteration of the phreatic line does not converge.
+    InputError : if the water table lies above neither the ground nor a side, so that there is no head
+    SeepageError : if the iteration of the phreatic line does not converge
     """
     table = still.before
     assert table is not None  # Water sees to it

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from meshes.counting import counted
 from meshes.section.dense_lines import CELL, NEAR, Place, mean_height
 from meshes.section.polyline import Line, pairs_of
+from meshes.section.sentences import counted
 
 
 def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:

@@ -159,8 +159,7 @@ def steady_seepage(
 
     Raises
     ------
-    SeepageError
-        If the set of wet points does not converge.
+    SeepageError : if the set of wet points does not converge
     """
     from meshes.section.free_surface import free_surface_flow  # SciPy is loaded only where water flows
 

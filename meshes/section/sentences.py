@@ -1,4 +1,4 @@
-"""Writes problems of an input in sentences: the key as in the file, the value, and what was expected."""
+"""Writes problems of an input in sentences: the key as in the file, the value, and what was expected; and counts."""
 
 import difflib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -190,3 +190,14 @@ def _description(location: tuple[int | str, ...], model: type[BaseModel]) -> str
     here = model_at(location, model)
     field = here.model_fields.get(str(location[-1])) if here else None
     return (field.description or "") if field else ""
+
+
+def counted(count: int, singular: str, plural: str) -> str:
+    """Return a count with its noun and, if a verb follows, the verb: "1 disc overlaps", "2 discs overlap".
+
+    Parameters
+    ----------
+    count : the count
+    singular, plural : the words that follow 1, and that follow every other count
+    """
+    return f"{count} {singular if count == 1 else plural}"

@@ -34,8 +34,7 @@ def config_after_triggering(config: Config, source: str = "section") -> Config:
 
     Raises
     ------
-    InputError
-        With every problem of borings, earthquake or site response.
+    InputError : with every problem of borings, earthquake or site response
     """
     try:
         return _analysed(config)
@@ -53,8 +52,7 @@ def load_config(path: Path, overrides: Mapping[str, Mapping[str, Any]] | None = 
 
     Raises
     ------
-    InputError
-        With every problem of the file, or of its borings, earthquake or site response.
+    InputError : with every problem of the file, or of its borings, earthquake or site response
     """
     return config_after_triggering(Config.load(path, overrides), str(path))
 

@@ -144,8 +144,7 @@ def rewritten(text: str, source: str) -> tuple[str, list[str]]:
 
     Raises
     ------
-    InputError
-        If the text is not TOML, or contains an old name in a form that cannot be replaced.
+    InputError : if the text is not TOML, or contains an old name in a form that cannot be replaced
     """
     try:
         wanted = current(tomllib.loads(text))

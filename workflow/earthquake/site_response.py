@@ -142,8 +142,7 @@ def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcro
 
     Raises
     ------
-    ValueError
-        If one more iteration would still change a stiffness or a damping by more than 5 %.
+    ValueError : if one more iteration would still change a stiffness or a damping by more than 5 %
     """
     motion = _Motion.of(step, outcrop)
     now = best = tuple(layers)

@@ -4,7 +4,7 @@ pictures."""
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from meshes.counting import counted
+from meshes.section.sentences import counted
 from workflow.config import Config
 from workflow.estimates.estimate import flow_words
 from workflow.report.captions import collect

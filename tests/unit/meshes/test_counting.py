@@ -1,6 +1,6 @@
 """Counts agree with their noun and verb."""
 
-from meshes.counting import counted
+from meshes.section.sentences import counted
 
 
 def test_one_is_told_in_the_singular() -> None:
