@@ -146,9 +146,9 @@ class EarthquakeSettings(Model):
         low, median, high = (value / GAL for value in (let_expect.low, let_expect.median, let_expect.high))
         expectation = f"{median:.0f} gal are expected of M {self.magnitude:g} at {self.distance / 1000.0:g} km"
         return (
-            f"earthquake: its peak is {motion.median / GAL:.0f} gal, {motion.relation}, where {expectation} ({low:.0f} "
-            f"to {high:.0f}; {let_expect.relation}): the peak is used; relations that need the distance "
-            "take it as given"
+            f"the peak acceleration of [earthquake] is {motion.median / GAL:.0f} gal, {motion.relation}, where "
+            f"{expectation} ({low:.0f} to {high:.0f} gal; {let_expect.relation}): the peak is used; relations that "
+            "need the distance take it as given"
         )
 
     def notices(self, slide: SlideSettings | None) -> list[str]:
