@@ -252,7 +252,8 @@ def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], t
 def best(
     calibrator: Calibrator, target: float, parameter: str, table: Sequence[tuple[str, float, Search]]
 ) -> Calibration:
-    """Calibrate one parameter; "auto" is that of `choose`, or "all" if the critical Kh jumps past the target.
+    """Calibrate one parameter; for "auto" the parameter is taken from `choose`, or is "all" if the critical Kh
+    jumps past the target.
 
     calibrator: calibrator of the discs; target: critical Kh to reach; parameter: name of the parameter; table: searches
     that were done (name, factor, result).

@@ -28,7 +28,7 @@ class UntilRest:
     time : (k,)
         Times of the records (s since the beginning).
     moved : (k,)
-        Displacement since the record before that 98 % of the mass did not exceed (m), at each record.
+        At each record, displacement since the previous record (m) that 98 % of the mass did not exceed.
     """
 
     rested: bool
@@ -47,7 +47,7 @@ def run_until_rest(
     step_share: float = SHARE,
     on_look: Callable[[DiscModel], None] | None = None,
 ) -> UntilRest:
-    """Run discs until 98 % of their mass moves less than `still` at three records in a row.
+    """Run discs until 98 % of their mass moves less than `still` between records, three times in a row.
 
     Parameters
     ----------

@@ -106,7 +106,7 @@ def _slide(results: Results, title: str, states: list[Frame], history: SlideHist
 def _extent(places: list[np.ndarray], reach: float) -> tuple[float, float]:
     """Return the ends (m) along one axis of discs of radius ``reach`` in all states, from their places (n,) in each.
 
-    Ground that slides out of the section stays in the picture; single discs that fly away do not make it small.
+    Ground that slides out of the section stays in the picture; single discs that fly away do not reduce its scale.
     """
     low, high = float(places[0].min() - reach), float(places[0].max() + reach)
     beyond = BEYOND * (high - low)

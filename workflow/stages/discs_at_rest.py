@@ -48,7 +48,7 @@ class Discs:
 def discs_at_rest(config: Config, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
     """Make the discs of a section and settle them under their weight, or read the stored ones.
 
-    Raises InputError if no packing fits, NotSettledError, DemError.
+    Raises InputError if no packing fits, NotSettledError if the discs do not come to rest, and DemError if a run fails.
 
     ``config``: config of the section; ``store``: the folder of the run; ``dem``: settings; ``file``: file in which the
     discs are stored; ``tell``: called with every step.
