@@ -149,8 +149,8 @@ def _why_not(section: Section, sample: Sample | Cone, where: Overburden) -> str:
 def _resistance_of(
     relation: Relation, point: BlowCount | ConeTest, shaking: SurfaceMotion, settings: TriggeringSettings
 ) -> Resistance:
-    """Return the resistance of a test by a relation. Raises ValueError for missing input, or without effective
-    stress."""
+    """Return the resistance of a test by a relation. Raises ValueError for missing input, or if the vertical
+    effective stress is not positive."""
     if point.effective <= 0.0:
         raise ValueError(
             f"the vertical effective stress is {point.effective:.1f} kPa; the relations of triggering need a stress "
