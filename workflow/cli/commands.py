@@ -81,8 +81,7 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None, json: 
     picture = invocation.store.folder / "figures" / "section.png"
     if not json:
         show_strata(invocation.config.section)
-    with invocation.store.writing("figures/section.png") as path:
-        sheet_with_borings(invocation.config).save(path)
+    invocation.store.save("figures/section.png", sheet_with_borings(invocation.config))
     if json:
         return say_data(of_section(invocation.config, picture))
     flow = [] if (seepage := invocation.config.section.water_pressure.flow) is None else [seepage.words]

@@ -95,8 +95,7 @@ def converge(
     ensemble = Ensemble(store.folder, workers or config.dem.workers, scheduler)
     with Counted(silent=quiet or json) as counted:
         answer = run(config, store, within / 100.0, ensemble, counted)
-    with store.writing("figures/converge.png") as path:
-        draw(answer.series, f"{config.section.heading}: convergence of the slides", path)
+    store.save("figures/converge.png", draw(answer.series, f"{config.section.heading}: convergence of the slides"))
     if json:
         return say_data({**answer.model_dump(mode="json"), "warnings": warnings})
     if not quiet:

@@ -1,26 +1,22 @@
 """Draws a section made from borings, with the borings on it and their blow counts."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 from matplotlib.artist import Artist
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from meshes.borings.connect import Connected
-from workflow.figures.canvas import DPI, INK, WATER, WIDTH, save, soil_colour
+from workflow.figures.canvas import INK, WATER, Frames, soil_colour
 
 HEIGHT = 5.0  # inches
 
 
-def draw(connected: Connected, title: str, path: Path) -> None:
+def draw(connected: Connected, title: str) -> Frames:
     """Draw the interpolated strata, and the borings to their depth with blow counts N; heights are exaggerated."""
-    figure = Figure(figsize=(WIDTH / DPI, HEIGHT), dpi=DPI, facecolor="white", layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
+    picture = Frames(HEIGHT)
+    axes = picture.figure.add_subplot()
     deepest = min(min(boring.log.bottom for boring in connected.borings), float(connected.bottoms[-1].min()))
     tops = np.vstack([connected.ground, connected.bottoms[:-1]])
     bottoms = np.vstack([connected.bottoms[:-1], np.full(len(connected.x), deepest)])
@@ -48,8 +44,8 @@ def draw(connected: Connected, title: str, path: Path) -> None:
     axes.set_ylabel("elevation (m)", fontsize=8)
     axes.tick_params(labelsize=8)
     axes.margins(x=0.03, y=0.08)
-    figure.legend(handles=handles, loc="outside lower center", ncols=6, fontsize=7.5, frameon=False)
-    save(figure, path)
+    picture.figure.legend(handles=handles, loc="outside lower center", ncols=6, fontsize=7.5, frameon=False)
+    return picture
 
 
 def _signs(connected: Connected) -> Iterator[Line2D]:

@@ -37,13 +37,10 @@ def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
     """Draw bounds_mechanism.png and bounds_stress.png, as far as these bounds exist, and bounds_mesh.png."""
     window = Window.around(config.section.outline())
     if bounds.mechanism:
-        with store.writing("figures/bounds_mechanism.png") as path:
-            _mechanism_sheet(config, bounds, bounds.mechanism, window).save(path)
+        store.save("figures/bounds_mechanism.png", _mechanism_sheet(config, bounds, bounds.mechanism, window))
     if bounds.stress:
-        with store.writing("figures/bounds_stress.png") as path:
-            _stress_sheet(config, bounds, bounds.stress, window).save(path)
-    with store.writing("figures/bounds_mesh.png") as path:
-        _mesh_sheet(config.section, bounds, window).save(path)
+        store.save("figures/bounds_stress.png", _stress_sheet(config, bounds, bounds.stress, window))
+    store.save("figures/bounds_mesh.png", _mesh_sheet(config.section, bounds, window))
 
 
 def conditions(config: Config, bounds: KhBounds, bound: Mechanism | StressField) -> str:

@@ -154,7 +154,40 @@ def render(
         plotter.close()
 
 
-class Sheet:
+class Picture:
+    """Holds a figure, and writes it."""
+
+    figure: Figure
+
+    def save(self, path: Path | str) -> None:
+        """Write the picture as a PNG, with symbols, and with names in every script for which there is a font."""
+        for text in _texts(self.figure):
+            words = text.get_text()
+            if not words.isascii():
+                families = fonts.families_for(words)
+                text.set_fontfamily(families)
+                words = fonts.without(words, fonts.missing(words))
+                text.set_text(words)
+                if len(families) > 1:  # mathtext has the characters of one font
+                    continue
+            if SYMBOL.search(words):
+                text.set_parse_math(True)
+                text.set_text(in_mathtext(words))
+        self.figure.savefig(path, format="png", pil_kwargs={"compress_level": COMPRESSION})
+
+
+class Frames(Picture):
+    """Holds a picture of frames, each with axes of its own, below a title."""
+
+    def __init__(self, height: float, title: str = "") -> None:
+        """Make a picture without frames; ``height`` in inches."""
+        self.figure = Figure(figsize=(WIDTH / DPI, height), dpi=DPI, facecolor="white", layout="constrained")
+        FigureCanvasAgg(self.figure)
+        if title:
+            self.figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
+
+
+class Sheet(Picture):
     """Holds a picture: rows of views of the same width, with a title, and notes at the foot."""
 
     def __init__(self, title: str, heights: list[float], foot: str = "", legend_rows: int = 0) -> None:
@@ -273,27 +306,6 @@ class Sheet:
         times = box.height * (right - left) / (box.width * (high - low))
         title = f"{axes.get_title(loc='left')}; heights exaggerated {times:.2g} times"
         axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4, parse_math=False)
-
-    def save(self, path: Path | str) -> None:
-        """Write the picture as a PNG."""
-        save(self.figure, path)
-
-
-def save(figure: Figure, path: Path | str) -> None:
-    """Write a figure as a PNG, with symbols, and with names in every script for which there is a font."""
-    for text in _texts(figure):
-        words = text.get_text()
-        if not words.isascii():
-            families = fonts.families_for(words)
-            text.set_fontfamily(families)
-            words = fonts.without(words, fonts.missing(words))
-            text.set_text(words)
-            if len(families) > 1:  # mathtext has the characters of one font
-                continue
-        if SYMBOL.search(words):
-            text.set_parse_math(True)
-            text.set_text(in_mathtext(words))
-    figure.savefig(path, format="png", pil_kwargs={"compress_level": COMPRESSION})
 
 
 def _texts(artist: Artist) -> Iterator[Text]:

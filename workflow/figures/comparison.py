@@ -40,8 +40,7 @@ def draw_all(results: Results) -> list[str]:
         if sheet is None:
             results.store.remove([name])
             continue
-        with results.store.writing(name) as path:
-            sheet.save(path)
+        results.store.save(name, sheet)
         drawn.append(name)
     return drawn
 

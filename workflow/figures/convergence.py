@@ -1,26 +1,21 @@
 """Draws results over ever smaller discs and time steps, with their intervals and limits."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
-from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WIDTH, save
+from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Frames
 from workflow.results.study import Series
 
 HEIGHT = 2.2  # inches of a row of frames
 ACROSS = 4
 
 
-def draw(series: Sequence[Series], title: str, path: Path) -> None:
+def draw(series: Sequence[Series], title: str) -> Frames:
     """Draw a frame for each series, with the limit on the axis; the limit is red if the series has not converged."""
     rows = -(-len(series) // ACROSS)
-    figure = Figure(figsize=(WIDTH / DPI, HEIGHT * rows + 0.4), dpi=DPI, facecolor="white", layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
-    frames = np.ravel([figure.subplots(rows, ACROSS, squeeze=False)])
+    picture = Frames(HEIGHT * rows + 0.4, title)
+    frames = np.ravel([picture.figure.subplots(rows, ACROSS, squeeze=False)])
     for axes in frames[len(series) :]:
         axes.set_visible(False)
     for axes, row in zip(frames, series, strict=False):
@@ -40,4 +35,4 @@ def draw(series: Sequence[Series], title: str, path: Path) -> None:
         axes.set_xlim(left=0.0)
         axes.tick_params(labelsize=6.5, colors=INK)
         axes.grid(color="#dddddd", linewidth=0.5)
-    save(figure, path)
+    return picture

@@ -1,13 +1,12 @@
 """Draws pictures of the discs: layers, states, pore springs, velocities and force chains, in true proportions.
 
-Each function draws a model, and writes one picture to a path. `in_section` converts a model to coordinates of the
+`in_section` converts a model to coordinates of the
 section.
 """
 
 import copy
 from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -95,7 +94,7 @@ def bars(model: DiscModel, which: np.ndarray, width: np.ndarray) -> pv.PolyData:
     return pv.PolyData(points, faces=faces.ravel())
 
 
-def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") -> None:
+def layers(model: DiscModel, title: str = "Discs by layer") -> Sheet:
     """Draw every disc in the colour of its layer, and boundary discs dark. A spoke shows the rotation of a disc."""
     window = window_of(model)
     colours = soil_colours([layer.name for layer in model.springs.layers])
@@ -115,17 +114,17 @@ def layers(model: DiscModel, path: Path | str, title: str = "Discs by layer") ->
     handles: list[Artist] = [Patch(color=c, label=f"{soil} ({count})") for (c, soil), count in soils.items() if count]
     if counts[0]:
         handles.append(Patch(color=BOUNDARY, label=f"boundary ({counts[0]})"))
-    _write(path, title, window, draw, model, handles)
+    return _sheet(title, window, draw, model, handles)
 
 
-def pore_springs(model: DiscModel, path: Path | str, title: str = "Pore springs") -> None:
+def pore_springs(model: DiscModel, title: str = "Pore springs") -> Sheet:
     """Draw intact pore springs (the second springs between discs in the paper's law) in green, cracked ones in red."""
     whole, cracked = model.pore_length > 0.0, model.pore_length < 0.0
     handles = [
         Line2D([], [], color=WHOLE, lw=3, label=f"intact ({whole.sum()})"),
         Line2D([], [], color=CRACKED, lw=3, label=f"cracked ({cracked.sum()})"),
     ]
-    _write(path, title, window_of(model), partial(draw_pore_springs, model=model), model, handles)
+    return _sheet(title, window_of(model), partial(draw_pore_springs, model=model), model, handles)
 
 
 def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
@@ -141,11 +140,11 @@ def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
             plotter.add_mesh(mesh, color=colour, lighting=False)
 
 
-def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> None:
+def state(model: DiscModel, before: DiscModel, title: str) -> Sheet:
     """Draw the displacement of every disc since `before` and, for discs with pore springs, these springs, as in Figs 12
     and 13 of the paper.
 
-    model: model of the discs; path: file of the picture; title: title above the picture.
+    model: model of the discs; title: title above the picture.
     """
     window = window_of(model)
     far = np.hypot(model.x - before.x, model.z - before.z)
@@ -161,7 +160,7 @@ def state(model: DiscModel, before: DiscModel, path: Path | str, title: str) -> 
     sheet.colour_bar(
         ScalarMappable(norm, FAR), "displacement (m); larger displacements have the last colour of the scale"
     )
-    sheet.save(path)
+    return sheet
 
 
 def nice(value: float) -> float:
@@ -188,7 +187,7 @@ def draw_values(plotter: pv.Plotter, model: Circles, values: np.ndarray, norm: N
         plotter.add_mesh(fixed, color=BOUNDARY, lighting=False)
 
 
-def velocities(model: DiscModel, path: Path | str, title: str = "Velocity") -> None:
+def velocities(model: DiscModel, title: str = "Velocity") -> Sheet:
     """Draw every disc in the colour of its speed, with arrows on some of them."""
     speed = np.hypot(model.vx, model.vz)
     fastest = float(speed.max()) or 1.0
@@ -208,10 +207,10 @@ def velocities(model: DiscModel, path: Path | str, title: str = "Velocity") -> N
         plotter.add_mesh(glyphs, color="white", lighting=False)
 
     scale = ScalarMappable(Normalize(0.0, fastest), SPEEDS)
-    _write(path, title, window_of(model), draw, model, [], (scale, "speed (m/s)"))
+    return _sheet(title, window_of(model), draw, model, [], (scale, "speed (m/s)"))
 
 
-def force_chains(model: DiscModel, path: Path | str, title: str = "Force chains") -> None:
+def force_chains(model: DiscModel, title: str = "Force chains") -> Sheet:
     """Draw bars between touching discs, with widths proportional to the force; pore springs in tension in red."""
     normal = contact_forces(model).normal
     size = np.abs(normal)
@@ -230,10 +229,10 @@ def force_chains(model: DiscModel, path: Path | str, title: str = "Force chains"
     handles = [Line2D([], [], color=INK, lw=6, label=f"compression; widest bars {full} and more")]
     if np.any(normal < -0.01 * scale):
         handles.append(Line2D([], [], color=CRACKED, lw=6, label="tension"))
-    _write(path, title, window_of(model), draw, model, handles)
+    return _sheet(title, window_of(model), draw, model, handles)
 
 
-# What can be drawn of discs alone, by the names that people ask for it: a function of model, path and title.
+# What can be drawn of discs alone, by the names that people ask for it: a function of model and title.
 FIELDS = {"pore_springs": pore_springs, "velocity": velocities, "force_chains": force_chains}
 
 
@@ -241,16 +240,15 @@ def _count(model: DiscModel) -> str:
     return f"{int((~model.fixed).sum())} discs, {int(model.fixed.sum())} fixed"
 
 
-def _write(
-    path: Path | str,
+def _sheet(
     title: str,
     window: Window,
     draw: Callable[[pv.Plotter], None],
     model: DiscModel,
     handles: Sequence[Artist],
     scale: tuple[ScalarMappable, str] | None = None,
-) -> None:
-    """Write a picture of one view with a legend, or with a labelled colour bar."""
+) -> Sheet:
+    """Return a picture of one view with a legend, or with a labelled colour bar."""
     columns = min(6, max(1, len(handles)))
     rows = -(-len(handles) // columns) if handles else 2
     sheet = Sheet(title, [window.proportion], f"{_count(model)}; t = {model.time:.4g} s", rows)
@@ -259,4 +257,4 @@ def _write(
         sheet.legend(handles, columns)
     if scale is not None:
         sheet.colour_bar(*scale)
-    sheet.save(path)
+    return sheet

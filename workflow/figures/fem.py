@@ -38,16 +38,13 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
     for state in results.states:
         same = id(state.displacement)  # what is past equilibrium shows the plateau's state
         if same not in drawn:
-            drawn[same] = _views(results.mesh, state)
+            drawn[same] = views_of(results.mesh, state)
         names.append(picture_of(state))
-        with store.writing(names[-1]) as path:
-            _state_sheet(config, results, state, drawn[same]).save(path)
-    with store.writing(names[0]) as path:
-        _curve_sheet(config, results.answer).save(path)
+        store.save(names[-1], state_sheet(config, results, state, drawn[same]))
+    store.save(names[0], _curve_sheet(config, results.answer))
     if slips := _slips(results.answer):
         names.append(SAFETY)
-        with store.writing(SAFETY) as path:
-            section_sheet(config.section, "FEM, slip surface at the factor of safety", slips).save(path)
+        store.save(SAFETY, section_sheet(config.section, "FEM, slip surface at the factor of safety", slips))
     store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png", SAFETY])) - set(names)))
 
 
@@ -62,17 +59,6 @@ def _slips(answer: FemAnswer) -> list[Overlay]:
 
 def _named(factor: FactorOfSafety) -> str:
     return f"slip surface, F_s = {factor.factor:.2f} at Kh = {factor.kh:g}"
-
-
-def draw_state(config: Config, results: FemResults, state: FieldState, store: Store) -> str:
-    """Draw one state again; returns the name of its picture.
-
-    ``config``: config of the run; ``results``: results of the finite elements; ``store``: the folder of the run.
-    """
-    name = picture_of(state)
-    with store.writing(name) as path:
-        _state_sheet(config, results, state, _views(results.mesh, state)).save(path)
-    return name
 
 
 def picture_of(state: FieldState) -> str:
@@ -118,7 +104,8 @@ class Views(NamedTuple):
     window: Window
 
 
-def _views(mesh: QuadMesh, state: FieldState) -> Views:
+def views_of(mesh: QuadMesh, state: FieldState) -> Views:
+    """Render the views of a state."""
     grid = unstructured(mesh)
     largest = float(np.hypot(*state.displacement.T).max())
     stretch = nice_number(0.06 * float(np.ptp(mesh.points[:, 0])) / largest) if largest > 0.0 else 1.0
@@ -141,7 +128,8 @@ def _views(mesh: QuadMesh, state: FieldState) -> Views:
     return Views(render(window, outline), every, render(window, safety), stretch, largest, window)
 
 
-def _state_sheet(config: Config, results: FemResults, state: FieldState, views: Views) -> Sheet:
+def state_sheet(config: Config, results: FemResults, state: FieldState, views: Views) -> Sheet:
+    """Draw a state in its ``views``."""
     window, slip = views.window, results.slip_surface(state)
     label = state.label
     if results.answer.ended == "limit load":

@@ -2,7 +2,6 @@
 
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -134,7 +133,7 @@ def section_sheet(
     return sheet
 
 
-def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
+def mesh_sheet(section: Section, mesh: QuadMesh) -> Sheet:
     """Draw the quadrilaterals, coloured by stratum, with their quality."""
     from workflow.results.mesh_grids import unstructured
 
@@ -162,7 +161,7 @@ def draw_mesh(section: Section, mesh: QuadMesh, path: Path) -> None:
     for view, much in enumerate(window.exaggerations()):
         text = f"{heights_in_words(much)}; {subtitle}" if view == 0 else heights_in_words(much)
         sheet.show(view, render(window, draw, exaggeration=much), window, text, much)
-    sheet.save(path)
+    return sheet
 
 
 def _sheet(section: Section, title: str, window: Window, handles: list[Artist]) -> Sheet:

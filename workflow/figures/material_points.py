@@ -1,7 +1,5 @@
 """Draws the slides by material points: the surface before and after, case by case."""
 
-from pathlib import Path
-
 import numpy as np
 from matplotlib.lines import Line2D
 
@@ -21,7 +19,7 @@ def seen_from_above(surface: np.ndarray, cell: float) -> np.ndarray:
     return surface[order][np.append(np.diff(place.ravel()[order]) > 0, True)]
 
 
-def profiles(config: Config, answer: PointSlidesAnswer, out: Path) -> None:
+def profiles(config: Config, answer: PointSlidesAnswer) -> Sheet:
     """Draw the surface of every case before and after its slide by the material point method, x and elevation in m."""
     title = f"{config.section.heading}: slides by the material point method, cells of {answer.cell_m:.2g} m"
     groups = alike(answer.cases)
@@ -43,4 +41,4 @@ def profiles(config: Config, answer: PointSlidesAnswer, out: Path) -> None:
         Line2D([], [], color=CONTINUUM, linewidth=1.3, label="surface after"),
     ]
     sheet.legend(handles, 2)
-    sheet.save(out)
+    return sheet

@@ -70,14 +70,14 @@ def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
     paths = []
     for state in _states(results, at):
         if field is None or chosen is None:
-            name = fem_figures.draw_state(job.config, results, state, job.store)
+            name, views = fem_figures.picture_of(state), fem_figures.views_of(results.mesh, state)
+            sheet = fem_figures.state_sheet(job.config, results, state, views)
         elif state.past_equilibrium and at is None:
             continue  # it would show the last state once more
         else:
             name = f"figures/field_{field}_kh_{state.kh:.3f}.png"
-            with job.store.writing(name) as path:
-                _sheet(job, results.mesh, state, chosen).save(path)
-        paths.append(job.store.folder / name)
+            sheet = _sheet(job, results.mesh, state, chosen)
+        paths.append(job.store.save(name, sheet))
     return paths
 
 
@@ -100,9 +100,8 @@ def _draw_discs(job: Job, field: str, at: float | None) -> list[Path]:
         model = discs.in_section(DiscModel.load(job.store.folder / state.file), ground)
         name = f"figures/field_{field}_{state.set}_kh_{state.kh:.3f}.png"
         words = f"{field.replace('_', ' ')} of the discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}"
-        with job.store.writing(name) as path:
-            discs.FIELDS[field](model, path, f"{job.config.section.heading}: {words}")
-        paths.append(job.store.folder / name)
+        sheet = discs.FIELDS[field](model, f"{job.config.section.heading}: {words}")
+        paths.append(job.store.save(name, sheet))
     return paths
 
 

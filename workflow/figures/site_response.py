@@ -1,24 +1,16 @@
 """Draws acceleration, shear strain, shear stress and average acceleration with depth, side by side."""
 
-from pathlib import Path
-
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-
 from meshes.section.section import Section
-from workflow.figures.canvas import CONTINUUM, DPI, INK, WIDTH, save, soil_colours
+from workflow.figures.canvas import CONTINUUM, INK, Frames, soil_colours
 from workflow.results.site_response import SiteResponseAnswer
 
 HEIGHT = 5.0  # inches
 
 
-def draw(section: Section, answer: SiteResponseAnswer, path: Path) -> None:
+def draw(section: Section, answer: SiteResponseAnswer) -> Frames:
     """Draw four frames over the strata: acceleration, shear strain, shear stress and average acceleration with
     depth."""
-    figure = Figure(figsize=(WIDTH / DPI, HEIGHT), dpi=DPI, facecolor="white", layout="constrained")
-    FigureCanvasAgg(figure)
-    title = f"{section.heading}: response at x = {answer.x_m:g} m to {answer.record}"
-    figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
+    picture = Frames(HEIGHT, f"{section.heading}: response at x = {answer.x_m:g} m to {answer.record}")
     names = [stratum.name for stratum in section.strata]
     layers = answer.layers
     tops, bottoms = [layer.top_m for layer in layers], [layer.bottom_m for layer in layers]
@@ -29,7 +21,7 @@ def draw(section: Section, answer: SiteResponseAnswer, path: Path) -> None:
         ("largest shear stress (kPa)", [layer.stress_kPa for layer in layers], bottoms),
         ("k_max of the ground above (-)", [layer.k_max for layer in layers], bottoms),
     )
-    for axes, (label, values, depths) in zip(figure.subplots(1, 4, sharey=True), curves, strict=True):
+    for axes, (label, values, depths) in zip(picture.figure.subplots(1, 4, sharey=True), curves, strict=True):
         for layer in layers:
             colour = soil_colours(names)[names.index(layer.stratum)]
             axes.axhspan(layer.top_m, layer.bottom_m, color=colour, alpha=0.75, linewidth=0)
@@ -38,6 +30,7 @@ def draw(section: Section, answer: SiteResponseAnswer, path: Path) -> None:
         axes.set_xlim(left=0.0)
         axes.tick_params(labelsize=7, colors=INK)
         axes.grid(color="white", linewidth=0.5)
-    figure.axes[0].set_ylim(bottoms[-1], 0.0)
-    figure.axes[0].set_ylabel("depth (m)", fontsize=8, color=INK)
-    save(figure, path)
+    first = picture.figure.axes[0]
+    first.set_ylim(bottoms[-1], 0.0)
+    first.set_ylabel("depth (m)", fontsize=8, color=INK)
+    return picture

@@ -106,12 +106,12 @@ def left_by(case: Case) -> str:
     return ", ".join(phrases[:-1]) + " and " * (len(phrases) > 1) + phrases[-1]
 
 
-def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, number: int, out: Path) -> None:
+def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, number: int) -> Sheet:
     """Draw two views of the final state, as in Figs 14 to 16 of the paper: displacement with the surface before and
     after, and layers.
 
     config: config of the run; path: file of the last state; case: its answer; springs: set of the discs; number: number
-    of the case; out: the picture.
+    of the case.
     """
     frame = Frame.read(path)
     before, after = np.array(case.surface_before), np.array(case.surface_after)
@@ -156,7 +156,7 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
         handles=lines, loc="upper right", bbox_to_anchor=(0.985, sheet.legend_at[1]), ncols=2, fontsize=7.5,
         frameon=False, borderaxespad=0.0, labelcolor=INK,
     )  # fmt: skip
-    sheet.save(out)
+    return sheet
 
 
 def animate(config: Config, paths: Sequence[Path], springs: str, out: Mapping[int, Path]) -> None:
@@ -191,7 +191,7 @@ def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:
     draw_values(plotter, frame, frame.moved, norm, ~frame.free)
 
 
-def history(config: Config, slides: Sequence[SlideHistory], out: Path) -> None:
+def history(config: Config, slides: Sequence[SlideHistory]) -> Sheet:
     """Draw settlement uphill and largest slide against time, a line for each case."""
     sheet = Sheet(f"{config.section.heading}: slides in time", [0.26, 0.26], "", 2)
     largest = sheet.plot(0, "time since the onset (s)", "largest slide of the surface (m)")
@@ -218,18 +218,18 @@ def history(config: Config, slides: Sequence[SlideHistory], out: Path) -> None:
     for axes in (largest, settlement):
         axes.set_xlim(left=0.0)
     sheet.legend(handles, 4)
-    sheet.save(out)
+    return sheet
 
 
 def _colour(case: int) -> str:
     return COLOURS[(case - 1) % len(COLOURS)] if case else INK
 
 
-def profiles(config: Config, cases: Mapping[int, Profile], seeds: int, out: Path) -> None:
+def profiles(config: Config, cases: Mapping[int, Profile], seeds: int) -> Sheet:
     """Draw the surface of every case over all packings: its median, and the band of 5 to 95 %, as smooth as discs
     resolve it.
 
-    config: config of the run; cases: profiles by number of the case; seeds: number of packings; out: the picture.
+    config: config of the run; cases: profiles by number of the case; seeds: number of packings.
     """
     groups, size = alike(cases), 2.0 * config.dem.mean_radius(config.section)
     sheet = Sheet(
@@ -257,4 +257,4 @@ def profiles(config: Config, cases: Mapping[int, Profile], seeds: int, out: Path
         Line2D([], [], color=CONTINUUM, linewidth=6.0, alpha=0.25, label="after, 5 to 95 % of the packings"),
     ]
     sheet.legend(handles, 3)
-    sheet.save(out)
+    return sheet

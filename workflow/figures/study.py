@@ -4,16 +4,13 @@ samples.
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, DPI, INK, WIDTH, save
+from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Frames
 from workflow.results.study import ProbabilityCurve, Result
 
 HEIGHT = 3.4  # inches of a row of frames
@@ -23,29 +20,29 @@ SHOWN = 12  # uncertain numbers at most in one picture, the strongest
 PALE = "#d7dde2"
 
 
-def fails(values: np.ndarray, curve: ProbabilityCurve, title: str, path: Path) -> None:
+def fails(values: np.ndarray, curve: ProbabilityCurve, title: str) -> Frames:
     """Draw a histogram of the critical Kh, ``values`` (samples,), and the probability of failure against Kh with its
     interval.
 
-    curve: probability of failure and its Kh; title: title above the picture; path: file of the picture.
+    curve: probability of failure and its Kh; title: title above the picture.
     """
-    figure = _figure(1, f"{title}: critical Kh of {len(values)} samples")
-    left, right = figure.subplots(1, 2)
+    picture = Frames(HEIGHT, f"{title}: critical Kh of {len(values)} samples")
+    left, right = picture.figure.subplots(1, 2)
     left.hist(values, bins=max(8, round(np.sqrt(len(values)))), color=CONTINUUM, edgecolor="white", linewidth=0.5)
     left.yaxis.set_major_locator(MaxNLocator(integer=True))
     _label(left, "critical Kh", "samples")
     _band(right, curve, CONTINUUM, "")
     _label(right, "Kh", "probability that the ground fails")
     right.set_ylim(0.0, 1.0)
-    save(figure, path)
+    return picture
 
 
-def effects(results: Sequence[Result], title: str, path: Path) -> None:
+def effects(results: Sequence[Result], title: str) -> Frames:
     """Draw bars for every uncertain number: rank correlations, or total Sobol' indices with intervals if available."""
     known = [result for result in results if any(effect.correlation is not None for effect in result.effects)]
     shown = [result for result in known if not result.is_detail][:ACROSS] or known[:ACROSS]
-    figure = _figure(1, f"{title}: influence of the uncertain numbers")
-    for axes, result in zip(np.ravel([figure.subplots(1, len(shown))]), shown, strict=True):
+    picture = Frames(HEIGHT, f"{title}: influence of the uncertain numbers")
+    for axes, result in zip(np.ravel([picture.figure.subplots(1, len(shown))]), shown, strict=True):
         bars = result.effects[:SHOWN]
         indices = all(effect.total is not None for effect in bars)
         lengths = [(effect.total if indices else effect.correlation) or 0.0 for effect in bars]
@@ -61,17 +58,17 @@ def effects(results: Sequence[Result], title: str, path: Path) -> None:
         axes.axvline(0.0, color=INK, linewidth=0.7)
         _label(axes, "total Sobol' index (-)" if indices else "rank correlation (-), grey: by chance", "")
         axes.set_title(result.title, fontsize=9, loc="left", color=INK, parse_math=False)
-    save(figure, path)
+    return picture
 
 
-def fragility(curves: Sequence[ProbabilityCurve], title: str, path: Path) -> None:
+def fragility(curves: Sequence[ProbabilityCurve], title: str) -> Frames:
     """Draw families of curves in adjacent frames. The names of the curves of a family have the same beginning."""
     families: dict[str, list[ProbabilityCurve]] = {}
     for curve in curves:
         families.setdefault(curve.name.split(": ")[0], []).append(curve)
     rows = -(-len(families) // FAMILIES)
-    figure = _figure(rows, f"{title}: fragility")
-    frames = np.ravel([figure.subplots(rows, min(len(families), FAMILIES), squeeze=False)])
+    picture = Frames(HEIGHT * rows, f"{title}: fragility")
+    frames = np.ravel([picture.figure.subplots(rows, min(len(families), FAMILIES), squeeze=False)])
     for axes in frames[len(families) :]:
         axes.set_visible(False)
     for axes, (name, family) in zip(frames, families.items(), strict=False):
@@ -82,19 +79,19 @@ def fragility(curves: Sequence[ProbabilityCurve], title: str, path: Path) -> Non
         axes.set_title(name, fontsize=9, loc="left", color=INK, parse_math=False)
         axes.set_ylim(0.0, 1.0)
         axes.legend(fontsize=7, frameon=False)
-    save(figure, path)
+    return picture
 
 
-def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], title: str, path: Path) -> None:
+def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], title: str) -> Frames:
     """Draw a result against every uncertain number, with a point for each sample; words are categories.
 
     name: name of the result; values (samples,): values of the result; drawn: values of the uncertain numbers; title:
-    title above the picture; path: file of the picture.
+    title above the picture.
     """
     shown = list(drawn)[:SHOWN]
     rows = -(-len(shown) // ACROSS)
-    figure = _figure(rows, f"{title}: {name} of every sample")
-    frames = np.ravel([figure.subplots(rows, ACROSS, sharey=True, squeeze=False)])
+    picture = Frames(HEIGHT * rows, f"{title}: {name} of every sample")
+    frames = np.ravel([picture.figure.subplots(rows, ACROSS, sharey=True, squeeze=False)])
     for axes in frames[len(shown) :]:
         axes.set_visible(False)
     for axes, path_of in zip(frames, shown, strict=False):
@@ -102,19 +99,12 @@ def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], ti
         _label(axes, _broken(path_of), "")
     for first in frames[::ACROSS]:
         first.set_ylabel(name, fontsize=8, color=INK, parse_math=False)
-    save(figure, path)
+    return picture
 
 
 def _broken(path: str) -> str:
     """Return a settings path in several lines, broken at its dots."""
     return "\n".join(textwrap.wrap(path.replace(".", ". "), 26, break_long_words=False)).replace(". ", ".")
-
-
-def _figure(rows: int, title: str) -> Figure:
-    figure = Figure(figsize=(WIDTH / DPI, HEIGHT * rows), dpi=DPI, facecolor="white", layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
-    return figure
 
 
 def _band(axes: Axes, curve: ProbabilityCurve, colour: str, label: str) -> None:

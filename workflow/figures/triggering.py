@@ -1,17 +1,13 @@
 """Draws the borings of a section side by side: strata, blow counts or cone resistances, and F_L with depth."""
 
-from pathlib import Path
-
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from meshes.section.cutting import whole_soil
 from meshes.section.overburden import water_level
 from meshes.section.section import Section
-from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, WATER, WIDTH, save, soil_colours
+from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, WATER, Frames, soil_colours
 from workflow.figures.ground import foot
 from workflow.results.triggering import TestPart, TriggeringAnswer
 
@@ -21,17 +17,15 @@ ROW = 4.4  # inches
 NAMED = 0.04  # of the depth that is shown: thinner strata have no room for their name
 
 
-def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
+def draw(section: Section, answer: TriggeringAnswer) -> Frames:
     """Draw every boring in two frames: N or qc in the strata, and F_L."""
     names = [boring.name for boring in answer.borings]
     rows = -(-len(names) // ABREAST)
-    figure = Figure(figsize=(WIDTH / DPI, ROW * rows + 0.9), dpi=DPI, facecolor="white", layout="constrained")
-    FigureCanvasAgg(figure)
     magnitude = "" if answer.magnitude is None else f", M {answer.magnitude:g}"
     title = f"{section.heading}: {answer.method}, {answer.motion.median_gal:.0f} gal{magnitude}"
-    figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
+    picture = Frames(ROW * rows + 0.9, title)
     across = min(len(names), ABREAST)
-    frames = figure.subplots(rows, 2 * across, sharey=False, squeeze=False, width_ratios=[1.0, 1.0] * across)
+    frames = picture.figure.subplots(rows, 2 * across, sharey=False, squeeze=False, width_ratios=[1.0, 1.0] * across)
     deepest = 1.15 * max(test.depth_m for test in answer.tests)
     for number in range(rows * across):
         row, column = divmod(number, across)
@@ -41,10 +35,10 @@ def draw(section: Section, answer: TriggeringAnswer, path: Path) -> None:
                 axes.set_axis_off()
             continue
         _boring(section, [test for test in answer.tests if test.boring == names[number]], answer, pair, deepest)
-    figure.legend(handles=_handles(), loc="outside lower center", ncols=4, fontsize=7.5, frameon=False)
+    picture.figure.legend(handles=_handles(), loc="outside lower center", ncols=4, fontsize=7.5, frameon=False)
     if note := foot(section):
-        figure.supxlabel(note, fontsize=7, color=INK, x=0.02, ha="left")
-    save(figure, path)
+        picture.figure.supxlabel(note, fontsize=7, color=INK, x=0.02, ha="left")
+    return picture
 
 
 def _boring(

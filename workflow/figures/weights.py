@@ -1,7 +1,6 @@
 """Draws the unit weights and pore pressures of all analyses."""
 
 import textwrap
-from pathlib import Path
 
 import numpy as np
 import pyvista as pv
@@ -24,7 +23,7 @@ SHARE = 0.93  # of the width of a view without its scale of colours
 APART = 0.06  # of the scale: weights that lie closer together share a tick
 
 
-def draw_weights(section: Section, path: Path) -> None:
+def weights_sheet(section: Section) -> Sheet:
     """Draw unit weights, surcharges, and pore pressure at rest, coloured by their size."""
     window = _window(section)
     height = float(np.ptp(section.outline()[:, 1]))
@@ -42,7 +41,7 @@ def draw_weights(section: Section, path: Path) -> None:
     sheet = Sheet(title, heights, "\n".join(text for text in (_said(section), foot(section)) if text))
     for number, name in enumerate(views):
         _show(sheet, number, section, window, grid, name)
-    sheet.save(path)
+    return sheet
 
 
 def _window(section: Section) -> Window:

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from meshes.errors import InputError
 from meshes.executor import check_cancelled
@@ -37,6 +37,13 @@ class OtherVersionError(InputError):
     """The file was written by another version of the program: a key is missing, unknown, or of another type."""
 
 
+class Savable(Protocol):
+    """Holds what writes itself to a file, such as a picture."""
+
+    def save(self, path: Path) -> None:
+        """Write the file."""
+
+
 class Store:
     """Reads and writes the files in the folder of one run; docs/reference/files.md names the files."""
 
@@ -62,6 +69,12 @@ class Store:
             if not TEMPORARY.fullmatch(other.name) and not target.is_relative_to(other):
                 raise InputError(str(other), [f"cannot be read: {reason}"]) from error
             raise InputError(str(target), [f"cannot be written: {reason}"]) from error
+
+    def save(self, name: str, what: Savable) -> Path:
+        """Write a file by the ``save`` of its content; returns its path."""
+        with self.writing(name) as path:
+            what.save(path)
+        return self.folder / name
 
     def write_grid(self, name: str, grid: "pv.DataSet") -> Path:
         """Write a VTK file; returns its path.

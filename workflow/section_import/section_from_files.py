@@ -125,7 +125,8 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str
     read = [READERS[file.suffix.lower()](file, reading.columns) for file in files]
     connection = connected(_wanted([log for item in read for log in item.logs], reading.borings), reading.off_line)
     out.write_text(text_of(connection, name), encoding="utf-8")
-    picture = draw_borings(connection, out)
+    picture = out.with_suffix(".png")
+    draw(connection, out.stem).save(picture)
     minded = _minded([text for item in read for text in item.notices] + list(connection.notices))
     return [*minded, *_summary(connection), f"{out} is the section.", f"Picture: {picture}", *to_be_given(out)]
 
@@ -141,13 +142,6 @@ def _wanted(logs: Sequence[Log], names: Sequence[str]) -> list[Log]:
 
 def _minded(notices: Sequence[str]) -> list[str]:
     return [f"Warning: {text}." for text in dict.fromkeys(notices)]
-
-
-def draw_borings(connection: Connected, out: Path) -> Path:
-    """Draw the section with its borings into the folder of the file; returns the path."""
-    picture = out.with_suffix(".png")
-    draw(connection, out.stem, picture)
-    return picture
 
 
 # What a section lacks of one stratum.

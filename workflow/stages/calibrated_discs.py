@@ -56,7 +56,6 @@ from workflow.stages.discs_at_rest import (
     calibrator_for,
     continuum_for,
     discs_at_rest,
-    save,
 )
 
 JOURNAL = "dem/trials.jsonl"
@@ -210,11 +209,11 @@ def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor
         return Searched(base)
     searched = Searched(base, calibrated(calibrator, continuum, one_at_a_time=not soil) if calibrates else None)
     parameter, factor = next(iter(searched.factor.items()), ("", 1.0))
-    save(store, CALIBRATED, calibrator.settled_with(parameter, factor))
+    store.save(CALIBRATED, calibrator.settled_with(parameter, factor))
     keys: dict[SetOfSprings, Key] = {"before": key_of("", 1.0), "after": key_of(parameter, factor)}
     for which, key in keys.items():
         if key in calibrator.displaced:
-            save(store, state_file(which, FAILING), calibrator.displaced[key])
+            store.save(state_file(which, FAILING), calibrator.displaced[key])
     return searched
 
 

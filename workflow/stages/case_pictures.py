@@ -61,8 +61,8 @@ def drawn(wanted: CasePictures, _: Tell) -> None:
     config, store = wanted.config, wanted.store
     with_states = {number: states for number in wanted.cases if (states := wanted.states(number))}
     for number, states in with_states.items():
-        with store.writing(f"figures/{wanted.picture(number)}.png") as path:
-            end(config, states[-1], wanted.cases[number], wanted.springs, number, path)
+        sheet = end(config, states[-1], wanted.cases[number], wanted.springs, number)
+        store.save(f"figures/{wanted.picture(number)}.png", sheet)
     if with_states:
         with ExitStack() as files:
             names = {number: f"figures/{wanted.picture(number)}.webp" for number in with_states}

@@ -44,10 +44,10 @@ def _drawn(wanted: StatePicture, _: Tell) -> None:
     store, state = wanted.store, wanted.state
     name = wanted.config.section.title or wanted.config.section.name
     if state is None:
-        with store.writing("figures/dem_model.png") as path:
-            model = wanted.placed("before", SETTLED)
-            dem_figures.layers(model, path, f"{name}: discs by layer, at rest under their weight")
+        model = wanted.placed("before", SETTLED)
+        title = f"{name}: discs by layer, at rest under their weight"
+        store.save("figures/dem_model.png", dem_figures.layers(model, title))
         return
     before, model = (wanted.placed(state.set, file) for file in (STARTS[state.set], state.file))
-    with store.writing(f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png") as path:
-        dem_figures.state(model, before, path, f"{name}: discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}")
+    title = f"{name}: discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}"
+    store.save(f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png", dem_figures.state(model, before, title))

@@ -16,7 +16,6 @@ from workflow.config import Config
 from workflow.results.answer import line
 from workflow.results.discs import RecordedDiscs, SetOfSprings
 from workflow.run.store import Store
-from workflow.stages.discs_at_rest import save
 
 NO_LINE = np.zeros((0, 2))
 FAILING = "failing"
@@ -95,7 +94,7 @@ def _at_the_end(goal: Goal, continuum: Continuum, file: str) -> DiscModel:
     if goal.store.has(file):
         return DiscModel.load(goal.store.folder / file)
     model = pushover_critical_kh(start.settled, start.ground, start.dem, continuum)[1]
-    save(goal.store, file, model)
+    goal.store.save(file, model)
     return model
 
 
@@ -109,7 +108,7 @@ def _reached(goal: Goal, _: Tell) -> RecordedDiscs:
     else:
         model = before.copy()
         trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility_m))
-        save(goal.store, file, model)
+        goal.store.save(file, model)
     far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
     return RecordedDiscs.taken(
         trial,

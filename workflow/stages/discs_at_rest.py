@@ -123,7 +123,7 @@ def _soil(
     if not store.has(file):
         tell("soil discs are placed, settle, are cut to the surface of the section and settle again")
         laid = deposit(section, dem, soil, periodic=periodic)
-        save(store, file, laid.settled)
+        store.save(file, laid.settled)
     settled = DiscModel.load(store.folder / file)
     return Discs(ground_for(section, store, dem, settled), list(settled.springs.layers), settled, tuple(soil))
 
@@ -133,12 +133,6 @@ def _paper(section: Section, store: Store, dem: DemSettings, file: str, tell: Ca
     layers = springs_of(section, dem, ground.radius)
     if not store.has(file):
         tell(f"{int(ground.packing.free.sum())} discs settle under their weight")
-        save(store, file, settle(ground, layers, dem))
+        store.save(file, settle(ground, layers, dem))
     settled = DiscModel.load(store.folder / file)
     return Discs(ground_for(section, store, dem, settled), layers, settled)
-
-
-def save(store: Store, name: str, model: DiscModel) -> None:
-    """Write discs to a file of the folder."""
-    with store.writing(name) as path:
-        model.save(path)

@@ -157,12 +157,9 @@ def slide_pictures(config: Config, store: Store, executor: Executor = SERIAL) ->
     wanted = [each for springs, cases in answer.sets.items() for each in case_pictures(config, store, springs, cases)]
     executor.compute(drawn, wanted)
     if any(answer.sets.values()):
-        with store.writing("figures/history.png") as path:
-            slide_figures.history(config, read_histories(store), path)
+        store.save("figures/history.png", slide_figures.history(config, read_histories(store)))
     random_cases = answer.random.cases if answer.random is not None else {}
     bands = {number: case.profile for number, case in random_cases.items() if case.profile is not None}
     if bands:
-        with store.writing("figures/profiles.png") as path:
-            slide_figures.profiles(
-                config, bands, max(len(case.slide_max_m.values) for case in random_cases.values()), path
-            )
+        packings = max(len(case.slide_max_m.values) for case in random_cases.values())
+        store.save("figures/profiles.png", slide_figures.profiles(config, bands, packings))

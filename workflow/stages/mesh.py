@@ -33,16 +33,14 @@ def work(job: Job) -> None:
 
 def draw(job: Job) -> None:
     """Draw the section, its weights and pore pressures, and its mesh."""
-    from workflow.figures.ground import draw_mesh, sheet_with_borings
-    from workflow.figures.weights import draw_weights
+    from workflow.figures.ground import mesh_sheet, sheet_with_borings
+    from workflow.figures.weights import weights_sheet
     from workflow.results.stored_mesh import stored_mesh
 
-    with job.store.writing("figures/section.png") as path:
-        sheet_with_borings(job.config).save(path)
-    with job.store.writing("figures/weights.png") as path:
-        draw_weights(job.config.section, path)
-    with job.store.writing("figures/mesh.png") as path:
-        draw_mesh(job.config.section, stored_mesh(job.config.section, job.store), path)
+    section, store = job.config.section, job.store
+    store.save("figures/section.png", sheet_with_borings(job.config))
+    store.save("figures/weights.png", weights_sheet(section))
+    store.save("figures/mesh.png", mesh_sheet(section, stored_mesh(section, store)))
 
 
 STAGE = Stage(

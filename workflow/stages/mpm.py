@@ -132,8 +132,7 @@ def draw(job: Job) -> None:
 
     config, store, answer = job.config, job.store, PointSlidesAnswer.read(job.store)
     if answer.cases:
-        with store.writing("figures/mpm.png") as path:
-            profiles(config, answer, path)
+        store.save("figures/mpm.png", profiles(config, answer))
     job.executor.compute(drawn, case_pictures(config, store, POINTS, answer.cases))
 
 

@@ -23,10 +23,9 @@ def work(job: Job) -> None:
 
 def draw(job: Job) -> None:
     """Draw acceleration, strain, stress and the average acceleration with depth."""
-    from workflow.figures.site_response import draw as draw_response
+    from workflow.figures import site_response
 
-    with job.store.writing(PICTURE) as path:
-        draw_response(job.config.section, SiteResponseAnswer.read(job.store), path)
+    job.store.save(PICTURE, site_response.draw(job.config.section, SiteResponseAnswer.read(job.store)))
 
 
 def answer_of(section: Section, column: ResponseColumn) -> SiteResponseAnswer:

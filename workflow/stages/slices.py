@@ -111,8 +111,7 @@ def draw(job: Job) -> None:
 
     answer = SlicesAnswer.read(job.store)
     if not answer.reason:
-        with job.store.writing(PICTURE) as path:
-            circles_sheet(job.config.section, answer).save(path)
+        job.store.save(PICTURE, circles_sheet(job.config.section, answer))
 
 
 def _parts(

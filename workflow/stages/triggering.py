@@ -16,10 +16,9 @@ def work(job: Job) -> None:
 
 def draw(job: Job) -> None:
     """Draw blow counts and F_L with depth."""
-    from workflow.figures.triggering import draw as draw_borings
+    from workflow.figures import triggering
 
-    with job.store.writing(PICTURE) as path:
-        draw_borings(job.config.section, TriggeringAnswer.read(job.store), path)
+    job.store.save(PICTURE, triggering.draw(job.config.section, TriggeringAnswer.read(job.store)))
 
 
 STAGE = Stage(

@@ -211,18 +211,15 @@ def draw_all(section: Section, table: SampleTable, answer: StudyAnswer, store: S
     store.remove(["figures/study_*.png"])
     if answer.fails is not None:
         kc = table.column("kc")
-        with store.writing("figures/study_fails.png") as path:
-            figures.fails(kc[np.isfinite(kc)], answer.fails, title, path)
+        store.save("figures/study_fails.png", figures.fails(kc[np.isfinite(kc)], answer.fails, title))
     if any(effect.correlation is not None for result in answer.results for effect in result.effects):
-        with store.writing("figures/study_effects.png") as path:
-            figures.effects(answer.results, title, path)
+        store.save("figures/study_effects.png", figures.effects(answer.results, title))
     if answer.fragility:
-        with store.writing("figures/study_fragility.png") as path:
-            figures.fragility(answer.fragility, title, path)
+        store.save("figures/study_fragility.png", figures.fragility(answer.fragility, title))
     first = answer.results[:1]
     slides = [result for result in answer.results[1:] if result.name.startswith("case") and not result.is_detail]
     for result in (*first, *slides):
         drawn = {effect.path: table.drawn(effect.path) for effect in result.effects}
         name = "samples" if result in first else f"samples_{result.name.split('_')[0]}"
-        with store.writing(f"figures/study_{name}.png") as path:
-            figures.single(result.title, table.column(result.name), drawn, title, path)
+        picture = figures.single(result.title, table.column(result.name), drawn, title)
+        store.save(f"figures/study_{name}.png", picture)

@@ -50,10 +50,10 @@ def share_of(image: np.ndarray, colour: str) -> float:
     ],
 )
 def test_picture(
-    draw: Callable[[DiscModel, Path], None], colours: tuple[str, ...], model: DiscModel, tmp_path: Path
+    draw: Callable[[DiscModel], Sheet], colours: tuple[str, ...], model: DiscModel, tmp_path: Path
 ) -> None:
     assert np.any(model.pore_length < 0.0)
-    draw(model, tmp_path / "picture.png")
+    draw(model).save(tmp_path / "picture.png")
     image = imread(tmp_path / "picture.png")
     window = dem_figures.window_of(model)
     assert image.shape[1] == pytest.approx(1600, abs=2)
@@ -81,11 +81,11 @@ def test_discs_in_the_section_push_each_other_as_before(model: DiscModel) -> Non
 def test_profiles_are_drawn_for_any_number_of_cases(tmp_path: Path) -> None:
     flat = (0.0, 50.0, 100.0), (10.0, 9.0, 8.0)
     profile = Profile(x=flat[0], before=flat[1], after=flat[1], after_low=(9.0, 8.0, 7.0), after_high=(11.0, 10.0, 9.0))
-    profiles(Config.load(SECTIONS / "s13.toml"), dict.fromkeys((1, 2, 12), profile), 36, tmp_path / "p.png")
+    profiles(Config.load(SECTIONS / "s13.toml"), dict.fromkeys((1, 2, 12), profile), 36).save(tmp_path / "p.png")
     assert imread(tmp_path / "p.png").shape[1] > 1000
 
 
-def test_slides_that_are_alike_are_one_line_of_the_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_slides_that_are_alike_are_one_line_of_the_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     legends: list[list[str]] = []
     monkeypatch.setattr(Sheet, "legend", lambda _, handles, *__: legends.append([h.get_label() for h in handles]))
     numbers = (0.0,) * 12
@@ -94,7 +94,7 @@ def test_slides_that_are_alike_are_one_line_of_the_picture(tmp_path: Path, monke
         rows = (Row(0.0, *numbers, cracked=0, crack_opening_m=0.0, surface_speed_m_s=0.0),)
         return SlideHistory("calibrated", case, (replace(rows[0], slide_max_m=far),))
 
-    history(Config.load(SECTIONS / "s13.toml"), [slide(1, 2.0), slide(2, 2.0), slide(3, 4.0)], tmp_path / "h.png")
+    history(Config.load(SECTIONS / "s13.toml"), [slide(1, 2.0), slide(2, 2.0), slide(3, 4.0)])
     assert [label.partition(", cal")[0] for label in legends[0]] == ["cases 1, 2", "case 3"]
 
 

@@ -7,7 +7,7 @@ from PIL import Image
 from meshes.section.section import Section
 from tests.support import SECTIONS
 from tests.support.water import section, soil
-from workflow.figures.weights import draw_weights
+from workflow.figures.weights import weights_sheet
 from workflow.report.tables import line_rows, written_columns, written_rows
 
 
@@ -16,7 +16,7 @@ def test_there_is_a_view_of_the_pore_pressure_where_there_is_any(tmp_path: Path)
     load = {"from": 2, "to": 12, "pressure": ["10 kPa", "30 kPa"]}
     wet = section(water={"table": table, "after_drawdown": 2.0}, surcharges=[load])
     for name, item in (("wet", wet), ("dry", section()), ("s13", Section.read(SECTIONS / "s13.toml"))):
-        draw_weights(item, tmp_path / f"{name}.png")
+        weights_sheet(item).save(tmp_path / f"{name}.png")
     heights = {name: Image.open(tmp_path / f"{name}.png").height for name in ("wet", "dry")}
     assert heights["wet"] > 1.5 * heights["dry"]
     assert (tmp_path / "s13.png").stat().st_size > 10_000
