@@ -122,17 +122,24 @@ def _opened(
     from meshes.section.section import read_toml
     from workflow.cli.invocation import dotted
     from workflow.cli.terminal import warn
-    from workflow.cli.unread import in_words, is_read, keys_of
     from workflow.config import merged
     from workflow.config.after_triggering import load_config
     from workflow.config.renamed import notices
     from workflow.run.store import Store
+
+    changed = dotted(settings or [])
+    config = load_config(section, merged(changed, overrides))
+    old_words = notices(merged(read_toml(section), changed))
+    warnings = warn([*old_words, *_unread(changed, command, parts)], verbosity)
+    return config, Store(folder or Path("runs") / f"{config.section.name}_{command}"), warnings
+
+
+def _unread(settings: Tables, command: str, parts: Sequence[str]) -> list[str]:
+    """Return warnings on settings of the command line that no part of a study reads."""
+    from workflow.cli.unread import in_words, is_read, keys_of
     from workflow.stages import NAMES, command_of
     from workflow.study.parts import read_by
 
-    changed, reads = dotted(settings or []), read_by(parts)
-    config = load_config(section, merged(changed, overrides))
-    unread = [key for key in keys_of(changed) if not is_read(key, reads)]
-    old_words = notices(merged(read_toml(section), changed))
-    warnings = warn([*old_words, *in_words(unread, command, [command_of(stage) for stage in NAMES])], verbosity)
-    return config, Store(folder or Path("runs") / f"{config.section.name}_{command}"), warnings
+    reads = read_by(parts)
+    unread = [key for key in keys_of(settings) if not is_read(key, reads)]
+    return in_words(unread, command, [command_of(stage) for stage in NAMES])
