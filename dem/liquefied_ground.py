@@ -8,6 +8,7 @@ import numpy as np
 
 from dem.chunked_map import Ranges, serial
 from dem.kernels import liquefied_pairs as bond
+from dem.kernels.liquefied_bonds import FITTED, STRAINED
 from dem.kernels.liquefied_lists import densities
 from dem.kernels.liquefied_stress import measured_shear
 from dem.kernels.neighbours import Near, cell_grid, find_pairs, known_pairs
@@ -182,8 +183,8 @@ def longest_look(model: DiscState) -> tuple[float, int]:
         return np.inf, -1
     wet = model.liquefied[which]
     steepest = (1.0 - wet[:, bond.KNEE]) / (1.0 - wet[:, bond.SOFT_TO])
-    strain = np.where(wet[:, bond.SOFT_TO] > 0.0, bond.STRAINED, 1.0) * wet[:, bond.STRAIN]
-    bonds = 2.4 * np.pi * bond.FITTED * steepest * wet[:, bond.STRENGTH] / strain
+    strain = np.where(wet[:, bond.SOFT_TO] > 0.0, STRAINED, 1.0) * wet[:, bond.STRAIN]
+    bonds = 2.4 * np.pi * FITTED * steepest * wet[:, bond.STRENGTH] / strain
     square = 2.0 * (bonds + 3.0 * wet[:, bond.STIFFNESS]) * wet[:, bond.AREA] / (model.mass[which] * model.reach**2)
     highest = int(np.argmax(square))
     return float(SOFTEST / np.sqrt(square[highest])), int(which[highest])

@@ -199,6 +199,7 @@ class EngineRun:
         self.layout: Layout | None = None  # while there is one, the model has no pairs
         self.springs, self.law = springs_of(model), engine.law_of(model)  # as they were when the layout was made
         self.stable: StableStep | None = None  # as it was when the list was made, if that was in this run
+        self.share: float | None = None  # of the stable step, that steps with a new list are at most; None: refused
         self.look: Look | None = None  # at a compliant base
         self.pack()
         self.begin_energy_balance()
@@ -288,6 +289,8 @@ class EngineRun:
             looking = self.pool.submit(find)
             self.pack()
             self.stable = looking.result()
+        if self.share is not None:
+            self.dt = min(self.dt, self.share * self.stable.seconds)
         self.engine._refuse(model, self.dt, self.stable)
 
     def balance(self) -> EnergyBalance:

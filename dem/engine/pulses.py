@@ -14,8 +14,8 @@ class Pulses:
     """Runs discs in short sections. Inside the ``with`` block, positions and velocities of the model are current, but
     its contacts only after a call of `whole`.
 
-    The energy balance is not computed in short sections. The time step is a share of the stable step at the time when
-    the neighbour list was made.
+    The energy balance is not computed in short sections. The time step is at most a share of the stable step at the
+    time when the neighbour list was made.
     """
 
     def __init__(self, model: DiscModel, share: float, threads: int = 1) -> None:
@@ -23,7 +23,7 @@ class Pulses:
         self.model, self.share = model, share
         stable = largest_step(model)
         self.run = EngineRun(Engine(energies=False, threads=threads), model, share * stable.seconds)
-        self.run.stable = stable
+        self.run.stable, self.run.share = stable, share
 
     def __enter__(self) -> "Pulses":
         return self

@@ -57,3 +57,15 @@ def energy_share(along: float, across: float, soft: float, steep: float, soft_to
     first = soft * square
     second = soft * soft_to * soft_to + 2.0 * (1.0 - steep) * past + steep * (square - soft_to * soft_to)
     return second if past > 0.0 else first
+
+
+@device_function(forceinline=True)
+def decay(way: float) -> float:
+    """Return exp(-way) for a small way, as (1 + way/64)^-64, which is exact to way^2/128 and needs no call."""
+    left = 1.0 / (1.0 + way * (1.0 / 64.0))
+    left *= left
+    left *= left
+    left *= left
+    left *= left
+    left *= left
+    return left * left

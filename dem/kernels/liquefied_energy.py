@@ -5,6 +5,7 @@ import numpy as np
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.bond_law import energy_share
 from dem.kernels.device_function import device_function
+from dem.kernels.liquefied_bonds import bond_lines
 from dem.kernels.liquefied_laws import water_energy
 
 
@@ -31,7 +32,7 @@ def liquefied_energy(wet: bond.Liquefied, shared: np.ndarray, force: np.ndarray)
         for lane in range(bond.LANES):
             r = np.uint64(block) * bond.REMEMBERED + np.uint64(lane)
             i, j = np.int64(wet.first[block * bond.LANES + lane]), np.int64(wet.second[block * bond.LANES + lane])
-            soft, steep, soft_to = bond.bond_lines(discs, i, j)
+            soft, steep, soft_to = bond_lines(discs, i, j)
             stored = energy_share(wet.memory[r + bond.ALONG], wet.memory[r + bond.ACROSS], soft, steep, soft_to)
             bonds += 0.5 * wet.memory[r + bond.YIELD] * stored
     return water, bonds

@@ -37,9 +37,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.kernels.bond_law import CREEP, energy_share, force_share, mobilised, slopes
 from dem.kernels.device_function import device_function
-from dem.kernels.liquefied_laws import bond_kernel, dashpot_share, density_kernel, stand_in_shares, water_pressure
+from dem.kernels.liquefied_laws import bond_kernel, density_kernel, stand_in_shares, water_pressure
 from dem.kernels.losses import both
 from dem.kernels.period import Period, image
 from dem.kernels.prefetch import wide_vectors
@@ -84,14 +83,6 @@ TO_RATE, TO_LEVER = RATE_1 - WIDTH_1, LEVER_1 - WIDTH_1  # from where a member's
 
 FAR = 1e6  # reaches: how far apart lanes without a pair count
 
-RELAXES = 0.1  # s, in which the spring behind the dashpot of a bond gives way: ground at rest swings at 5 to 20 rad/s
-BEHIND = 0.5  # stiffness of that spring over the bond's
-FIRST = 0.4  # what a bond holds beyond its strength before it slips; 1/0.77 - 1 at least
-SOON = 0.03  # shear strain past its limit in which that goes down to 1/e
-FITTED = 1.0 / 0.91  # discs slip along surfaces that hold less than the mean of all directions
-# Half of a bond with ground that does not liquefy lies in it, but bonds beside it share in what that half is stiffer:
-# crusts on layers of one to eight rows of discs move 0.9 to 1.0 times as far as in closed form (1.5 to 1.0 by 1).
-STRAINED = 0.75
 LESS = 1e-12  # of a reach: what S is at least
 
 
@@ -229,159 +220,3 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, late
         discs[i, DRAG] = drag
         discs[i, BOND] = share * discs[i, STRENGTH] * area / levers
     return lost
-
-
-@device_function(forceinline=True)
-def strength_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
-    """Return the weights of the strengths of both discs in the strength of their bond: 1 for each disc if both are of
-    one stratum, else 2 for the weaker disc.
-
-    While a disc liquefies, its contacts with clay, which already has bonds, fade before the residual strength of the
-    disc has built up. Until the residual strength has built up, the bond has the strength of the clay, multiplied by
-    the share of the disc that has not liquefied.
-    """
-    if discs[i, SHARE] == 0.0:
-        return 0.0, 2.0
-    if discs[j, SHARE] == 0.0:
-        return 2.0, 0.0
-    if discs[i, STRATUM] == discs[j, STRATUM]:
-        return 1.0, 1.0
-    if discs[i, BOND] * discs[j, SHARE] < discs[j, BOND] * discs[i, SHARE]:
-        return 2.0, 2.0 * max(1.0 - discs[i, SHARE] / discs[j, SHARE], 0.0)
-    return 2.0 * max(1.0 - discs[j, SHARE] / discs[i, SHARE], 0.0), 2.0
-
-
-@device_function(forceinline=True)
-def bond_weights(a: float, b: float) -> tuple[float, float]:
-    """Return the weights of the force-displacement laws of both discs in their bond, which follow from the weights of
-    their strengths."""
-    return (2.0 - b if a > b else a), (2.0 - a if b > a else b)
-
-
-@device_function(forceinline=True)
-def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
-    """Return the slopes of both lines of a bond, and the share of the displacement at which the lines meet."""
-    a, b = bond_weights(*strength_weights(discs, i, j))
-    soft_to = 0.5 * (a * discs[i, SOFT_TO] + b * discs[j, SOFT_TO])
-    soft, steep = slopes(0.5 * (a * discs[i, KNEE] + b * discs[j, KNEE]), soft_to)
-    return soft, steep, soft_to
-
-
-@device_function(nogil=True, _nrt=False)
-def fetch_strength(block: int, wet: Liquefied) -> None:
-    """Compute pressure and strength of the pairs of a block as sums over both discs; the sums for bonds are
-    weighted."""
-    discs, w = wet.discs, wet.working
-    for lane in range(LANES):
-        q = np.uint64(block) * WORKED + np.uint64(lane)
-        c = block * LANES + lane
-        i, j = np.int64(wet.first[c]), np.int64(wet.second[c])
-        more_i, more_j = stand_in_shares(discs[i, SHARE], discs[j, SHARE])
-        stands_in = more_i * discs[i, PRESSURE_TERM] + more_j * discs[j, PRESSURE_TERM]
-        pressure = discs[i, PRESSURE_TERM] + discs[j, PRESSURE_TERM] + stands_in
-        w[q + PAIR_PRESSURE], w[q + STANDS_IN] = pressure, stands_in / (pressure + LESS)
-        a, b = strength_weights(discs, i, j)
-        w[q + BOND_SUM] = a * discs[i, BOND] + b * discs[j, BOND]
-        a, b = bond_weights(a, b)
-        ends = a * discs[i, SOFT_TO] + b * discs[j, SOFT_TO]
-        w[q + ROOM] = (STRAINED if a != b and ends > 0.0 else 1.0) * (a * discs[i, STRAIN] + b * discs[j, STRAIN])
-        w[q + KNEES], w[q + ENDS] = a * discs[i, KNEE] + b * discs[j, KNEE], ends
-        w[q + CREEPS], soft = CREEP, i if discs[i, SOFT_TO] > 0.0 else j
-        if (discs[i, SOFT_TO] > 0.0) != (discs[j, SOFT_TO] > 0.0):
-            single = discs[soft, BOND], STRAINED * discs[soft, STRAIN]
-            w[q + CREEPS] *= dashpot_share(single, (w[q + BOND_SUM], w[q + ROOM]))
-
-
-@device_function(nogil=True, _nrt=False)
-def press_pairs(
-    block: int, wet: Liquefied, damping_time: float, relaxation: float, with_losses: bool
-) -> tuple[float, float, float]:
-    """Compute forces and history variables of the pairs of a block, after `fetch_strength` has read their strength.
-
-    Returns energies (J) since the last evaluation: dissipation of bonds by slip and by dashpots, and the work of the
-    pressures that stand in for partners that have liquefied less. damping_time: dashpot over stiffness of a bond
-    (s); relaxation: share of the force of the spring in series with the second dashpot that remains at the next
-    evaluation.
-    """
-    wide_vectors()
-    w, memory, reach = wet.working, wet.memory, wet.reach
-    slid, damped, work = 0.0, 0.0, 0.0
-    part = 0.5 / wet.every
-    for lane in range(LANES):
-        q = np.uint64(block) * WORKED + np.uint64(lane)
-        r = np.uint64(block) * REMEMBERED + np.uint64(lane)
-        apart, stands_in = w[q + APART], w[q + STANDS_IN]
-        here = 1.0 if apart < reach else 0.0
-        inside = apart if apart < reach else reach
-        pressure_force = -w[q + PAIR_PRESSURE] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
-        strength = 0.5 * math.pi * FITTED * w[q + BOND_SUM] * bond_kernel(inside, reach)
-        soft_to = 0.5 * w[q + ENDS]
-        room = 0.5 * w[q + ROOM] * inside + LESS * reach  # way (m) at which the bond slips
-        soft, steep = slopes(0.5 * w[q + KNEES], soft_to)
-        stretch, slip = w[q + STRETCH], w[q + SLIP]
-        fresh = memory[r + LEFT]
-        more = 1.0 + FIRST * fresh
-        strength, room = more * strength, more * room
-        along, across = memory[r + ALONG], memory[r + ACROSS]
-        inverse = here / room
-        tried_along, tried_across = along + stretch * inverse, across + slip * inverse
-        new_along, new_across = mobilised(tried_along, tried_across)
-        past = math.sqrt((tried_along - new_along) ** 2 + (tried_across - new_across) ** 2)
-        left = here * fresh * math.exp(-past * room / (SOON * inside))
-        gain = more / (1.0 + FIRST * left)  # the limit falls, and what is mobilised of it grows
-        here_along, here_across = mobilised(here * gain * new_along, here * gain * new_across)
-        mobilised_share = force_share(new_along, new_across, soft, steep)
-        energy = strength * room
-        yields = energy / (gain * gain)
-        if with_losses:
-            dashed = memory[r + DASH_ALONG] * stretch + memory[r + DASH_ACROSS] * slip
-            damped = both(damped, (1.0 - part) * dashed)
-            work = both(work, stands_in * part * pressure_force * stretch)
-            weaker = 0.5 * (memory[r + YIELD] - energy) * energy_share(along, across, soft, steep, soft_to)
-            was = force_share(along, across, soft, steep)
-            cut = (was * along + mobilised_share * new_along) * (tried_along - new_along)
-            cut += (was * across + mobilised_share * new_across) * (tried_across - new_across)
-            slid = both(slid, weaker + 0.5 * energy * cut)
-            stored = energy * energy_share(new_along, new_across, soft, steep, soft_to)
-            left_over = yields * energy_share(here_along, here_across, soft, steep, soft_to)
-            slid = both(slid, 0.5 * (stored - left_over))
-        memory[r + YIELD], memory[r + LEFT] = yields, left
-        late_along, late_across = mobilised(
-            relaxation * (memory[r + LATE_ALONG] + BEHIND * stretch * inverse),
-            relaxation * (memory[r + LATE_ACROSS] + BEHIND * slip * inverse),
-        )
-        delay = (damping_time + w[q + CREEPS] * soft) * inverse
-        new_along, new_across = mobilised_share * new_along, mobilised_share * new_across
-        soon_along, soon_across = mobilised(
-            new_along + late_along + w[q + SPEED] * delay, new_across + late_across + w[q + TURN] * delay
-        )
-        pull, drag = strength * soon_along, strength * soon_across
-        dash_along, dash_across = pull - strength * new_along, drag - strength * new_across
-        taken_along, taken_across = here * memory[r + TAKEN_ALONG], here * memory[r + TAKEN_ACROSS]
-        pull, drag = pull + taken_along, drag + taken_across
-        if with_losses:
-            work = both(work, -(taken_along * stretch + taken_across * slip))
-        # beyond the reach strength has gone to nothing, and is forgotten
-        memory[r + ALONG], memory[r + ACROSS] = here_along, here_across
-        memory[r + LATE_ALONG], memory[r + LATE_ACROSS] = here * late_along, here * late_across
-        memory[r + DASH_ALONG], memory[r + DASH_ACROSS] = dash_along, dash_across
-        if with_losses:
-            damped = both(damped, part * (dash_along * stretch + dash_across * slip))
-        nx, nz, normal = w[q + NX], w[q + NZ], pressure_force - pull
-        fx, fz = normal * nx + drag * nz, normal * nz - drag * nx
-        w[q + FORCE_X1], w[q + FORCE_X2], w[q + FORCE_Z1], w[q + FORCE_Z2] = -fx, fx, -fz, fz
-    return slid, damped, work
-
-
-@device_function(nogil=True, _nrt=False)
-def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
-    """Add up the forces of pairs on the discs near[begin:end]."""
-    discs, w = wet.discs, wet.working
-    for k in range(begin, end):
-        i = np.int64(wet.near[k])
-        fx, fz = 0.0, 0.0
-        for m in range(wet.members[i], wet.members[i + 1]):
-            q = np.uint64(wet.member[m])
-            fx += w[q]
-            fz += w[q + TO_RATE]
-        discs[i, FORCE_X], discs[i, FORCE_Z] = fx, fz

@@ -1,24 +1,16 @@
 """Computes the forces of liquefied ground in a step by all threads, slice by slice (kernel). The laws are in
-`liquefied_pairs`."""
+`liquefied_pairs` and `liquefied_bonds`."""
 
 import math
 
 import numpy as np
 
-from dem.kernels import liquefied_pairs as bond
 from dem.kernels.arguments import BONDS, STAND_IN, VISCOSITY, Entries, Law, Team
 from dem.kernels.barrier import slices_of, wait
 from dem.kernels.device_function import device_function
 from dem.kernels.layout import LANES, Layout
-from dem.kernels.liquefied_pairs import (
-    Liquefied,
-    fetch_motion,
-    fetch_strength,
-    look_at_discs,
-    look_at_pairs,
-    press_pairs,
-    sum_pairs,
-)
+from dem.kernels.liquefied_bonds import RELAXES, fetch_strength, press_pairs, press_pairs_with_losses, sum_pairs
+from dem.kernels.liquefied_pairs import FORCE_X, FORCE_Z, Liquefied, fetch_motion, look_at_discs, look_at_pairs
 from dem.kernels.work_buffers import SUM_X, SUM_Z
 
 
@@ -38,14 +30,16 @@ def look_at_slice(p: int, layout: Layout, law: Law, entries: Entries, later: flo
 
 @device_function(nogil=True, _nrt=False)
 def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, relaxation: float) -> None:
-    """Compute the forces of the pairs of slice p; damping_time, relaxation: see `press_pairs`.
+    """Compute the forces of the pairs of slice p; damping_time, relaxation: see `press_lanes`.
 
     wet: liquefied pairs; entries: entries of the energy balance.
     """
     for block in range(wet.start[p], wet.start[p + 1]):
         fetch_strength(block, wet)
-        slid, damped, work = press_pairs(block, wet, damping_time, relaxation, entries.wanted)
-        if entries.wanted:
+        if not entries.wanted:
+            press_pairs(block, wet, damping_time, relaxation)
+        else:
+            slid, damped, work = press_pairs_with_losses(block, wet, damping_time, relaxation)
             entries.sums[p, BONDS] += slid
             entries.sums[p, VISCOSITY] += damped
             entries.sums[p, STAND_IN] += work
@@ -61,7 +55,7 @@ def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> 
     wet = layout.liquefied
     begin, end = slices_of(team.thread, team.threads, len(layout.chunk_start) - 1)
     later, interval = 0.5 * (wet.every - 1) * dt, wet.every * dt
-    relaxation = math.exp(-interval / bond.RELAXES)
+    relaxation = math.exp(-interval / RELAXES)
     for p in range(begin, end):
         look_at_slice(p, layout, law, entries, later)
     if team.threads > 1:
@@ -87,5 +81,5 @@ def add_pressed(p: int, layout: Layout, buffer: np.ndarray) -> None:
     for k in range(wet.near_start[p], wet.near_start[p + 1]):
         i = np.int64(wet.near[k])
         q = np.uint64(i % LANES)
-        buffer[SUM_X + q] += wet.discs[i, bond.FORCE_X]
-        buffer[SUM_Z + q] += wet.discs[i, bond.FORCE_Z]
+        buffer[SUM_X + q] += wet.discs[i, FORCE_X]
+        buffer[SUM_Z + q] += wet.discs[i, FORCE_Z]

@@ -14,8 +14,8 @@ from numba import njit
 
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.bond_law import force_share
+from dem.kernels.liquefied_bonds import FIRST, FITTED, bond_lines, strength_weights
 from dem.kernels.liquefied_laws import bond_kernel, density_kernel, stand_in_shares
-from dem.kernels.liquefied_pairs import bond_lines, strength_weights
 from dem.kernels.period import Period, image
 
 ALONG_AT, ACROSS_AT, DASH_ALONG_AT, DASH_ACROSS_AT = (
@@ -78,9 +78,9 @@ def _sums(
         pressure = (1.0 + more_i) * discs[i, bond.PRESSURE_TERM] + (1.0 + more_j) * discs[j, bond.PRESSURE_TERM]
         pressure_force = -pressure * discs[i, bond.AREA] * discs[j, bond.AREA] * slope
         a, b = strength_weights(discs, i, j)
-        limit = 0.5 * math.pi * bond.FITTED * (a * discs[i, bond.BOND] + b * discs[j, bond.BOND])
+        limit = 0.5 * math.pi * FITTED * (a * discs[i, bond.BOND] + b * discs[j, bond.BOND])
         limit *= bond_kernel(apart, reach)
-        limit *= 1.0 + bond.FIRST * memory[c, bond.FRESH]
+        limit *= 1.0 + FIRST * memory[c, bond.FRESH]
         along, across = memory[c, ALONG_AT], memory[c, ACROSS_AT]
         soft, steep, _ = bond_lines(discs, i, j)
         share = force_share(along, across, soft, steep)

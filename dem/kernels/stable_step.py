@@ -1,10 +1,13 @@
 """Computes the largest stable time step of any assembly of discs (kernel).
 
-For springs between pairs, K <= 2 diag(K_ii): the energy of a spring between i and j is at most twice the sum of the
-energies that it would have if only i or only j moved. Therefore omega_max^2 <= 2 max_i lambda(K_ii / M_ii), with the 3
-x 3 blocks of translation and rotation of one disc, and likewise for the dashpots. The stepping scheme is stable for a
-mode of frequency omega and damping c = 2 zeta omega as long as h^2 omega^2 + 4 h c <= 4 (its characteristic polynomial
-leaves the unit circle at -1), and a step that is stable at the bound is stable for every mode.
+For springs between pairs, K <= diag(sum over pairs of (1 + w_j / w_i) K_ii) with any positive weights w of the discs:
+(a + b)^2 <= (1 + w_j / w_i) a^2 + (1 + w_i / w_j) b^2 for what the motions a of disc i and b of disc j do to a spring.
+Therefore omega_max^2 is at most the largest eigenvalue of these 3 x 3 blocks of translation and rotation over mass:
+with equal weights twice that of K_ii, and only that of K_ii beside fixed discs. Weights that are multiplied by the
+eigenvalues of their discs, as in a power iteration, may give a smaller bound; the smallest of `WEIGHINGS` bounds
+counts. The dashpots have the same weights. The stepping scheme is stable for a mode of frequency omega and damping c =
+2 zeta omega as long as h^2 omega^2 + 4 h c <= 4 (its characteristic polynomial leaves the unit circle at -1), and a
+step that is stable at the bound is stable for every mode.
 
 Every listed pair counts as touching, and every pore spring as compressed, so that the bound holds until the list is
 renewed, when it is computed again. Only cracked pairs that are too far apart to touch before the list is renewed are
@@ -29,6 +32,8 @@ from dem.kernels.transpose import CONSTANT_RECORD
 ONE, TWO, THREE, FOUR, FIVE = (np.uint64(k) for k in range(1, 6))
 DASHPOTS = np.uint64(8)  # behind the block of stiffness
 BLOCKS = 16  # doubles of a disc: its two blocks, each in a cache line
+WEIGHINGS = 3
+ROUNDED = 1.0 + 1e-9  # the formula of the eigenvalue is exact to less
 
 
 class Bodies(NamedTuple):
@@ -95,6 +100,12 @@ def add_block(
 
 
 @device_function(nogil=True, forceinline=True)
+def share_of(weights: np.ndarray, a: int, b: int) -> float:
+    """Return the factor on the springs between discs a and b in the block of disc a; 0 if this disc cannot move."""
+    return 1.0 + weights[b] / weights[a] if weights[a] > 0.0 else 0.0
+
+
+@device_function(nogil=True, forceinline=True)
 def bound(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> float:
     """Return Gershgorin's bound of the largest eigenvalue (1/s2) of the block that begins at `at`, over mass.
 
@@ -109,6 +120,23 @@ def bound(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> floa
     return max(first, second, third)
 
 
+@device_function(nogil=True)
+def largest_eigenvalue(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> float:
+    """Return the largest eigenvalue (1/s2) of the block that begins at `at`, over mass, in closed form (Smith 1961,
+    Commun. ACM 4, 168); arguments as in `bound`."""
+    cross = np.sqrt(invmass * rim)
+    xx, zz, rr = blocks[at] * invmass, blocks[at + ONE] * invmass, blocks[at + FIVE] * rim
+    xz, xr, zr = blocks[at + TWO] * invmass, blocks[at + THREE] * cross, blocks[at + FOUR] * cross
+    mean = (xx + zz + rr) / 3.0
+    xx, zz, rr = xx - mean, zz - mean, rr - mean
+    spread = np.sqrt((xx * xx + zz * zz + rr * rr + 2.0 * (xz * xz + xr * xr + zr * zr)) / 6.0)
+    if not spread > 1e-12 * mean:
+        return mean * ROUNDED
+    determinant = xx * (zz * rr - zr * zr) - xz * (xz * rr - zr * xr) + xr * (xz * zr - zz * xr)
+    cosine = min(1.0, max(-1.0, 0.5 * determinant / spread**3))
+    return (mean + 2.0 * spread * np.cos(np.arccos(cosine) / 3.0)) * ROUNDED
+
+
 @device_function(nogil=True, forceinline=True)
 def blocks_of(disc: int) -> np.uint64:
     """Return the places of the two blocks of a disc: of stiffness, then of dashpots."""
@@ -118,6 +146,7 @@ def blocks_of(disc: int) -> np.uint64:
 @device_function(nogil=True, forceinline=True)
 def add_pair(
     blocks: np.ndarray,
+    weights: np.ndarray,
     a: int,
     b: int,
     way: tuple[float, float],
@@ -130,9 +159,9 @@ def add_pair(
 ) -> None:
     """Add a pair to the blocks of its discs a and b.
 
-    way: vector from a to b (m); radii: sum of their radii (m); parts: share of each radius in the sum; length: length
-    of the pore spring (m); kind: column of the constants; skin: decrease of the distance that is allowed for (m);
-    records: see `Springs`.
+    weights: weights of all discs; way: vector from a to b (m); radii: sum of their radii (m); parts: share of each
+    radius in the sum; length: length of the pore spring (m); kind: column of the constants; skin: decrease of the
+    distance that is allowed for (m); records: see `Springs`.
     """
     dx, dz = way
     d = max(np.sqrt(dx * dx + dz * dz), 1e-300)
@@ -149,16 +178,16 @@ def add_pair(
         ks += records[constant + np.uint64(KPS)]
     cn, ct = records[constant + np.uint64(CN)], records[constant + np.uint64(CT)]
     turns = ct if rolls > 0.0 else 0.0
-    block_a, block_b = blocks_of(a), blocks_of(b)
-    add_block(blocks, block_a, 1.0, along, kn, ks)
-    add_block(blocks, block_a + DASHPOTS, 1.0, along, cn, ct)
-    add_block(blocks, block_b, -1.0, along, kn, ks)
-    add_block(blocks, block_b + DASHPOTS, -1.0, along, cn, ct)
-    if rolls > 0.0:
-        blocks[block_a + FIVE] += rolls * parts[1] ** 2
-        blocks[block_a + DASHPOTS + FIVE] += turns * parts[1] ** 2
-        blocks[block_b + FIVE] += rolls * parts[0] ** 2
-        blocks[block_b + DASHPOTS + FIVE] += turns * parts[0] ** 2
+    block, share = blocks_of(a), share_of(weights, a, b)
+    add_block(blocks, block, 1.0, along, share * kn, share * ks)
+    add_block(blocks, block + DASHPOTS, 1.0, along, share * cn, share * ct)
+    blocks[block + FIVE] += share * rolls * parts[1] ** 2
+    blocks[block + DASHPOTS + FIVE] += share * turns * parts[1] ** 2
+    block, share = blocks_of(b), share_of(weights, b, a)
+    add_block(blocks, block, -1.0, along, share * kn, share * ks)
+    add_block(blocks, block + DASHPOTS, -1.0, along, share * cn, share * ct)
+    blocks[block + FIVE] += share * rolls * parts[0] ** 2
+    blocks[block + DASHPOTS + FIVE] += share * turns * parts[0] ** 2
 
 
 @device_function(nogil=True)
@@ -174,13 +203,57 @@ def add_line(blocks: np.ndarray, disc: int, line: int, kind: int, springs: Sprin
 
 
 @device_function(nogil=True)
-def step_of(blocks: np.ndarray, disc: int, invmass: float, rim: float) -> float:
-    """Return the largest stable time step (s) of a disc from its blocks; inf for a disc that cannot move; invmass, rim:
-    see `bound`.
+def step_of(blocks: np.ndarray, disc: int, invmass: float, rim: float, least: float) -> float:
+    """Return the largest stable time step (s) of a disc from its blocks, or any time above `least` (s) if the step is
+    above it; inf for a disc that cannot move; invmass, rim: see `bound`.
     """
-    k2 = 2.0 * bound(blocks, blocks_of(disc), invmass, rim)
-    c2 = 2.0 * bound(blocks, blocks_of(disc) + DASHPOTS, invmass, rim)
-    return 2.0 / (c2 + np.sqrt(c2 * c2 + k2)) if k2 > 0.0 else np.inf
+    at = blocks_of(disc)
+    step = _stable(bound(blocks, at, invmass, rim), bound(blocks, at + DASHPOTS, invmass, rim))
+    if step >= least:
+        return step
+    return _stable(
+        largest_eigenvalue(blocks, at, invmass, rim), largest_eigenvalue(blocks, at + DASHPOTS, invmass, rim)
+    )
+
+
+@device_function(nogil=True, forceinline=True)
+def _stable(square: float, rate: float) -> float:
+    """Return the largest stable time step (s) at a squared frequency (1/s2) and a rate of damping (1/s)."""
+    return 2.0 / (rate + np.sqrt(rate * rate + square)) if square > 0.0 else np.inf
+
+
+@device_function(nogil=True)
+def weigh(blocks: np.ndarray, weights: np.ndarray, disc: int, invmass: float, rim: float) -> None:
+    """Multiply the weight of a disc by the bound from its block of stiffness, and empty its blocks; invmass, rim: see
+    `bound`."""
+    at = blocks_of(disc)
+    weights[disc] *= bound(blocks, at, invmass, rim)
+    for k in range(BLOCKS):
+        blocks[at + np.uint64(k)] = 0.0
+
+
+@device_function(nogil=True)
+def _add_all(
+    blocks: np.ndarray,
+    weights: np.ndarray,
+    bodies: Bodies,
+    pairs: Pairs,
+    skin: float,
+    at_lines: LineContacts,
+    springs: Springs,
+    period: Period,
+) -> None:
+    """Add all pairs and lines to the blocks; arguments as in `stable_step`."""
+    x, z, radius = bodies.x, bodies.z, bodies.radius
+    for c in range(len(pairs.i)):
+        a, b = pairs.i[c], pairs.j[c]
+        radii = radius[a] + radius[b]
+        add_pair(
+            blocks, weights, a, b, image(x[b] - x[a], z[b] - z[a], period), radii,
+            (radius[a] / radii, radius[b] / radii), pairs.length[c], pairs.kind[c], skin, springs.records,
+        )  # fmt: skip
+    for e in range(len(at_lines.disc)):
+        add_line(blocks, at_lines.disc[e], at_lines.line[e], at_lines.kind[e], springs)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -192,33 +265,35 @@ def stable_step(
     bodies: the discs; pairs: listed pairs; skin: decrease of the distance of a pair before the list is renewed (m);
     at_lines: contacts with rigid lines; springs: constants; period: period of the ground.
     """
-    x, z, radius = bodies.x, bodies.z, bodies.radius
-    blocks = np.zeros(len(x) * BLOCKS)
-    for c in range(len(pairs.i)):
-        a, b = pairs.i[c], pairs.j[c]
-        radii = radius[a] + radius[b]
-        add_pair(
-            blocks, a, b, image(x[b] - x[a], z[b] - z[a], period), radii, (radius[a] / radii, radius[b] / radii),
-            pairs.length[c], pairs.kind[c], skin, springs.records,
-        )  # fmt: skip
-    for e in range(len(at_lines.disc)):
-        add_line(blocks, at_lines.disc[e], at_lines.line[e], at_lines.kind[e], springs)
-    least = np.inf
-    which = -1
-    for a in range(len(x)):
-        step = step_of(blocks, a, bodies.invmass[a], bodies.rim[a])
-        if step < least:
-            least, which = step, a
-    return least, which
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Springs, period: Period) -> float:
-    """Return the stable time step (s) from the arrays of the kernels; equal to `stable_step` to rounding.
-
-    layout: discs and contacts; discs: number of discs; skin, springs, period: as in `stable_step`.
-    """
+    discs = len(bodies.x)
     blocks = np.zeros(discs * BLOCKS)
+    weights = np.where(bodies.invmass > 0.0, 1.0, 0.0)
+    largest, which = 0.0, -1
+    for weighing in range(WEIGHINGS):
+        _add_all(blocks, weights, bodies, pairs, skin, at_lines, springs, period)
+        least, slowest = np.inf, -1
+        for a in range(discs):
+            step = step_of(blocks, a, bodies.invmass[a], bodies.rim[a], least)
+            if step < least:
+                least, slowest = step, a
+            weigh(blocks, weights, a, bodies.invmass[a], bodies.rim[a])
+        largest = max(largest, least)
+        if weighing == 0:
+            which = slowest
+    return largest, which
+
+
+@device_function(nogil=True)
+def _add_layout(
+    blocks: np.ndarray,
+    weights: np.ndarray,
+    layout: Layout,
+    discs: int,
+    skin: float,
+    springs: Springs,
+    period: Period,
+) -> None:
+    """Add all pairs and lines of a layout to the blocks; arguments as in `stable_step_of_layout`."""
     shared, links = layout.shared, layout.links
     for p in range(len(layout.chunk_start) - 1):
         for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
@@ -233,12 +308,28 @@ def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Spri
                 dx = shared[entry(b, X)] - shared[entry(a, X)]
                 dz = shared[entry(b, Z)] - shared[entry(a, Z)]
                 add_pair(
-                    blocks, a, b, image(dx, dz, period), links[at + RADII], (part, 1.0 - part), links[at + LENGTH],
-                    np.int64(layout.kinds[chunk * LANES + lane]), skin, springs.records,
+                    blocks, weights, a, b, image(dx, dz, period), links[at + RADII], (part, 1.0 - part),
+                    links[at + LENGTH], np.int64(layout.kinds[chunk * LANES + lane]), skin, springs.records,
                 )  # fmt: skip
     for e in range(len(layout.line_disc)):
         add_line(blocks, layout.line_disc[e], layout.line_id[e], layout.line_kind[e], springs)
-    least = np.inf
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Springs, period: Period) -> float:
+    """Return the stable time step (s) from the arrays of the kernels; equal to `stable_step` to rounding.
+
+    layout: discs and contacts; discs: number of discs; skin, springs, period: as in `stable_step`.
+    """
+    blocks, weights, largest = np.zeros(discs * BLOCKS), np.zeros(discs), 0.0
     for a in range(discs):
-        least = min(least, step_of(blocks, a, layout.discs[place(a, INVMASS)], layout.discs[place(a, RIM)]))
-    return least
+        weights[a] = 1.0 if layout.discs[place(a, INVMASS)] > 0.0 else 0.0
+    for _ in range(WEIGHINGS):
+        _add_layout(blocks, weights, layout, discs, skin, springs, period)
+        least = np.inf
+        for a in range(discs):
+            invmass, rim = layout.discs[place(a, INVMASS)], layout.discs[place(a, RIM)]
+            least = min(least, step_of(blocks, a, invmass, rim, least))
+            weigh(blocks, weights, a, invmass, rim)
+        largest = max(largest, least)
+    return largest

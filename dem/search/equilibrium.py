@@ -23,7 +23,7 @@ from dem.search.undrained_clay import set_strengths
 from dem.settings import DemSettings, TrialVerdict
 from dem.springs import LayerSprings
 
-STEP = 0.6  # of the stable one: what is looked for is rest, and no energies are summed on the way to it
+STEP = 0.9  # of the stable one: what is looked for is rest, and no energies are summed on the way to it
 SETTLED = 1e-4  # unbalanced force ratio under weight
 RISE = 0.05  # Kh that is raised in one period of the ground
 LOOK = 0.25  # of a period between two looks

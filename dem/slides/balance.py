@@ -69,6 +69,17 @@ def pressed_through(model: DiscModel) -> int:
     return len(np.unique(moving))
 
 
+def on_pressed_through(model: DiscModel) -> list[str]:
+    """Return a note on discs that the box no longer retains; empty if there are none."""
+    through = pressed_through(model)
+    if through == 0:
+        return []
+    return [
+        f"{counted(through, 'disc overlaps', 'discs overlap')} the fixed ones at the sides or the base by more than a "
+        "radius: the box no longer retains such discs, since their layer is too soft for discs of this size"
+    ]
+
+
 def deepest_overlap(model: DiscModel) -> float:
     """Return the largest overlap of two free discs, over their mean radius; contacts that fade by liquefaction do not
     count."""

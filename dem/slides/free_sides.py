@@ -31,6 +31,7 @@ from dem.springs import wave_speeds
 from meshes.section.section import Section, Stratum
 
 EVERY = 0.04  # s between two updates of the velocities of the walls
+STEP = 0.8  # of the stable one, while they settle
 RELIEF = 0.5
 STRIP, ROOM = 2.0, 2.5  # mean diameters
 POINTS = 20  # of a strip, over which stresses are averaged
@@ -139,7 +140,7 @@ class FreeSides:
         out.set_velocity(0.0, 0.0)
         for _ in range(round(SETTLING / EVERY)):
             self.follow(out, 0.0)
-            Engine(dt=0.5 * largest_step(out).seconds, energies=False).run(out, EVERY)
+            Engine(dt=STEP * largest_step(out).seconds, energies=False).run(out, EVERY)
             out.set_velocity(DAMPED * out.vx, DAMPED * out.vz)
         out.set_velocity(0.0, 0.0)
         self.places = out.x.copy()

@@ -16,7 +16,7 @@ import numpy as np
 from dem.case import Case
 from dem.disc_area import area_per_disc
 from dem.engine.engine import Engine, largest_step
-from dem.errors import DemError, EnergyBalanceError
+from dem.errors import DemError, EnergyBalanceError, StepTooLargeError
 from dem.ground import Ground
 from dem.liquefied_ground import is_liquefying, liquefy, set_share
 from dem.model import DiscModel
@@ -28,7 +28,7 @@ from dem.slides.balance import (
     deepest_overlap,
     expected_loss,
     ground_area,
-    pressed_through,
+    on_pressed_through,
     stopped_by,
     thin_crust,
     thin_layers,
@@ -128,7 +128,7 @@ class Slider:
             self._keep_volume()
             self._float()
             try:
-                self._advance(Engine(dt=slide.step_share * largest_step(self.model).seconds, threads=threads))
+                self._advance(threads)
             except DemError as error:
                 if isinstance(error, EnergyBalanceError) and slide.step_share > LEAST_STEP * self.step:
                     self._begin_again()
@@ -147,15 +147,26 @@ class Slider:
                 on_look(self.model, row, bool(slide.reason) or (len(slide.rows) - 1) % self.frame == 0)
         return self._finished()
 
-    def _advance(self, engine: Engine) -> None:
-        """Continue to the next record or change of springs, with walls that follow the ground where it continues."""
-        model, end = self.model, self.model.time + self._until()
-        if not self.sides.strips:
-            engine.run(model, end - model.time)
-        while self.sides.strips and model.time < end - SAME:
-            since = model.time - self.start.time
-            self.sides.follow(model, max(self.motion.share(k, since) for k in self.strata))
-            engine.run(model, min(EVERY, end - model.time))
+    def _advance(self, threads: int) -> None:
+        """Continue to the next record or change of springs, with walls that follow the ground where it continues, and
+        with a shorter time step where a new neighbour list requires it."""
+        model = self.model
+        end = model.time + self.motion.wait(model.time - self.start.time, LOOK)
+        engine = self._engine(threads)
+        while True:  # at least a step
+            if self.sides.strips:
+                since = model.time - self.start.time
+                self.sides.follow(model, max(self.motion.share(k, since) for k in self.strata))
+            try:
+                engine.run(model, min(EVERY if self.sides.strips else np.inf, end - model.time))
+            except StepTooLargeError:
+                engine = self._engine(threads)
+            if end - model.time <= max(SAME, 0.5 * float(engine.dt)):
+                break
+
+    def _engine(self, threads: int) -> Engine:
+        """Return an engine with the time step for the present list of neighbours."""
+        return Engine(dt=self.slide.step_share * largest_step(self.model).seconds, threads=threads)
 
     def _initial_model(self) -> DiscModel:
         model = self.start.copy()
@@ -212,8 +223,7 @@ class Slider:
 
     def _keep_volume(self) -> None:
         """Shrink the discs of liquefied strata by the drained volume, and swell the discs of strata that keep their
-        volume. Masses are constant.
-        """
+        volume, both at constant mass."""
         drained = self._drained()
         sizes = self.swelling[-1] if self.swelling else [1.0] * len(self.undrained)
         if sizes:
@@ -235,10 +245,6 @@ class Slider:
         model, start, change = self.model, self.start, now - self.buoyed
         model.pore_acceleration_x = start.pore_acceleration_x + change[0]
         model.pore_acceleration_z = start.pore_acceleration_z + change[1]
-
-    def _until(self) -> float:
-        """Return the time to the next record or change of springs (s)."""
-        return self.motion.wait(self.model.time - self.start.time, LOOK)
 
     def _look(self) -> Row:
         model, ground = self.model, self.ground
@@ -292,8 +298,7 @@ class Slider:
         return slide
 
     def _notes(self) -> list[str]:
-        """Return notes on this slide. The function also computes the loss of area of the slide, and the side that
-        stopped it."""
+        """Return notes on this slide, after computing its loss of area and finding the side that stopped it."""
         slide, model, start = self.slide, self.model, self.start
         height = float(np.ptp(start.z[~start.fixed]))
         far = max((row.slide_max_m for row in slide.rows), default=0.0)
@@ -303,12 +308,7 @@ class Slider:
         sides = [side for side in both_sides(model, start, self.ground) if side.name in walls]
         slide.stopped_by = stopped_by(sides)
         notes += at_the_sides(sides)
-        if (through := pressed_through(model)) > 0:
-            notes.append(
-                f"{counted(through, 'disc overlaps', 'discs overlap')} the fixed ones at the sides or the base "
-                "by more than a radius: the box no longer retains such discs, since their layer is too soft for discs "
-                "of this size"
-            )
+        notes += on_pressed_through(model)
         notes += on_loose_mass(slide.loose_share)
         notes += self._lost()
         if self.case is not None:

@@ -9,7 +9,7 @@ from dem.case import Case
 from dem.disc_area import area_with_voids
 from dem.ground import Ground
 from dem.kernels import liquefied_pairs as bond
-from dem.kernels.liquefied_pairs import FITTED
+from dem.kernels.liquefied_bonds import FITTED
 from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, SHEAR_MODULUS, Onset, change_strength, is_liquefying
 from dem.model import DiscModel
 from dem.overburden import effective_overburden

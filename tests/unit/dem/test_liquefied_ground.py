@@ -12,12 +12,12 @@ from dem.case import Case
 from dem.engine.engine import Engine, largest_step
 from dem.ground import Ground
 from dem.kernels.contact import ALLOWED, CN, CT, KN, KS, MU
+from dem.kernels.liquefied_bonds import FITTED
 from dem.kernels.liquefied_laws import bond_kernel, density_kernel, stand_in_shares
 from dem.kernels.liquefied_pairs import (
     AREA,
     BOND,
     DENSITY,
-    FITTED,
     NOW,
     PRESSURE_TERM,
     STRAIN,
