@@ -86,7 +86,7 @@ def converge(
     If the computation was stopped, the same command continues it.
     """
     from workflow.cli.terminal import Counted, say, say_data
-    from workflow.figures.convergence import draw
+    from workflow.figures.study import convergence
     from workflow.study.converge import run
     from workflow.study.ensemble import Ensemble
 
@@ -95,7 +95,7 @@ def converge(
     ensemble = Ensemble(store.folder, workers or config.dem.workers, scheduler)
     with Counted(silent=quiet or json) as counted:
         answer = run(config, store, within / 100.0, ensemble, counted)
-    store.save("figures/converge.png", draw(answer.series, f"{config.section.heading}: convergence of the slides"))
+    store.save("figures/converge.png", convergence(answer.series, config.section.heading))
     if json:
         return say_data({**answer.model_dump(mode="json"), "warnings": warnings})
     if not quiet:

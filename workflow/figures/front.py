@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from workflow.figures.canvas import CRITICAL, DISCS, Sheet
 from workflow.figures.ground import Overlay, mark_borings, section_sheet
-from workflow.figures.material_points import seen_from_above
+from workflow.figures.slides import seen_from_above
 from workflow.results.cases import CaseAnswer, alike, smoothed
 from workflow.results.governing import governing_kh, slides_by_weight
 from workflow.results.lengths import metres

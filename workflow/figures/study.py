@@ -1,5 +1,5 @@
-"""Draws pictures of a study: distribution of the critical Kh, effects of the uncertain numbers, fragility, and all
-samples.
+"""Draws pictures of a study: distribution of the critical Kh, effects of the uncertain numbers, fragility, all
+samples, and convergence.
 """
 
 import textwrap
@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Frames
-from workflow.results.study import ProbabilityCurve, Result
+from workflow.results.study import ProbabilityCurve, Result, Series
 
-HEIGHT = 3.4  # inches of a row of frames
+HEIGHT, LOW = 3.4, 2.2  # inches of a row of frames, and of one of series that converge
 ACROSS = 4  # frames of a row, of single samples
 FAMILIES = 3  # frames of a row, of curves
 SHOWN = 12  # uncertain numbers at most in one picture, the strongest
@@ -99,6 +99,33 @@ def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], ti
         _label(axes, _broken(path_of), "")
     for first in frames[::ACROSS]:
         first.set_ylabel(name, fontsize=8, color=INK, parse_math=False)
+    return picture
+
+
+def convergence(series: Sequence[Series], title: str) -> Frames:
+    """Draw a frame for each series, with the limit on the axis; the limit is red if the series has not converged."""
+    rows = -(-len(series) // ACROSS)
+    picture = Frames(LOW * rows + 0.4, f"{title}: convergence of the slides")
+    frames = np.ravel([picture.figure.subplots(rows, ACROSS, squeeze=False)])
+    for axes in frames[len(series) :]:
+        axes.set_visible(False)
+    for axes, row in zip(frames, series, strict=False):
+        halves = [half or 0.0 for half in row.half_ci95]
+        axes.errorbar(row.sizes, row.values, yerr=halves, fmt="o", color=CONTINUUM, markersize=3.5, linewidth=0.9)
+        sizes = np.linspace(0.0, row.sizes[0], 60)
+        ends = (row.sizes[-1], row.values[-1])
+        power = row.order or 1.0
+        rise = (ends[1] - row.limit) / ends[0] ** power
+        axes.plot(sizes, row.limit + rise * sizes**power, color=CONTINUUM, linewidth=0.8, linestyle=(0, (4, 2)))
+        axes.plot(0.0, row.limit, "D", color=CONTINUUM if row.converged else CRITICAL, markersize=4, clip_on=False)
+        axes.set_title(
+            f"{row.name}\n{row.verdict.split(':')[0]}", fontsize=6.5, loc="left", color=INK, parse_math=False
+        )
+        across = "radius (m)" if row.over == "radius" else "time step over the stable step (-)"
+        axes.set_xlabel(across, fontsize=7, color=INK)
+        axes.set_xlim(left=0.0)
+        axes.tick_params(labelsize=6.5, colors=INK)
+        axes.grid(color="#dddddd", linewidth=0.5)
     return picture
 
 

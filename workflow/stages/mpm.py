@@ -127,12 +127,12 @@ def alike_by_strength(config: Config, wanted: Sequence[int]) -> dict[int, int]:
 
 def draw(job: Job) -> None:
     """Draw the surface of every case before and after, every case at its end, and its animation."""
-    from workflow.figures.material_points import profiles
+    from workflow.figures.slides import point_profiles
     from workflow.stages.case_pictures import POINTS, case_pictures, drawn
 
     config, store, answer = job.config, job.store, PointSlidesAnswer.read(job.store)
     if answer.cases:
-        store.save("figures/mpm.png", profiles(config, answer))
+        store.save("figures/mpm.png", point_profiles(config, answer))
     job.executor.compute(drawn, case_pictures(config, store, POINTS, answer.cases))
 
 
