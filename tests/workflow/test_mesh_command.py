@@ -308,7 +308,7 @@ def test_a_failure_keeps_what_was_there(section: Path, out: Path, monkeypatch: p
     def fail(*_: object, **_options: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("workflow.figures.canvas.Picture.save", fail)
+    monkeypatch.setattr("workflow.figures.canvas.Drawing.save", fail)
     assert run("mesh", section, "--out", out, "--force") == 2
     assert {name: (out / name).read_bytes() for name in files(out)} == before
 

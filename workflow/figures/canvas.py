@@ -154,7 +154,7 @@ def render(
         plotter.close()
 
 
-class Picture:
+class Drawing:
     """Holds a figure, and writes it."""
 
     figure: Figure
@@ -176,7 +176,7 @@ class Picture:
         self.figure.savefig(path, format="png", pil_kwargs={"compress_level": COMPRESSION})
 
 
-class Frames(Picture):
+class Frames(Drawing):
     """Holds a picture of frames, each with axes of its own, below a title."""
 
     def __init__(self, height: float, title: str = "") -> None:
@@ -187,7 +187,7 @@ class Frames(Picture):
             self.figure.suptitle(title, fontsize=11, weight="bold", color=INK, x=0.02, ha="left", parse_math=False)
 
 
-class Sheet(Picture):
+class Sheet(Drawing):
     """Holds a picture: rows of views of the same width, with a title, and notes at the foot."""
 
     def __init__(self, title: str, heights: list[float], foot: str = "", legend_rows: int = 0) -> None:
