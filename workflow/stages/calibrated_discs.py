@@ -355,7 +355,7 @@ def slip_surfaces(config: Config, store: Store, before: np.ndarray, after: np.nd
 def _excess_above(config: Config, store: Store, line: np.ndarray, fem: FemAnswer) -> float | None:
     """Return the relative increase of the critical Kh of the continuum if it can fail only above the slip surface of
     the discs; None if no critical Kh is found so."""
-    from fem.search.prescribed_surface import critical_above
+    from fem.search.slip_surface import critical_above
 
     mesh = fem_mesh(config.section, store, fem.mesh.method)
     like = DemCounterpart.read(store) if config.dem.model == "soil" else DemCounterpart.of(fem)

@@ -14,8 +14,7 @@ from fem.path.gravity import bring_to_rest
 from fem.search.adaptive import AdaptiveSearch
 from fem.search.critical import critical_coefficient, seismic_path
 from fem.search.dem_counterpart import associated_kc, non_associated_path
-from fem.search.prescribed_surface import critical_above
-from fem.search.slip_surface import slip_surface
+from fem.search.slip_surface import critical_above, slip_surface
 from fem.settings import FemSettings
 from fem.solvers.cone_program import SOLVER_GAP
 from meshes.gmsh_model import generate
