@@ -36,7 +36,7 @@ from fem.solvers.cone_matrices import Assembled, ConeProgram, assembled, standar
 from fem.solvers.convergence import Place, Tolerance
 from fem.solvers.corner_matrix import CornerMatrix
 from fem.solvers.interior_point import Standard
-from meshes.executor import check_cancelled, interruptible
+from meshes.executor import interruptible
 
 use_one_thread()
 
@@ -270,9 +270,7 @@ def _by_interior_point(
         most = iterations_within(most_work, cost, interior_point.MOST_ITERATIONS)
         iterations, spent = 0, False
         for place in (warm.place, None) if warm and warm.place else (None,):
-            solution = interior_point.interior_solution(
-                form, magnified, tolerance, matrix, check_cancelled, place, most
-            )
+            solution = interior_point.InteriorPointMethod(form, magnified, tolerance, matrix).run(place, most)
             iterations += solution.iterations
             met = solution.residual <= tolerance.nearly and solution.gap <= WIDER * tolerance.gap
             met = met or solution.below_floor

@@ -9,7 +9,6 @@ has no solution, the method can prove this in one case only: no stress balances 
 whose multiplier is below a ``floor``. Below gaps of 1e-4 the method may break down.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +18,7 @@ from fem.kernels.corner_cones import add_products, centrality, corrections, long
 from fem.kernels.corner_stiffness import condense, expand, stiffnesses
 from fem.solvers.convergence import Iterate, Place, Tolerance
 from fem.solvers.corner_matrix import CornerMatrix
+from meshes.executor import check_cancelled
 
 MOST_ITERATIONS = 60
 # After so many iterations the equations are met but for this, if there is a solution; 5 to 12 are usual.
@@ -78,34 +78,16 @@ class Standard:
     rates: sparse.csr_matrix  # [volume, difference, shear] (3 k, velocities)
 
 
-def interior_solution(
-    standard: Standard,
-    unit: float,
-    tolerance: Tolerance,
-    matrix: CornerMatrix,
-    check_cancelled: Callable[[], None],
-    start: Place | None = None,
-    most_iterations: int = MOST_ITERATIONS,
-) -> Iterate:
-    """Solve a program to a ``tolerance``; its costs are ``unit`` times the multiplier of the loads.
-
-    ``check_cancelled`` is called before each of at most ``most_iterations`` iterations. If the factorisation breaks
-    down, the best iterate that satisfies the equations is returned, if there is one. ``start`` is an iterate of the
-    same mesh with another strength: an iterate well inside the cones saves half of the iterations; with an iterate near
-    the solution the method often breaks down. ``standard``: the program in standard form; ``matrix``: the normal
-    equations to factorise.
-    """
-    return _Method(standard, unit, tolerance, matrix).run(check_cancelled, start, most_iterations)
-
-
 class _BreakdownError(ArithmeticError):
     """An iteration made no progress."""
 
 
-class _Method:
+class InteriorPointMethod:
     """Runs the interior-point method on one program, and holds its iterate and the factors of its stiffness matrix."""
 
     def __init__(self, standard: Standard, unit: float, tolerance: Tolerance, matrix: CornerMatrix) -> None:
+        """Begin with the program in standard form, whose costs are ``unit`` times the multiplier of the loads, and the
+        ``matrix`` of its normal equations; the program is solved to a ``tolerance``."""
         self.program, self.wanted, self.stiffness_matrix = standard, tolerance, matrix
         self.least, self.floor = tolerance.least * unit, tolerance.floor * unit
         corners = standard.corners
@@ -133,8 +115,13 @@ class _Method:
         """Return the cones of a vector of rows, as a view (cones, 3)."""
         return v[self.first : self.lones].reshape(-1, 3)
 
-    def run(self, check_cancelled: Callable[[], None], start: Place | None, most_iterations: int) -> Iterate:
-        """Return the iterate until the tolerances are met or no more progress is possible."""
+    def run(self, start: Place | None, most_iterations: int) -> Iterate:
+        """Iterate until the tolerances are met or no more progress is possible, at most ``most_iterations`` times.
+
+        If the factorisation breaks down, the best iterate that satisfies the equations is returned, if there is one.
+        ``start`` is an iterate of the same mesh with another strength: an iterate well inside the cones saves half of
+        the iterations; with an iterate near the solution the method often breaks down.
+        """
         y, z, s = start or self.start()
         warm, wanted = start, self.wanted
         best: Iterate | None = None

@@ -91,7 +91,7 @@ def test_equations_that_come_no_nearer_are_left_to_clarabel_soon(monkeypatch):
     monkeypatch.setattr(cone_program, "LEAST_VELOCITIES", 0)
     problem = ground("all clay")
     wanted = lower_bound(problem)
-    direction, requested = interior_point._Method.direction, []
+    direction, requested = interior_point.InteriorPointMethod.direction, []
 
     def short(method, *place):
         requested.append(len(requested))
@@ -99,7 +99,7 @@ def test_equations_that_come_no_nearer_are_left_to_clarabel_soon(monkeypatch):
         share = 1.0 if len(requested) < 3 else 0.01
         return *changes, tuple(share * step for step in steps)
 
-    monkeypatch.setattr(interior_point._Method, "direction", short)
+    monkeypatch.setattr(interior_point.InteriorPointMethod, "direction", short)
     result = lower_bound(problem)
     assert result.solution.fallback
     assert len(requested) <= 3 + interior_point.STALLED
