@@ -11,8 +11,6 @@ discs, and v follows F with the time constant `DELAY`. Forces and velocities are
 gravity. A constant Kh moves the base at a constant speed, which has no effect on the discs.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from dem.acceleration import Acceleration, right_of
@@ -29,7 +27,7 @@ def felt(model: DiscState) -> Acceleration:
     if model.base_impedance == 0.0:
         return here
     x, z = right_of(model.gravity)
-    return replace(here, x=here.x - model.base_rate * x, z=here.z - model.base_rate * z)
+    return here.plus(-model.base_rate * x, -model.base_rate * z)
 
 
 def felt_until(model: DiscState, end: float, look: "Look | None") -> Acceleration:
@@ -41,7 +39,7 @@ def felt_until(model: DiscState, end: float, look: "Look | None") -> Acceleratio
     frame = model.acceleration.between(begin, end)
     rate = np.interp(frame.times, [begin, end], [model.base_rate, look.rate_at(model, end)])
     x, z = right_of(model.gravity)
-    return replace(frame, x=frame.x - rate * x, z=frame.z - rate * z)
+    return frame.plus(-rate * x, -rate * z)
 
 
 def momentum(model: DiscState) -> float:
