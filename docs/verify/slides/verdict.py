@@ -51,8 +51,13 @@ def judge(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict:
 
 
 def judge_points(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict | None:
-    """The verdict on the prediction by material points; None where MPM was not requested."""
-    return None if answer is None or answer.points is None else _judged(case, (answer.points,))
+    """The verdict on the prediction by material points; None where MPM was not requested. Points flow where discs
+    do not come to rest, and points go far, too."""
+    if answer is None or answer.points is None:
+        return None
+    verdict = _judged(case, (answer.points,))
+    flows = verdict.word == "beyond 3" and judge(case, answer).word == "flows"
+    return SlideVerdict("flows", float("inf")) if flows else verdict
 
 
 def _judged(case: SlideCase, predicted: tuple[float, ...]) -> SlideVerdict:
