@@ -9,7 +9,7 @@ from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
 from dem.model import DiscModel
-from tests.support.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, stress, trace
+from tests.support.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, random_discs, stress, trace
 
 SPACING = 2.0 * RADIUS * (1.0 - 1e-6)  # everything touches
 
@@ -113,6 +113,31 @@ def test_stable_step(ks: float, damping: float, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(Engine, "_refuse", lambda *_: None)
     Engine(dt=1.03 * closed_form, energies=False).run(model, steps=1500)
     assert not bustle(model) < 1e3 * before
+
+
+def highest_frequency(model: DiscModel, ks: float) -> float:
+    """Highest frequency (rad/s) of discs whose listed pairs all touch, from the whole matrix of their stiffness."""
+    matrix = np.zeros((3 * len(model), 3 * len(model)))
+    for i, j in zip(model.pair_i, model.pair_j, strict=True):
+        dx, dz = model.x[j] - model.x[i], model.z[j] - model.z[i]
+        distance, radii = np.hypot(dx, dz), model.radius[i] + model.radius[j]
+        nx, nz, lever = dx / distance, dz / distance, max(distance / radii, 1.0)
+        places = [3 * i, 3 * i + 1, 3 * i + 2, 3 * j, 3 * j + 1, 3 * j + 2]
+        along = np.array([-nx, -nz, 0.0, nx, nz, 0.0])
+        across = np.array([nz, -nx, -lever, -nz, nx, -lever])  # turns in radii, as spins are
+        matrix[np.ix_(places, places)] += KN * np.outer(along, along) + ks * np.outer(across, across)
+    inverse = np.column_stack([1.0 / model.mass, 1.0 / model.mass, model.inertia_ratio / model.mass]).ravel()
+    root = np.sqrt(inverse)
+    return float(np.sqrt(np.linalg.eigvalsh(root[:, None] * matrix * root).max()))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("ratio", [0.1, 0.5, 1.0])
+def test_bound_of_the_step_is_safe_and_close_for_random_discs(seed: int, ratio: float) -> None:
+    """The bound allows 0.94 to 0.96 of the step that the exact highest frequency allows."""
+    model = random_discs(seed, 49, replace(BARE, ks=ratio * KN), 0.0)
+    exact = 2.0 / highest_frequency(model, ratio * KN)
+    assert 0.9 * exact < largest_step(model).seconds <= exact
 
 
 def test_column_settles_under_its_weight() -> None:
