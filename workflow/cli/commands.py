@@ -35,6 +35,8 @@ from workflow.run.progress import Verbosity
 
 if TYPE_CHECKING:
     from workflow.cli.invocation import Invocation
+    from workflow.run.plan import Choice
+    from workflow.run.stage import Job
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -73,7 +75,7 @@ def init(
 def check(section: SectionFile, folder: Out = None, settings: Set = None, json: Json = False) -> None:
     """Validate a section and draw it, without any analysis."""
     from workflow.cli.invocation import Invocation
-    from workflow.cli.terminal import say, say_data, show_strata
+    from workflow.cli.terminal import say_data, show_soundness, show_strata
     from workflow.figures.ground import sheet_with_borings
     from workflow.report.data import of_section
 
@@ -84,11 +86,7 @@ def check(section: SectionFile, folder: Out = None, settings: Set = None, json: 
     invocation.store.save("figures/section.png", sheet_with_borings(invocation.config))
     if json:
         return say_data(of_section(invocation.config, picture))
-    flow = [] if (seepage := invocation.config.section.water_pressure.flow) is None else [seepage.words]
-    for line in (*flow, *invocation.notices, *invocation.config.notice_lines):
-        say(line)
-    lifts = "can be computed, but its water lifts the ground"
-    return say(f"The section {lifts if invocation.config.section.uplift else 'is sound'}. Picture: {picture}")
+    return show_soundness(invocation.config, invocation.notices, picture)
 
 
 @app.command("run", rich_help_panel=Panel.RUN)
@@ -150,14 +148,14 @@ def mesh(
 ) -> None:
     """Mesh a section with quadrilaterals, and draw it. Later commands on the same folder use the same mesh."""
     from workflow.cli.invocation import Invocation, mesh_options
-    from workflow.cli.terminal import show_strata
+    from workflow.cli.terminal import execute, show_strata
 
     verbosity = Verbosity.of(quiet, verbose, json)
     options = {"mesh": mesh_options(refine, size, free, columns, rows)}
     invocation = Invocation.of(section, folder, options, settings, afresh=True)
     if verbosity.in_sentences:
         show_strata(invocation.config.section)
-    _up_to("mesh", invocation, force, verbosity)
+    execute(*_up_to("mesh", invocation, force, verbosity))
 
 
 @app.command(rich_help_panel=Panel.GROUND)
@@ -189,7 +187,7 @@ def fem(
 ) -> None:
     """Find the critical seismic coefficient of a section, and where it fails. Also runs on several MPI ranks."""
     from workflow.cli.invocation import Invocation, mesh_options
-    from workflow.cli.terminal import err, out
+    from workflow.cli.terminal import err, execute, out
     from workflow.run.ranks import Ranks
 
     flow = "associated" if associated else None
@@ -208,7 +206,7 @@ def fem(
         return help_compute(invocation.job(mesh_file=mesh_file, ranks=ranks), ranks)
     with ranks.leading():
         verbosity = Verbosity.of(quiet, verbose, json)
-        return _up_to("fem", invocation, force, verbosity, also, mesh_file=mesh_file, ranks=ranks)
+        return execute(*_up_to("fem", invocation, force, verbosity, also, mesh_file=mesh_file, ranks=ranks))
 
 
 @app.command(rich_help_panel=Panel.AFTER)
@@ -307,10 +305,11 @@ def bounds(
 ) -> None:
     """Find strict lower and upper bounds of the critical seismic coefficient, ψ = φ, to check the finite elements."""
     from workflow.cli.invocation import Invocation
+    from workflow.cli.terminal import execute
 
     options = {"gap": gap, "davis": davis, "max_cells": max_cells, "safety_factor": safety_factor}
     invocation = Invocation.of(section, folder, {"bounds": options, "fem": {"sides": sides}}, settings)
-    _up_to("bounds", invocation.with_bounds(), force, Verbosity.of(quiet, verbose, json))
+    execute(*_up_to("bounds", invocation.with_bounds(), force, Verbosity.of(quiet, verbose, json)))
 
 
 def _of_stage(stage: str, panel: str, words: str, bounds: bool = False) -> None:
@@ -326,10 +325,11 @@ def _of_stage(stage: str, panel: str, words: str, bounds: bool = False) -> None:
         json: Json = False,
     ) -> None:
         from workflow.cli.invocation import Invocation
+        from workflow.cli.terminal import execute
 
         invocation = Invocation.of(section, folder, {}, settings)
         also = ("bounds",) if bounds and invocation.config.bounds.run is not False else ()
-        _up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), also)
+        execute(*_up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), also))
 
     app.command(stages.command_of(stage), help=words, rich_help_panel=panel)(command)
 
@@ -359,12 +359,13 @@ def slide(
 ) -> None:
     """Compute slides after liquefaction, by calibrated discs and by material points."""
     from workflow.cli.invocation import Invocation
+    from workflow.cli.terminal import execute
 
     invocation, cases = Invocation.of(section, folder, {}, settings), tuple(case) if case else None
     invocation.refuse_unknown(cases or ())
     both = model is None and "mpm" in invocation.config.slide.methods
     stage, also = "mpm" if model == "mpm" else "slide", ("mpm",) if both else ()
-    _up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), also, cases=cases)
+    execute(*_up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), also, cases=cases))
 
 
 for panel, commands in ((Panel.BEFORE, (section, migrate)), (Panel.UNCERTAIN, (study, converge))):
@@ -375,14 +376,14 @@ app.registered_commands.sort(key=lambda command: [*Panel].index(Panel(command.ri
 
 def _up_to(
     stage: str, invocation: "Invocation", force: bool, verbosity: Verbosity, also: Sequence[str] = (), **more: Any
-) -> None:
-    """Run a stage and the stages in ``also``, after the stages that they need and that have not run yet."""
-    from workflow.cli.terminal import execute
+) -> "tuple[Job, Choice, Verbosity, list[str]]":
+    """Return what `execute` gets to run a stage and the stages in ``also``, after the stages that they need and that
+    have not run yet; print the warnings on the settings."""
     from workflow.run.plan import Choice
 
     job = invocation.job(**more)
     choice = Choice.up_to(job.stages, stage, force, also)
-    execute(job, choice, verbosity, _warn(verbosity, invocation, stages.command_of(stage), choice.chosen))
+    return job, choice, verbosity, _warn(verbosity, invocation, stages.command_of(stage), choice.chosen)
 
 
 def _warn(verbosity: Verbosity, invocation: "Invocation", command: str, chosen: Sequence[str]) -> list[str]:

@@ -17,7 +17,7 @@ from rich.table import Table
 from meshes.errors import InputError, NoAnswerError
 from meshes.executor import Processes
 from meshes.section.section import Section, read_toml
-from workflow.config import notice_lines
+from workflow.config import Config, notice_lines
 from workflow.config.renamed import notices
 from workflow.report import data, tables
 from workflow.run.plan import Action, Choice, plan
@@ -101,6 +101,16 @@ def show_strata(section: Section) -> None:
 
         if notice := fonts.notice(tables.texts(section)):
             say(f"Warning: {notice}.")
+
+
+def show_soundness(config: Config, notices: Sequence[str], picture: Path) -> None:
+    """Print the notices on a section that was checked, whether it is sound, and where its picture is."""
+    section = config.section
+    flow = [] if (seepage := section.water_pressure.flow) is None else [seepage.words]
+    for line in (*flow, *notices, *config.notice_lines):
+        say(line)
+    lifts = "can be computed, but its water lifts the ground"
+    say(f"The section {lifts if section.uplift else 'is sound'}. Picture: {picture}")
 
 
 def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:

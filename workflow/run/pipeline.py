@@ -1,8 +1,9 @@
 """Runs the stages of a run in their order: each reads its input and writes its files."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, as_completed
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import partial
@@ -103,7 +104,8 @@ class Run:
                 if future.done():
                     future.result()
             if self.has_to_work(decision):
-                self.work(decision)
+                with self._recorded(decision) as job:
+                    decision.stage.work(job)
         self._wait()
 
     def _wait(self) -> None:
@@ -150,11 +152,12 @@ class Run:
             self.failures[stage.name] = NoAnswerError(entry.reason, entry.remedy)
         return False
 
-    def work(self, decision: Decision) -> None:
-        """Run the work of a stage, and record its outcome."""
+    @contextmanager
+    def _recorded(self, decision: Decision) -> Iterator[Job]:
+        """Give the job for the work of a stage. Afterwards record the outcome, and draw the pictures."""
         started, failure = self._begin(decision), None
         try:
-            decision.stage.work(replace(self.job, progress=started.progress))
+            yield replace(self.job, progress=started.progress)
         except NoAnswerError as error:  # all else is a fault of the input, of the machine, or of the program
             failure = error
         self._end(decision, started, failure)
