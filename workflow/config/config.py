@@ -39,6 +39,9 @@ FILES = (
 )  # fmt: skip
 
 
+# Tables of published slopes and known slides: what others found, for `noshiro verify`. A run does not need them.
+FOUND_BY_OTHERS = ("published", "known")
+
 # Notices that say what was done, and leave nothing to do.
 DONE = (
     "thins out to nothing at", "is a wedge thinner than", "discs have its mean throughout", " follows from "
@@ -168,7 +171,7 @@ class Config(Tables):
         """Make the config from the content of a TOML file. The function `config_after_triggering` completes the config
         by analyses, after which cases from blow counts replace the default cases. Raises InputError with every problem.
         """
-        data = current(data)
+        data = {key: value for key, value in current(data).items() if key not in FOUND_BY_OTHERS}
         slide = data.get("slide", {})
         left_open: dict[str, str] = {}
         if isinstance(slide, Mapping):

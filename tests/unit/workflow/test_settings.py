@@ -70,6 +70,15 @@ def test_the_command_line_stands_above_the_file(tmp_path: Path) -> None:
         Config.load(path, dotted(["figures.report_width=10"]))
 
 
+@pytest.mark.parametrize("name", ["published/acads_2a.toml", "slides/wildlife_1987_w18.toml"])
+def test_a_file_of_the_collections_can_be_run_as_it_is(name: str) -> None:
+    """What others found on a slope is for `noshiro verify`; a run passes it over."""
+    path = Path(__file__).parents[2] / "verification" / name
+    written = tomllib.loads(path.read_text())
+    assert {"published", "known"} & written.keys()
+    assert Config.load(path).section.name == written["name"]
+
+
 def test_borings_outside_their_table_are_told_where_they_stand() -> None:
     with pytest.raises(InputError, match=r"borings: unknown key; expected triggering, where \[\[triggering.borings"):
         Config.parse({**slope(), "borings": [{"x": 45.0}]})
