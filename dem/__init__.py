@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from dem.engine.engine import Engine
     from dem.errors import DemError
     from dem.ground import Ground, ground_of, springs_of
-    from dem.laboratory.soil_contacts import SoilContacts, soil_contacts
-    from dem.laboratory.soil_layers import soil_layers
+    from dem.laboratory.soil_contacts import SoilContacts, soil_contacts, soil_layers
     from dem.model import DiscModel
     from dem.search.calibration import Calibrator, calibrate
     from dem.search.critical import critical_kh

@@ -13,7 +13,7 @@ import numpy as np
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.assembly import DiscMaterials
 from dem.model import DiscModel
-from dem.packing import ROW, Packing, brought_back, lattice_box, random_packing, triangular_lattice
+from dem.packing import ROW, Packing, brought_back, densest, lattice_box, random_packing, triangular_lattice
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, from_strata, table2
 from dem.water import added_mass, buoyancy, excess, still_water
@@ -271,20 +271,10 @@ def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> G
     if kind == "lattice":
         packing = triangular_lattice(outline, section.stratum_at, radius, angle=-mean_slope(section))
     else:
-        packing = _densest_that_fits(section, settings, radius)
+        packing = densest(
+            lambda porosity: random_packing(
+                outline, section.stratum_at, radius, spread=settings.spread, porosity=porosity, seed=settings.seed
+            ),
+            settings.porosity + np.arange(0.0, LOOSER, 0.01),
+        )
     return Ground(packing, kind, radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
-
-
-def _densest_that_fits(section: Section, settings: DemSettings, radius: float) -> Packing:
-    """Return a random packing of the porosity of the settings, or of the next larger porosity at which the discs fit
-    between the walls.
-    """
-    for more in np.arange(0.0, LOOSER, 0.01):
-        try:
-            return random_packing(
-                section.outline(), section.stratum_at, radius, spread=settings.spread,
-                porosity=settings.porosity + more, seed=settings.seed,
-            )  # fmt: skip
-        except ValueError as error:
-            last = error
-    raise last

@@ -5,7 +5,7 @@ left are the free surface, all others are walls. Boundary discs are outside the 
 the boundary discs on the outside.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -221,6 +221,22 @@ def brought_back(x: np.ndarray, z: np.ndarray, left: float, period: Period) -> t
         return x, z
     times = np.floor((x - left) / period.length)
     return x - times * period.length, z - times * period.rise
+
+
+def one_stratum(x: np.ndarray, _z: np.ndarray) -> np.ndarray:
+    """Return stratum 0 for every place: the ``stratum_at`` of homogeneous ground."""
+    return np.zeros(len(x), np.int32)
+
+
+def densest(pack: Callable[[float], Packing], porosities: Iterable[float]) -> Packing:
+    """Return the packing of the first of some rising porosities at which the discs fit. Raises the ValueError of the
+    last porosity if they fit at none."""
+    for porosity in porosities:
+        try:
+            return pack(porosity)
+        except ValueError as error:
+            refused = error
+    raise refused
 
 
 def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:

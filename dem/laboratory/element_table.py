@@ -10,11 +10,11 @@ from dem.laboratory.element_test import element_test
 from dem.laboratory.patch import PackingKind, PatchSample
 from dem.springs import LayerSprings
 from meshes.executor import SERIAL, Executor, Tell
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.section.stratum import Stratum
 
 SHARES = (0.25, 0.5, 1.0)  # of the vertical effective stress in the middle of a layer: from active pressure up
-G = 9.80665
 COLUMNS, POINTS = 41, 4001  # along the section, and down each of them
 PACKINGS: tuple[PackingKind, ...] = ("lattice", "random")
 
@@ -29,7 +29,7 @@ def middle_stresses(section: Section) -> np.ndarray:
     for x in np.linspace(left, right, COLUMNS + 2)[1:-1]:
         z = np.linspace(outline[:, 1].max(), outline[:, 1].min(), POINTS)
         layer = section.stratum_at(np.full(POINTS, x), z)
-        weight = np.where(layer >= 0, density[layer], 0.0) * G * (z[0] - z[1])
+        weight = np.where(layer >= 0, density[layer], 0.0) * GRAVITY * (z[0] - z[1])
         stress = np.cumsum(weight)
         for k in np.unique(layer[layer >= 0]):
             here = np.flatnonzero(layer == k)

@@ -14,7 +14,7 @@ import numpy as np
 from dem.laboratory.loading import Curve, confine, load, probe
 from dem.laboratory.patch import Patch, PatchSample
 from dem.laboratory.plane_elastic import PlaneElastic
-from dem.laboratory.strength import MeasuredStrength, from_plane, from_principal, strength
+from dem.laboratory.strength import MeasuredStrength, from_plane, from_principal, known, strength
 from meshes.section.section import Stratum
 
 LARGEST_STRAIN = 0.2
@@ -146,10 +146,10 @@ class ElementTest:
             "assembly": {
                 "E_Pa": self.E,
                 "nu": self.nu,
-                "c_Pa": _number(self.c),
-                "phi_deg": _number(np.degrees(self.phi)),
-                "c_last_Pa": _number(self.c_last),
-                "phi_last_deg": _number(np.degrees(self.phi_last)),
+                "c_Pa": known(self.c),
+                "phi_deg": known(np.degrees(self.phi)),
+                "c_last_Pa": known(self.c_last),
+                "phi_last_deg": known(np.degrees(self.phi_last)),
                 "dilation_deg": float(np.degrees(self.dilation)),
                 "G_Pa": self.G,
                 "c_shear_Pa": self.c_shear,
@@ -225,7 +225,3 @@ def _at_pressure(patch: Patch, pressure: float, strain: float, rate: float) -> P
         inertial_number=rate * patch.inertia(pressure),
         pore_springs=bonds / float((~patch.frame).sum()),
     )  # fmt: skip
-
-
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None

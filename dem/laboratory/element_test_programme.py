@@ -9,9 +9,9 @@ from dem.laboratory.compression import PatchStrength
 from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
 from dem.laboratory.layer_check import LayerCheck
 from dem.laboratory.patch import VOID_RATIO
-from dem.laboratory.soil_layers import SoilLayer
+from dem.laboratory.soil_contacts import SoilLayer
 from dem.laboratory.stored_strengths import is_stored, strength_of_patch
-from dem.laboratory.strength import from_principal
+from dem.laboratory.strength import from_principal, known
 from dem.springs import LayerSprings
 from meshes.executor import Tell
 
@@ -103,25 +103,20 @@ def _check(layer: SoilLayer, spring: LayerSprings, patches: Sequence[PatchStreng
         stratum=stratum.name,
         pressures_Pa=tuple(map(float, layer.pressures)),
         strength_soil_Pa=tuple(map(float, layer.wanted)),
-        strength_discs_Pa=tuple(map(_known, after)),
+        strength_discs_Pa=tuple(map(known, after)),
         peak_discs_Pa=tuple(
             float(np.mean([patch.course for patch in at_pressure], axis=0).max()) if at_pressure else None
             for at_pressure in by_pressure
         ),
         E_soil_Pa=float(stratum.youngs_modulus),
-        E_discs_Pa=_known(float(np.nanmean(means("E")))),
+        E_discs_Pa=known(float(np.nanmean(means("E")))),
         c_soil_Pa=float(stratum.cohesion),
-        c_discs_Pa=_known(c),
+        c_discs_Pa=known(c),
         phi_soil_deg=float(np.degrees(stratum.friction_angle)),
-        phi_discs_deg=_known(np.degrees(phi)),
-        dilation_deg=_known(np.degrees(np.nanmean(means("dilation")))),
+        phi_discs_deg=known(np.degrees(phi)),
+        dilation_deg=known(np.degrees(np.nanmean(means("dilation")))),
         friction=spring.friction,
         cohesion_N=spring.contact_cohesion,
         stiffness_N_m=spring.kn,
         notes=(*layer.notes, *(patch for patch in patches if isinstance(patch, str))),
     )
-
-
-def _known(value: float) -> float | None:
-    """Return the number, or None if it is NaN."""
-    return float(value) if np.isfinite(value) else None

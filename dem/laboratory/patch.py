@@ -20,7 +20,7 @@ from dem.kernels.layout import Layout
 from dem.kernels.patch import outside, pair_forces, turn
 from dem.kernels.stable_step import stable_step_of_layout
 from dem.model import DiscModel
-from dem.packing import ROW, Packing, random_packing
+from dem.packing import ROW, Packing, densest, one_stratum, random_packing
 from dem.springs import Law, LayerSprings
 
 PackingKind = Literal["lattice", "random"]
@@ -251,19 +251,14 @@ def random_patch(
 @lru_cache(maxsize=16)
 def _heap(half_width: float, half_height: float, radius: float, seed: int, law: Law) -> Packing:
     outline = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]) * [half_width, half_height]
-    whole = None
-    for porosity in POROSITIES[law]:
-        try:
-            whole = random_packing(
-                outline, lambda x, z: np.zeros(len(x), np.int32), radius, porosity=porosity, seed=seed
-            )
-            break
-        except ValueError:
-            continue
-    if whole is None:
+    try:
+        whole = densest(
+            lambda porosity: random_packing(outline, one_stratum, radius, porosity=porosity, seed=seed), POROSITIES[law]
+        )
+    except ValueError as error:
         raise ValueError(
             f"no random patch for seed {seed} up to a porosity of {POROSITIES[law][-1]}: take another seed"
-        )
+        ) from error
     free = whole.free
     return Packing(whole.x[free], whole.z[free], whole.radius[free], whole.layer[free], whole.lines)
 

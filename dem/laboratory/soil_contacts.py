@@ -1,5 +1,5 @@
-"""Finds contacts with which random discs have the cohesion and friction angle of a soil at a given stress, without a
-section.
+"""Finds contacts with which random discs have the cohesion and friction angle of a soil at a given stress, or of every
+stratum of a section at the stress in its middle.
 
 Strength is compared at a quarter, a half and all of the vertical effective stress. The required strength at a confining
 pressure p is half the deviator stress at failure of Mohr-Coulomb, (p sin phi + c cos phi) / (1 - sin phi). For clay
@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dem.laboratory.element_table import SHARES
+from dem.laboratory.element_table import SHARES, middle_stresses
 from dem.laboratory.strength_map import ContactStrength, strength_map
 from dem.springs import ROLLING, LayerSprings, Strength, soil_discs
+from meshes.section.section import Section, Stratum
 
 # kn over the stress of the layer: below the first, strength falls; above the second, it does not depend on kn any more,
 # and the time step falls. The second holds where no modulus is given, too.
@@ -98,6 +99,23 @@ class SoilContacts:
         return replace(discs, undrained_strength=0.0 if self.turns else float(self.wanted[0]))
 
 
+@dataclass(frozen=True)
+class SoilLayer(SoilContacts):
+    """Holds the required strength of a stratum, and the contacts with which random discs come closest to it.
+
+    Attributes
+    ----------
+    stratum : the soil of the stratum
+    """
+
+    stratum: Stratum
+
+    def springs(self, radius: float, void_ratio: float) -> LayerSprings:
+        """Return the constants of discs of a given mean radius (m) in a packing of a given void ratio."""
+        s = self.stratum
+        return self.discs(s.name, s.density_seismic, radius, void_ratio, buoyant_density=s.density_ordinary)
+
+
 def mohr_coulomb_strength(cohesion: float, friction_angle: float, pressure: np.ndarray) -> np.ndarray:
     """Return half the deviator stress at failure by Mohr-Coulomb (Pa), (p sin phi + c cos phi) / (1 - sin phi).
 
@@ -172,6 +190,30 @@ def soil_contacts(
     return SoilContacts(
         stress, pressures, wanted, contacts.expected, contacts.friction, contacts.cohesion, stiffness, turns, notes
     )
+
+
+def soil_layers(section: Section) -> list[SoilLayer]:
+    """Fit contacts of discs to every stratum of a section.
+
+    Parameters
+    ----------
+    section : Section
+        The strata; a cohesion that varies is replaced by its mean over the stratum.
+
+    Returns
+    -------
+    list of SoilLayer
+        Contacts of the strata, from the top down.
+    """
+    strata = section.cohesion_field.means()
+    stresses = middle_stresses(section)
+    typical = float(stresses[stresses > 0.0].min()) if (stresses > 0.0).any() else 1e4
+    return [_fitted(s, float(v) if v > 0.0 else typical) for s, v in zip(strata, stresses, strict=True)]
+
+
+def _fitted(stratum: Stratum, stress: float) -> SoilLayer:
+    contacts = soil_contacts(stratum.cohesion, stratum.friction_angle, stress, stratum.youngs_modulus)
+    return SoilLayer(**vars(contacts), stratum=stratum)
 
 
 def _on_strength(contacts: ContactStrength, wanted: np.ndarray, reach: np.ndarray, pressures: np.ndarray) -> list[str]:

@@ -97,3 +97,8 @@ def from_plane(normal: Sequence[float], shear: Sequence[float]) -> tuple[float, 
     """Fit c (Pa) and phi (rad) of the line tau = c + sigma tan phi, by least squares."""
     slope, start = np.polyfit(normal, shear, 1)
     return float(start), float(np.arctan(slope))
+
+
+def known(value: float) -> float | None:
+    """Return the number, or None if it is NaN."""
+    return float(value) if np.isfinite(value) else None

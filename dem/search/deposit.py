@@ -21,9 +21,9 @@ import numpy as np
 from dem.errors import DemError
 from dem.ground import Ground, in_stratum
 from dem.laboratory.patch import POROSITY, VOID_RATIO
-from dem.laboratory.soil_layers import SoilLayer, soil_layers
+from dem.laboratory.soil_contacts import SoilLayer, soil_layers
 from dem.model import DiscModel
-from dem.packing import Packing, brought_back, periodic_packing, random_packing
+from dem.packing import Packing, brought_back, densest, periodic_packing, random_packing
 from dem.search.equilibrium import damp_to_rest, period, settle, shake, step_on
 from dem.search.levelling import levelled, misfit
 from dem.search.undrained_clay import replace_contacts_of_clay
@@ -199,20 +199,17 @@ def _filled(section: Section, settings: DemSettings, radius: float, periodic: bo
     lower, upper = base - DEEP_RIM * radius * up, surface + lift * up
     box = _raised(outline, on_top, lift, RIM * radius)
     spread, seed = settings.spread, settings.seed
-    last: ValueError | None = None
-    for porosity in POROSITY + np.array(LOOSER):
-        try:
-            packing = (
-                periodic_packing(lower, upper, stratum_at, radius, spread=spread, porosity=porosity, seed=seed)
-                if periodic
-                else random_packing(box, stratum_at, radius, spread=spread, porosity=porosity, seed=seed)
-            )
-        except ValueError as error:
-            last = error
-            continue
-        packing_in_box = _fixed_in_box(packing, base, *section.extent)
-        return Ground(packing_in_box, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
-    raise InputError(section.name, [f"dem: {last}"])
+
+    def packed(porosity: float) -> Packing:
+        if periodic:
+            return periodic_packing(lower, upper, stratum_at, radius, spread=spread, porosity=porosity, seed=seed)
+        return random_packing(box, stratum_at, radius, spread=spread, porosity=porosity, seed=seed)
+
+    try:
+        packing = _fixed_in_box(densest(packed, POROSITY + np.array(LOOSER)), base, *section.extent)
+    except ValueError as error:
+        raise InputError(section.name, [f"dem: {error}"]) from error
+    return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
 
 
 def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) -> np.ndarray:

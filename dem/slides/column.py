@@ -12,7 +12,7 @@ from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.laboratory.patch import POROSITIES
 from dem.model import DiscModel
-from dem.packing import random_packing
+from dem.packing import densest, one_stratum, random_packing
 from dem.search.undrained_clay import replace_contacts_of_clay
 from dem.slides.until_rest import UntilRest, run_until_rest
 from dem.springs import SMOOTH, LayerSprings
@@ -135,17 +135,11 @@ class SoilColumn:
 
 def _packed(width: float, height: float, radius: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     outline = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
-    for porosity in POROSITIES["soil"]:
-        try:
-            packing = random_packing(
-                outline, lambda x, z: np.zeros(len(x), np.int32), radius, spread=SPREAD, porosity=porosity, seed=seed
-            )
-        except ValueError as error:
-            refused = error
-        else:
-            free = packing.free
-            return packing.x[free], packing.z[free], packing.radius[free]
-    raise refused
+    packing = densest(
+        lambda porosity: random_packing(outline, one_stratum, radius, spread=SPREAD, porosity=porosity, seed=seed),
+        POROSITIES["soil"],
+    )
+    return packing.x[packing.free], packing.z[packing.free], packing.radius[packing.free]
 
 
 def _rough_floor(rng: np.random.Generator, radius: float, left: float, right: float) -> np.ndarray:

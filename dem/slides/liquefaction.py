@@ -40,7 +40,6 @@ from dem.slides.liquefied_strength import liquefied, onset, weaken_clay
 from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.runout import loose_share, on_loose_mass
 from dem.slides.slide import Row, Slide
-from dem.slides.slip import cracked_count
 from dem.slides.surface import Surface, crack_opening, escaped
 from dem.slides.volume import swollen, undrained, volume_change
 from meshes.files import whole
@@ -258,7 +257,7 @@ class Slider:
             time_s=model.time - self.start.time, **by_third, slide_max_m=float(smooth.max()),
             kinetic_J=energies.kinetic, stored_J=energies.stored, dissipated_J=energies.dissipated,
             work_J=energies.weight + energies.external + energies.boundary, shaking_J=energies.external,
-            cracked=cracked_count(model),
+            cracked=int((model.pore_length < 0.0).sum()),
             crack_opening_m=crack_opening(model, ground, self.surface), surface_speed_m_s=float(speed.max()),
         )  # fmt: skip
         self.slide.rows.append(row)

@@ -78,8 +78,3 @@ def compare(section: Section, first: np.ndarray, second: np.ndarray) -> Agreemen
     other = np.interp(x, second[:, 0], second[:, 1])
     same = section.stratum_at(x, z) == section.stratum_at(x, other)
     return Agreement(float(np.abs(z - other).mean()), float((z - other).mean()), float(same.mean()), int(inside.sum()))
-
-
-def cracked_count(model: DiscModel) -> int:
-    """Return the number of cracked pore springs."""
-    return int((model.pore_length < 0.0).sum())

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from dem.laboratory.soil_layers import soil_layers
+from dem.laboratory.soil_contacts import soil_layers
 from dem.model import DiscModel
 from dem.search.deposit import deposit, ground_at_rest
 from dem.settings import DemSettings

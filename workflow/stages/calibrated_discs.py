@@ -17,7 +17,7 @@ from dem.ground import Ground
 from dem.laboratory.element_table import element_tests
 from dem.laboratory.element_test_programme import ElementTestProgramme, compressed
 from dem.laboratory.layer_check import LayerCheck
-from dem.laboratory.soil_layers import soil_layers
+from dem.laboratory.soil_contacts import soil_layers
 from dem.model import DiscModel
 from dem.precompile import precompile
 from dem.search.calibration import ONE_AT_A_TIME, Calibration, Key, calibrated, changed, key_of

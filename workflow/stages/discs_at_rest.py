@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from dem.ground import Ground, ground_of, springs_of
-from dem.laboratory.soil_layers import SoilLayer, soil_layers
+from dem.laboratory.soil_contacts import SoilLayer, soil_layers
 from dem.model import DiscModel
 from dem.search.calibration import Calibrator
 from dem.search.deposit import deposit, ground_at_rest

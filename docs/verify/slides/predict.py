@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dem.laboratory.soil_contacts import soil_contacts
-from dem.laboratory.soil_layers import soil_layers
+from dem.laboratory.soil_contacts import soil_contacts, soil_layers
 from dem.model import DiscModel
 from dem.search.deposit import deposit
 from dem.slides.column import G, SoilColumn

@@ -12,7 +12,7 @@ from dem.laboratory.compression import BINS, PatchStrength, compress
 from dem.laboratory.contact_numbers import PRESSURE, RADIUS, ContactNumbers
 from dem.laboratory.element_test_programme import SEEDS, ElementTestProgramme, Task, TestOutcome
 from dem.laboratory.patch import PatchSample
-from dem.laboratory.soil_layers import SoilLayer, soil_layers
+from dem.laboratory.soil_contacts import SoilLayer, soil_layers
 from dem.laboratory.stored_strengths import strength_of_patch
 from meshes.section.section import Section
 from tests.support.sections import layer

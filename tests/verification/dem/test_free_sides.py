@@ -5,7 +5,7 @@ import pytest
 
 from dem.engine.engine import Engine
 from dem.ground import Ground
-from dem.laboratory.soil_layers import soil_layers
+from dem.laboratory.soil_contacts import soil_layers
 from dem.model import DiscModel
 from dem.search.deposit import deposit
 from dem.settings import DemSettings

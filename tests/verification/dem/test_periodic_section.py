@@ -6,7 +6,7 @@ It lies on ground that does not liquefy, or on the base, and slips along it, whe
 import numpy as np
 import pytest
 
-from dem.laboratory.soil_layers import soil_layers
+from dem.laboratory.soil_contacts import soil_layers
 from dem.search.deposit import Deposit, deposit
 from dem.slides.liquefaction import Slider
 from meshes.section.quantity import GRAVITY

@@ -8,8 +8,7 @@ from scipy.integrate import trapezoid
 
 from dem.laboratory.element_test_programme import ElementTestProgramme, compressed
 from dem.laboratory.layer_check import LayerCheck
-from dem.laboratory.soil_contacts import STIFFEST
-from dem.laboratory.soil_layers import SoilLayer, soil_layers
+from dem.laboratory.soil_contacts import STIFFEST, SoilLayer, soil_layers
 from dem.model import DiscModel
 from dem.search.critical import Search
 from dem.search.deposit import Deposit, deposit

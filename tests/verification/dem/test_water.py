@@ -12,7 +12,7 @@ from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces, resultants
 from dem.ground import ground_of
 from dem.laboratory.element_table import middle_stresses
-from dem.laboratory.soil_layers import soil_layers
+from dem.laboratory.soil_contacts import soil_layers
 from dem.model import DiscModel
 from dem.search.deposit import deposit
 from dem.search.equilibrium import settle

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from dem.laboratory.soil_layers import soil_layers
+from dem.laboratory.soil_contacts import soil_layers
 from fem.limit.bracket import Limits
 from fem.limit.limit_problem import RigidPlasticBody, Side
 from fem.limit.safety_bounds import safety_bounds

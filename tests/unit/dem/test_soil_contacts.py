@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dem.laboratory.soil_contacts import FIRM, SOFTEST, STIFFEST, mohr_coulomb_strength
-from dem.laboratory.soil_layers import soil_layers
+from dem.laboratory.soil_contacts import FIRM, SOFTEST, STIFFEST, mohr_coulomb_strength, soil_layers
 from dem.laboratory.strength_map import strength_map
 from meshes.section.section import Section
 from tests.support import SECTIONS
