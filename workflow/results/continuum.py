@@ -239,7 +239,8 @@ class Variant(Part):
     seconds: float = Field(description="computing time (s)")
     kc_without: float | None = Field(
         default=None,
-        description="critical Kh without the change, if both were computed on a coarser mesh than the answer",
+        description="critical Kh without the change, if both were computed on a coarser mesh than the answer, or with "
+        "another element",
     )
 
     def of(self, kc: float) -> float | None:

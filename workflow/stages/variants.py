@@ -45,14 +45,14 @@ def work(job: Job) -> None:
         for name in config.variants.which
         if (change := changed(one_way, name, answer.element))
     ]
-    changes = like_with_like(changes, one_way, progress)
+    changes = with_its_element(like_with_like(changes, one_way, progress), one_way, answer.element)
     ended: list[Variant] = []
 
     def heard(place: int, message: str) -> None:
         progress(f"{changes[place].words}: {message}", len(ended) / len(changes))
 
     variants = job.executor.compute(variant, changes, heard, lambda _, each: ended.append(each))
-    VariantsAnswer(variants=tuple(variants)).write(store)
+    VariantsAnswer(variants=tuple(by_one_element(variants, changes))).write(store)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +66,9 @@ class Change:
     mesh : the mesh of the answer, or its initial mesh.
     halved : whether the cells of this mesh are halved.
     kc_without : critical Kh on the initial mesh without the change; None if it is that of the answer.
+    against : place in the list of changes whose result is the critical Kh without this change, if the change requires
+        another element than the answer has.
+    needed : whether the change was requested; other changes are computed to be compared with.
     """
 
     name: str
@@ -74,6 +77,8 @@ class Change:
     mesh: "QuadMesh"
     halved: bool
     kc_without: float | None = None
+    against: int | None = None
+    needed: bool = True
 
 
 def on_a_mesh(
@@ -117,6 +122,47 @@ def like_with_like(changes: Sequence[Change], config: Config, progress: Progress
     )
     return [change if change.kc_without is None else replace(change, kc_without=unchanged.kc)
             for change in changes if change.kc_without is None or unchanged.kc is not None]  # fmt: skip
+
+
+def with_its_element(changes: Sequence[Change], config: Config, element: str) -> list[Change]:
+    """Return the changes, those with another element than that of the answer together with the change to that element
+    alone.
+
+    Non-associated flow requires the quadratic element, which on a coarse mesh carries more than the reduced ``element``
+    of the answer. Compared with the answer, ground that dilates less would seem to be stronger.
+    """
+    from fem.limit_load.limit_load import is_unique
+    from fem.path.gravity import element_for
+
+    result = list(changes)
+    for place, change in enumerate(changes):
+        used = element_for(change.config.section, change.config.fem)
+        if change.name != "dilation" or used == element or is_unique(change.config.section, change.config.fem):
+            continue
+        alone = config.with_settings("fem", element=used)
+        same = next((k for k, each in enumerate(changes) if each.config.fem == alone.fem and not each.halved), None)
+        if same is None:
+            same = len(result)
+            result.append(replace(change, words=f"{used} element", config=alone, needed=False))
+        result[place] = replace(change, words=f"{change.words}, both with the {used} element", against=same)
+    return result
+
+
+def by_one_element(variants: Sequence[Variant], changes: Sequence[Change]) -> list[Variant]:
+    """Return the results of the requested changes, each beside the result with the same element; a result without one
+    to compare with has no critical Kh."""
+    result = []
+    for computed, change in zip(variants, changes, strict=True):
+        if not change.needed:
+            continue
+        if change.against is None or computed.kc is None:
+            result.append(computed)
+            continue
+        without = variants[change.against]
+        reason = f"no critical Kh without the change ({without.reason})"
+        lost = {"kc": None, "kc_upper": None, "verdict": "no answer", "reason": reason}
+        result.append(computed.model_copy(update=lost if without.kc is None else {"kc_without": without.kc}))
+    return result
 
 
 def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] | None:

@@ -13,7 +13,15 @@ from workflow.results.continuum import MeshCount, MeshStep
 from workflow.run.progress import silent
 from workflow.run.store import Store
 from workflow.stages import variants
-from workflow.stages.variants import PATH_CELLS, Change, changed, like_with_like, on_a_mesh
+from workflow.stages.variants import (
+    PATH_CELLS,
+    Change,
+    by_one_element,
+    changed,
+    like_with_like,
+    on_a_mesh,
+    with_its_element,
+)
 
 
 @pytest.mark.parametrize(
@@ -102,6 +110,27 @@ def test_changes_of_a_path_are_compared_with_a_path_on_the_same_mesh(monkeypatch
     assert [change.kc_without for change in like_with_like(changes, Config.parse(slope()), silent)] == [0.25, None]
     unchanged = variant("first", "no change", None)
     assert [change.name for change in like_with_like(changes, run, silent)] == ["step"]
+
+
+@pytest.mark.parametrize("which", [("element", "dilation"), ("dilation",)])
+def test_less_dilation_is_compared_with_the_element_of_its_path(which: tuple[str, ...]) -> None:
+    """0.13 by the quadratic element is less than its 0.14 with ψ = φ, though more than the 0.10 of the answer."""
+    run, mesh = Config.parse(slope()), cast(QuadMesh, "the mesh")
+    requested = [change for name in which if (change := changed(run, name, "reduced"))]
+    changes = with_its_element([Change(*change, mesh, False, 0.10) for change in requested], run, "reduced")
+    values = {"section": 0.13, "auto": 0.14}
+    computed = [
+        variant(each.name, each.words, values[each.config.fem.flow]).model_copy(update={"kc_without": 0.10})
+        for each in changes
+    ]
+    result = by_one_element(computed, changes)
+    assert [each.name for each in result] == list(which)
+    assert result[-1].kc_without == 0.14
+    assert result[-1].of(0.10) == pytest.approx(0.10 * 0.13 / 0.14)
+    assert result[-1].change.endswith("instead of ψ = φ, both with the quadratic element")
+    assert len(changes) == 2
+    without = [each if each.kc == 0.13 else each.model_copy(update={"kc": None, "reason": "why"}) for each in computed]
+    assert by_one_element(without, changes)[-1].kc is None
 
 
 def test_a_change_on_another_mesh_counts_by_its_ratio() -> None:
