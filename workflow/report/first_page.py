@@ -283,7 +283,8 @@ def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
         yield _(
             "After liquefaction the section does not stand, even without shaking, in {cases}.", cases=of_cases(flows)
         )
-        if (enough := just_enough(cases)) is not None:
+        required = results.liquefied.required if results.liquefied is not None else ()
+        if (enough := just_enough(cases, required)) is not None:
             yield _.sentence(f"{enough.words}.")
     if stands:
         yield _("After liquefaction the section still stands without shaking in {cases}.", cases=of_cases(stands))

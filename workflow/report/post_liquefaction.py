@@ -23,7 +23,7 @@ def in_short(results: Results) -> Iterator[str]:
     for case in answer.cases:
         yield outcome(case)
         yield from (_by_weight if case.stands == "flows" else _slides_though_it_stands)(results, case)
-    enough = just_enough(answer.cases)
+    enough = just_enough(answer.cases, answer.required)
     if enough is not None:
         yield f"{enough.words}."
     yield from _field(results, answer)
@@ -99,15 +99,15 @@ class Enough:
         return f"The residual strength required to stand without shaking is {self.how} {listed(phrases)}{more}"
 
 
-def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
+def just_enough(cases: Sequence[LiquefiedCase], required: Strata = ()) -> Enough | None:
     """Return the residual strength with which the ground just stands without shaking; None without a factor of safety.
 
-    Between a case that flows and a case that stands, the strength follows from linear interpolation of their factors of
-    safety F. If all strengths are divided by F the ground just stands. If the ground flows (F below 1), the required
-    residual strength is therefore larger than its value divided by F; if the ground stands, it may be smaller than its
-    value divided by F. If all cases flow, or all cases stand, the result is a bound. F is concave in the strength, as
-    the minimum over mechanisms of linear functions, so that a line through two cases that flow gives a better lower
-    bound.
+    If all cases flow, this is the ``required`` strength by finite elements, if there is one. Between a case that flows
+    and a case that stands, the strength follows from linear interpolation of their factors of safety F. If all
+    strengths are divided by F the ground just stands. If the ground flows (F below 1), the required residual strength
+    is therefore larger than its value divided by the upper bound of F; if the ground stands, it may be smaller than its
+    value divided by the lower bound. F is concave in the strength, as the minimum over mechanisms of linear functions,
+    so that the steepest line that the bounds of two flowing cases allow gives another lower bound.
     """
     known = [(0.5 * (case.factor_lower + case.factor_upper), case) for case in cases
              if case.factor_lower is not None and case.factor_upper is not None
@@ -115,16 +115,34 @@ def just_enough(cases: Sequence[LiquefiedCase]) -> Enough | None:
     at_one = next((case for _, case in known if (case.factor_lower or 0.0) <= 1.0 <= (case.factor_upper or 0.0)), None)
     if at_one is not None:
         return Enough("about", at_one.strata)
-    flowing = sorted(((f, case) for f, case in known if f < 1.0), key=_first)
-    standing = sorted(((f, case) for f, case in known if f >= 1.0), key=_first)
-    if flowing and standing and _alike(flowing[-1][1], standing[0][1]):
-        return Enough("about", _on_the_line(flowing[-1], standing[0]))
-    if len(flowing) > 1 and flowing[-2][0] < flowing[-1][0] and _alike(flowing[-2][1], flowing[-1][1]):
-        return Enough("more than", _on_the_line(flowing[-2], flowing[-1]))
-    for how, chosen in (("more than", flowing[-1:]), ("at most", standing[:1])):
-        for factor, case in chosen:
-            return Enough(how, tuple(_scaled(s, 1.0 / factor) for s in case.strata))
-    return None
+    flowing = [case for f, case in sorted(known, key=_first) if f < 1.0]
+    standing = [case for f, case in sorted(known, key=_first) if f >= 1.0]
+    if flowing and standing and _alike(flowing[-1], standing[0]):
+        return Enough("about", _on_the_line(_middle(flowing[-1]), flowing[-1], _middle(standing[0]), standing[0]))
+    if required:
+        return Enough("about", required)
+    if flowing:
+        return Enough("more than", _at_least(flowing))
+    return Enough("at most", _over(standing[0], standing[0].factor_lower)) if standing else None
+
+
+def _at_least(flowing: Sequence[LiquefiedCase]) -> Strata:
+    """Return a lower bound of the strength for a factor of safety of 1, from cases that flow, the strongest last."""
+    last = flowing[-1]
+    scaled = _over(last, last.factor_upper)
+    if len(flowing) < 2 or not _alike(flowing[-2], last):
+        return scaled
+    line = _on_the_line(flowing[-2].factor_lower or 0.0, flowing[-2], last.factor_upper or 0.0, last)
+    return max(scaled, line, key=lambda strata: strata[0].cohesion_kPa)
+
+
+def _middle(case: LiquefiedCase) -> float:
+    return 0.5 * ((case.factor_lower or 0.0) + (case.factor_upper or 0.0))
+
+
+def _over(case: LiquefiedCase, factor: float | None) -> Strata:
+    """Return the strata with their strength over a factor of safety."""
+    return tuple(stratum.scaled(1.0 / (factor or 1.0)) for stratum in case.strata)
 
 
 def _alike(weaker: LiquefiedCase, stronger: LiquefiedCase) -> bool:
@@ -135,20 +153,16 @@ def _alike(weaker: LiquefiedCase, stronger: LiquefiedCase) -> bool:
     return names and all(0.0 < a <= b for a, b in pairs) and any(a < b for a, b in pairs)
 
 
-def _on_the_line(weaker: tuple[float, LiquefiedCase], stronger: tuple[float, LiquefiedCase]) -> Strata:
-    """Return the strata with the strength for a factor of safety of 1, by a line through two cases."""
-    part = (1.0 - weaker[0]) / (stronger[0] - weaker[0])
-    pairs = zip(weaker[1].strata, stronger[1].strata, strict=True)
-    return tuple(_scaled(a, 1.0 + part * (b.cohesion_kPa / a.cohesion_kPa - 1.0)) for a, b in pairs)
+def _on_the_line(low: float, weaker: LiquefiedCase, high: float, stronger: LiquefiedCase) -> Strata:
+    """Return the strata with the strength for a factor of safety of 1, by a line through two cases with the factors
+    ``low`` and ``high``."""
+    part = (1.0 - low) / (high - low)
+    pairs = zip(weaker.strata, stronger.strata, strict=True)
+    return tuple(a.scaled(1.0 + part * (b.cohesion_kPa / a.cohesion_kPa - 1.0)) for a, b in pairs)
 
 
 def _first(pair: tuple[float, LiquefiedCase]) -> float:
     return pair[0]
-
-
-def _scaled(stratum: LiquefiedStratum, by: float) -> LiquefiedStratum:
-    change = {"cohesion_kPa": by * stratum.cohesion_kPa, "over_effective": by * stratum.over_effective}
-    return stratum.model_copy(update=change)
 
 
 def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
@@ -191,7 +205,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
             yield f"    The critical Kh is {case.kc:.3f} by finite elements, and {bounds} by strict bounds."
         for note in case.notes:
             yield f"    Warning: {note}."
-    enough = just_enough(answer.cases)
+    enough = just_enough(answer.cases, answer.required)
     if enough is not None:
         yield f"{enough.words}."
 

@@ -101,6 +101,12 @@ class LiquefiedStratum(Part):
     friction_deg: float
     over_effective: float = Field(description="residual strength over the mean vertical effective stress")
 
+    def scaled(self, multiple: float) -> "LiquefiedStratum":
+        """Return the stratum with a multiple of its residual strength."""
+        return self.model_copy(
+            update={"cohesion_kPa": multiple * self.cohesion_kPa, "over_effective": multiple * self.over_effective}
+        )
+
 
 class LiquefiedCase(Bearing):
     """Holds cases with equal residual strengths: their numbers, and the stability of the ground."""
@@ -118,3 +124,10 @@ class LiquefiedAnswer(Answer):
     section: SectionLabel
     sides: Sides
     cases: tuple[LiquefiedCase, ...]
+    required: tuple[LiquefiedStratum, ...] = Field(
+        default=(),
+        description=(
+            "strata with the residual strength for a factor of safety of 1 by finite elements, in the proportions of "
+            "the strongest case; empty if some case stands, or without such a strength"
+        ),
+    )

@@ -1,8 +1,10 @@
 """Defines the stage `liquefied`: stability of the continuum after liquefaction, before any slide."""
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from meshes.errors import NoAnswerError
 from meshes.section.liquefies import Remains
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
@@ -13,6 +15,7 @@ from workflow.stages.liquefaction import LOST, cases_as_data, remaining
 
 if TYPE_CHECKING:
     from meshes.quad_mesh import QuadMesh
+    from meshes.section.section import Section
 
 
 def work(job: Job) -> None:
@@ -25,8 +28,45 @@ def work(job: Job) -> None:
         job.progress(f"case {', '.join(map(str, numbers))}", None)
         answers.append(_case(job.config, mesh, dict(remains), numbers))
     LiquefiedAnswer(
-        section=SectionLabel.of(job.config.section), sides=job.config.fem.sides, cases=tuple(answers)
+        section=SectionLabel.of(job.config.section),
+        sides=job.config.fem.sides,
+        cases=tuple(answers),
+        required=_required(job, mesh, answers),
     ).write(job.store)
+
+
+def _required(job: Job, mesh: "QuadMesh", answers: list[LiquefiedCase]) -> tuple[LiquefiedStratum, ...]:
+    """Return the liquefied strata with the residual strength for a factor of safety of 1 by finite elements, in the
+    proportions of the strongest case. The result is empty if some case stands, if the strength depends on friction, or
+    if there is none.
+    """
+    from fem.continuum.strength import flow_of, is_associated
+    from fem.search.required_strength import required_multiple
+
+    config = job.config
+    flow = flow_of(config.section.strata, config.fem.flow)
+    if any(case.stands == "stands" or case.factor is None for case in answers) or not answers:
+        return ()
+    strongest = max(answers, key=lambda case: case.factor or 0.0)
+    remains = remaining(config)[strongest.cases[0]]
+    section = _after(config, remains)
+    frictional = any(section.strata[k].friction_angle for k in remains)
+    if frictional or not 0.0 < (strongest.factor or 0.0) < 1.0 or not is_associated(section.strata, flow):
+        return ()
+    fem = config.fem.changed(kh=(), flow=flow, accuracy=0.0)
+    job.progress("residual strength with which the ground stands", None)
+    try:
+        multiple = required_multiple(section, list(remains), mesh, fem, strongest.factor or 0.0)
+    except NoAnswerError:
+        return ()
+    return tuple(stratum.scaled(multiple) for stratum in strongest.strata)
+
+
+def _after(config: Config, remains: Mapping[int, Remains]) -> "Section":
+    """Return the section after liquefaction."""
+    from fem.continuum.liquefied_ground import liquefied_section
+
+    return liquefied_section(config.section, remains)
 
 
 def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int]]:
@@ -39,9 +79,7 @@ def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int
 
 def _case(config: Config, mesh: "QuadMesh", remains: dict[int, Remains], numbers: list[int]) -> LiquefiedCase:
     """Return the stability of the ground in cases of equal residual strengths."""
-    from fem.continuum.liquefied_ground import liquefied_section
-
-    section = liquefied_section(config.section, remains)
+    section = _after(config, remains)
     mean = section.cohesion_field.means()
     nothing = not any(soil.friction or soil.residual or soil.strength for soil in remains.values())
     bearing = bearing_of(section, config, mesh, nothing)

@@ -26,18 +26,26 @@ def after_liquefaction(number: int, strength: float, factor: float) -> Liquefied
 
 
 def test_the_strength_with_which_it_just_stands() -> None:
-    """Straight between two cases; on one side of 1 all that is known is a bound, the strength over the factor; two
-    cases that flow give a line, above which the factor cannot rise, being the least of mechanisms linear in it."""
+    """Straight between two cases; on one side of 1 all that is known is a bound, the strength over the bound of the
+    factor; two cases that flow give a line, the steepest that their bounds (1 %) allow, above which the factor cannot
+    rise. Cases that are nearly alike give no line: their bounds overlap. The strength that was computed counts before
+    any bound."""
     flows, stands = after_liquefaction(1, 4.0, 0.8), after_liquefaction(2, 9.0, 1.3)
     weaker = after_liquefaction(3, 3.0, 0.7)
-    for cases, how, expected in (((flows, stands), "about", 6.0), ((flows,), "more than", 5.0),
-                                 ((flows, weaker), "more than", 6.0),
-                                 ((stands,), "at most", 9.0 / 1.3),
+    line = 4.0 + (1.0 - 0.808) / (0.808 - 0.693)
+    nearly = after_liquefaction(4, 3.9, 0.79)
+    for cases, how, expected in (((flows, stands), "about", 6.0), ((flows,), "more than", 4.0 / 0.808),
+                                 ((flows, weaker), "more than", line),
+                                 ((flows, nearly), "more than", 4.0 / 0.808),
+                                 ((stands,), "at most", 9.0 / 1.287),
                                  ((after_liquefaction(1, 5.0, 0.995), stands), "about", 5.0)):  # fmt: skip
         enough = just_enough(cases)
         assert enough is not None
         assert (enough.how, enough.strata[0].cohesion_kPa) == (how, pytest.approx(expected))
         assert enough.strata[0].over_effective == pytest.approx(expected / 40.0)
+    computed = just_enough((flows, weaker), (flows.strata[0].scaled(1.5),))
+    assert computed is not None
+    assert (computed.how, computed.strata[0].cohesion_kPa) == ("about", pytest.approx(6.0))
     assert just_enough(()) is None
 
 
