@@ -55,12 +55,12 @@ LOOSER = (0.0, 0.005, 0.01, 0.02)  # porosity beyond that of the element tests, 
 
 @dataclass(frozen=True)
 class Deposit:
-    """Holds the soil discs at rest in the section.
+    """Holds the discs at rest in the section.
 
     Attributes
     ----------
     ground : place of the discs in the section
-    layers : springs of every stratum
+    layers : springs of every stratum, before calibration
     settled : the discs at rest
     """
 

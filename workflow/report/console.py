@@ -29,7 +29,7 @@ from workflow.report.triggering import triggering_sentences
 from workflow.report.verdicts import verdict_paragraph
 from workflow.report.warnings import sides_warning, split
 from workflow.results.accuracy import accuracy, exceeds, of_meshes
-from workflow.results.answer import FORCE, SectionLabel
+from workflow.results.answer import FORCE, SectionLabel, way_out
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
@@ -152,11 +152,11 @@ def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
 def comparison_sentences(answer: FemAnswer) -> Iterator[str]:
     """Yield sentences on the critical Kh in the other direction, and the shallow failures of cohesionless faces."""
     if answer.associated is not None and answer.associated.at_sides:
-        yield f"With ψ = φ the critical Kh is {coefficient(answer.associated.kc)}{_out_at(answer.associated.at_sides)}."
+        yield f"With ψ = φ the critical Kh is {coefficient(answer.associated.kc)}{way_out(answer.associated.at_sides)}."
     other = answer.opposite
     if other is not None:
         kh = f"{'above ' if other.verdict == 'no failure' else ''}{coefficient(other.kc)}"
-        yield f"With the seismic force {FORCE[other.direction]} the critical Kh is {kh}{_out_at(other.at_sides)}."
+        yield f"With the seismic force {FORCE[other.direction]} the critical Kh is {kh}{way_out(other.at_sides)}."
     for face in answer.shallow_failures:
         if face.is_edge(answer.settings.least_depth):
             yield edge_sentence(face.stratum, face.start_x_m, face.end_x_m, face.kh)
@@ -174,11 +174,6 @@ def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
     width = f"{end - start:.2g} m wide where it comes out of the ground at x = {start:g} m"
     local = f"The edge of {shown_name(stratum)}, {width}, has no cohesion and fails locally {when}"
     return f"{local}: this is no slope failure."
-
-
-def _out_at(sides: tuple[str, ...]) -> str:
-    """Return a clause on the sides of the section that the failing ground reaches; empty if there are none."""
-    return f"; the failing ground reaches the {' and the '.join(sides)} side" if sides else ""
 
 
 def proven(faces: bool, load_ends: bool) -> str:

@@ -26,8 +26,7 @@ def scaled(value: float | None, unit: float) -> float | None:
 
 def span(lengths: Sequence[float]) -> str:
     """Return the range of some slides (m), with the digits of tables: 0.85 to 6.9 m, or one slide if all are equal."""
-    low, high = (metres(max(end, 0.0)) for end in (min(lengths), max(lengths)))
-    return low if low == high else f"{low.removesuffix(' m')} to {high}"
+    return signed_span([max(length, 0.0) for length in lengths])
 
 
 def signed_span(lengths: Sequence[float]) -> str:

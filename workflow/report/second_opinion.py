@@ -59,7 +59,7 @@ class SecondOpinion:
             return ""
         near, far = (discs, points) if by_weight((discs, points))[0] == "discs" else (points, discs)
         return (
-            f": rely on {NAMES[near.method].removeprefix('these ')}, which predicted half of the known {near.kind} "
+            f": rely on {NAMES[near.method]}, which predicted half of the known {near.kind} "
             f"within a factor of {near.middle:.2g}, while the other model predicted half of them within "
             f"{far.middle:.2g}"
         )

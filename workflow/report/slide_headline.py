@@ -1,11 +1,11 @@
 """Writes the third number of the first page: the slide after liquefaction, or the displacement of a rigid block."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
-from dem.settings import SlideMethod
 from meshes.section.cutting import shown_name
 from workflow.earthquake.settings import EarthquakeSettings
 from workflow.estimates.slide_error import SlideError
+from workflow.report.model_error import NAMES
 from workflow.report.numbers import rough_range, span
 from workflow.report.summary_text import at_rest
 from workflow.report.texts import Texts
@@ -17,7 +17,6 @@ from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
 
 LEAST_SLIDE = 0.1  # m: discs do not resolve less
-NAMES: Mapping[SlideMethod, str] = {"discs": "discs", "mpm": "material points"}
 
 
 def slide_headline(results: Results, _: Texts) -> HeadlinePart:

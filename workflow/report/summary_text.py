@@ -7,7 +7,6 @@ from typing import Any
 
 from meshes.section.cutting import shown_name
 from workflow.config import Config
-from workflow.estimates.comparison import EstimateKind, estimates
 from workflow.report.contradictions import is_weaker, liquefied_strata
 from workflow.report.flow_rule import WHEN
 from workflow.report.model_error import model_error
@@ -300,7 +299,10 @@ def _disagreement(results: Results) -> Iterator[str]:
     """Yield a sentence if methods disagree by more than a factor of three."""
     _, cases = results.case_set()
     discs = [max(case.slide_max_m, 0.0) for case in cases.values()]
-    observed, blocks = _displacements(results, "regression"), _displacements(results, "block")
+    observed, blocks = (
+        [row.displacement_m for row in results.estimates if row.kind == kind and row.displacement_m is not None]
+        for kind in ("regression", "block")
+    )
     points = [max(case.slide_max_m, 0.0) for case in results.mpm.cases.values()] if results.mpm is not None else []
     values = [*discs, *points, *observed, *blocks]
     if not discs or values == discs or max(values) <= DISAGREE * min(values):
@@ -336,12 +338,3 @@ def _measured(results: Results) -> Iterator[str]:
         slides = [case.slide_max_m for case in cases.values()] if there is None else there.values()
         numbers = listed(list(dict.fromkeys(metres(max(slide, 0.0)) for slide in slides)))
         yield f"{phrase}; the discs slide {where} {numbers} in {of_cases(list(cases))}."
-
-
-def _displacements(results: Results, kind: EstimateKind) -> list[float]:
-    rows = (
-        row
-        for row in estimates(results.config.section, results.config, results.kc, results.slip_surface)
-        if row.kind == kind
-    )
-    return [row.displacement_m for row in rows if row.displacement_m is not None]

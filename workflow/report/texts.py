@@ -11,6 +11,7 @@ from importlib.resources import files
 from typing import Any
 
 from workflow.config.tables import Language
+from workflow.report.numbers import listed
 
 SENTENCES = "sentences"  # the table of the catalogue with whole sentences, whose values are written {}
 CASES = re.compile(r"cases? (\d(?:[\d, and]*\d)?)")
@@ -127,6 +128,4 @@ class Texts:
 
     def listed(self, words: list[str]) -> str:
         """Join words in a list: a, b and c."""
-        if self.language == "ja":
-            return "、".join(words)
-        return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)
+        return "、".join(words) if self.language == "ja" else listed(words)

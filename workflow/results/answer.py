@@ -5,7 +5,7 @@ An answer is a pydantic model whose fields are the keys of its JSON file. Units 
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -122,6 +122,11 @@ class SectionLabel(Part):
 def line(points: np.ndarray) -> Line:
     """Return points (n, 2) of a line in the form of the stored answers."""
     return tuple((float(x), float(z)) for x, z in points)
+
+
+def way_out(sides: Sequence[str]) -> str:
+    """Return a clause on the sides of the section that the failing ground reaches; empty if there are none."""
+    return f"; the failing ground reaches the {' and the '.join(sides)} side" if sides else ""
 
 
 def _problems(error: ValidationError) -> list[str]:

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from fem.continuum.loads import Direction
 from fem.settings import BoundsSettings, Sides
-from workflow.results.answer import FORCE, Answer, Part, SectionLabel
+from workflow.results.answer import FORCE, Answer, Part, SectionLabel, way_out
 
 BoundsVerdict = Literal["bracketed", "wide", "no bracket", "unstable"]
 
@@ -75,7 +75,7 @@ class DirectionPart(Part):
     def words(self) -> str:
         """Return the bounds in words. The bounds of the direction that does not fail first need not be close to each
         other."""
-        to, out = f"{FORCE[self.direction]} (to the {self.towards})", self.way_out
+        to, out = f"{FORCE[self.direction]} (to the {self.towards})", way_out(self.leaves)
         match self.lower, self.upper:
             case None, None:
                 return f"{to} no bound was found{out}"
@@ -85,11 +85,6 @@ class DirectionPart(Part):
                 return f"{to} the section stands up to {lower:.4f} at least{out}"
             case lower, upper:
                 return f"{to} the critical Kh is {lower:.4f} to {upper:.4f}{out}"
-
-    @property
-    def way_out(self) -> str:
-        """Return a clause on the sides that the failing ground reaches; empty if there are none."""
-        return f"; the failing ground reaches the {' and the '.join(self.leaves)} side" if self.leaves else ""
 
 
 class BracketPart(Part):

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from dem.slides.slide import Slide
 
 Answered = TypeVar("Answered", bound=Part)
+Points = Sequence[Sequence[float]]
 ROW = 30  # points of a surface with a disc or a cell for each; a line of fewer points has corners that count
 FEWEST = 3  # values with a confidence interval: that of two is a dozen times as wide as they are apart
 
@@ -190,7 +191,7 @@ class Profile(Part):
     )
 
     @classmethod
-    def of(cls, surfaces: Sequence[tuple[Line, Line]], points: int = 201) -> Self:
+    def of(cls, surfaces: Sequence[tuple[Points, Points]], points: int = 201) -> Self:
         """Return the profile of several surfaces before and after, points [x, elevation], over their common width."""
         ends = [(line[0][0], line[-1][0]) for pair in surfaces for line in pair]
         x = np.linspace(max(left for left, _ in ends), min(right for _, right in ends), points)

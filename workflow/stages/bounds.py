@@ -9,7 +9,7 @@ from fem.errors import UnstableError
 from fem.settings import LEAST_KH, BoundsSettings
 from meshes.errors import NoAnswerError
 from workflow.config import Config
-from workflow.results.answer import FORCE, SectionLabel
+from workflow.results.answer import FORCE, SectionLabel, way_out
 from workflow.results.bounds import (
     BoundsAnswer,
     BoundsRound,
@@ -155,7 +155,9 @@ def bracket_part(bounds: "SmallerKhBounds", settings: BoundsSettings) -> Bracket
         gap=bounds.gap if math.isfinite(bounds.gap) else None,
         verdict=verdict,
         reason=reason,
-        words="; ".join([in_words(bounds) + directions[0].way_out, *(direction.words for direction in directions[1:])]),
+        words="; ".join(
+            [in_words(bounds) + way_out(directions[0].leaves), *(direction.words for direction in directions[1:])]
+        ),
         cells=bounds.meshes[-1].cells,
         residuals=Residuals(
             lower=StressResiduals.model_validate(bounds.stress.check) if bounds.stress else None,

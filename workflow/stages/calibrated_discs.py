@@ -22,6 +22,7 @@ from dem.model import DiscModel
 from dem.precompile import precompile
 from dem.search.calibration import ONE_AT_A_TIME, Calibration, Key, calibrated, changed, key_of
 from dem.search.critical import Search
+from dem.search.deposit import Deposit
 from dem.search.equilibrium import Trial, unbalanced_ratio
 from dem.search.levelling import misfit
 from dem.search.pushover import Continuum
@@ -52,7 +53,6 @@ from workflow.stages.disc_states import FAILING, NO_LINE, DiscsAtRest, Sets, Sto
 from workflow.stages.discs_at_rest import (
     PAPER,
     SETTLED,
-    Discs,
     calibrator_for,
     continuum_for,
     discs_at_rest,
@@ -255,7 +255,7 @@ def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDi
 
 
 def _layer_tests(
-    config: Config, discs: Discs, searched: Searched, progress: Progress, executor: Executor
+    config: Config, discs: Deposit, searched: Searched, progress: Progress, executor: Executor
 ) -> tuple[LayerTest, ...]:
     """Return the element tests of discs with the law "paper" of every layer after calibration, if the settings request
     them."""
@@ -269,7 +269,7 @@ def _layer_tests(
 
 def discs_answer(
     config: Config,
-    discs: Discs,
+    discs: Deposit,
     searched: Searched,
     stored: StoredStates,
     surfaces: SlipSurfaces,
@@ -298,7 +298,7 @@ def _parameters(dem: DemSettings, factor: dict[str, float]) -> Parameters:
     return Parameters.model_validate({**chosen, **factor})
 
 
-def _model_answer(config: Config, dem: DemSettings, discs: Discs, sliding: DiscModel) -> DiscModelAnswer:
+def _model_answer(config: Config, dem: DemSettings, discs: Deposit, sliding: DiscModel) -> DiscModelAnswer:
     ground, packing, settled = discs.ground, discs.ground.packing, discs.settled
     solid = float(np.sum(np.pi * packing.radius[packing.free] ** 2))
     return DiscModelAnswer(

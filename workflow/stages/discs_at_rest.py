@@ -2,18 +2,16 @@
 the discs of the paper."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 from dem.ground import Ground, ground_of, springs_of
-from dem.laboratory.soil_contacts import SoilLayer, soil_layers
 from dem.model import DiscModel
 from dem.search.calibration import Calibrator
-from dem.search.deposit import deposit, ground_at_rest
+from dem.search.deposit import Deposit, deposit, ground_at_rest
 from dem.search.equilibrium import Trial, settle
 from dem.search.pushover import Continuum
 from dem.settings import DemSettings
-from dem.springs import LayerSprings
 from meshes.errors import InputError
 from meshes.executor import SERIAL, Executor
 from meshes.section.section import Section
@@ -27,25 +25,7 @@ SETTLED = "dem/settled.npz"
 PAPER = "dem/paper_settled.npz"
 
 
-@dataclass(frozen=True)
-class Discs:
-    """Holds the discs of a section at rest, with their springs before calibration.
-
-    Attributes
-    ----------
-    ground : place of the discs in the section
-    layers : springs of all strata
-    settled : the discs at rest
-    soil : required strength and fitted contacts of every stratum; empty for discs with the law "paper"
-    """
-
-    ground: Ground
-    layers: list[LayerSprings]
-    settled: DiscModel
-    soil: tuple[SoilLayer, ...] = ()
-
-
-def discs_at_rest(config: Config, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+def discs_at_rest(config: Config, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Deposit:
     """Make the discs of a section and settle them under their weight, or read the stored ones.
 
     Raises InputError if no packing fits, NotSettledError if the discs do not come to rest, and DemError if a run fails.
@@ -81,7 +61,7 @@ def ground_for(section: Section, store: Store, dem: DemSettings, settled: DiscMo
 
 
 def calibrator_for(
-    discs: Discs,
+    discs: Deposit,
     store: Store,
     dem: DemSettings,
     journal: str,
@@ -118,21 +98,20 @@ def continuum_for(config: Config, store: Store) -> Continuum:
 
 def _soil(
     section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None], periodic: bool
-) -> Discs:
-    soil = soil_layers(section)
+) -> Deposit:
     if not store.has(file):
         tell("soil discs are placed, settle, are cut to the surface of the section and settle again")
-        laid = deposit(section, dem, soil, periodic=periodic)
+        laid = deposit(section, dem, periodic=periodic)
         store.save(file, laid.settled)
     settled = DiscModel.load(store.folder / file)
-    return Discs(ground_for(section, store, dem, settled), list(settled.springs.layers), settled, tuple(soil))
+    return Deposit(ground_for(section, store, dem, settled), list(settled.springs.layers), settled)
 
 
-def _paper(section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Discs:
+def _paper(section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None]) -> Deposit:
     ground = ground_of(section, dem)
     layers = springs_of(section, dem, ground.radius)
     if not store.has(file):
         tell(f"{int(ground.packing.free.sum())} discs settle under their weight")
         store.save(file, settle(ground, layers, dem))
     settled = DiscModel.load(store.folder / file)
-    return Discs(ground_for(section, store, dem, settled), layers, settled)
+    return Deposit(ground_for(section, store, dem, settled), layers, settled)

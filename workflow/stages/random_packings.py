@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from dem.search.calibration import Calibration, Calibrator, calibrated
+from dem.search.calibration import calibrated
 from dem.search.pushover import Continuum
 from dem.slides.slide import Slide
 from meshes.executor import Tell
 from workflow.config import Config
-from workflow.results.answer import Line
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import QUANTITIES, Profile, RandomCase, RandomPackings, Seed, Spread
 from workflow.run.stage import Job
@@ -92,10 +91,7 @@ def _own_seed(config: Config, calibration: CalibrationAnswer) -> Seed | None:
     if config.dem.model == "paper" or calibration.verdict == "out of reach":
         return None
     before = calibration.predicted_kc if calibration.predicted_kc is not None else calibration.kc
-    return Seed(
-        seed=config.dem.seed, kc_before=before, parameter=calibration.parameter, value=calibration.value,
-        kc=calibration.kc, verdict=calibration.verdict, reason=calibration.reason,
-    )  # fmt: skip
+    return Seed.taken(calibration, seed=config.dem.seed, kc_before=before)
 
 
 @dataclass(frozen=True)
@@ -128,12 +124,19 @@ def packed(packing: PackingTask, tell: Tell) -> Packed:
         until_failed=False,
     )  # fmt: skip
     if config.dem.model == "soil" and config.dem.parameter == "none":
-        seed = _untouched(packing.seed)
+        seed = Seed(
+            seed=packing.seed, kc_before=None, parameter="none", value=1.0, kc=None, verdict="not asked for",
+            reason='dem.parameter = "none"',
+        )  # fmt: skip
     else:
         choose = parameter == "auto" and dem.model == "paper"
         calibration = calibrated(calibrator, packing.continuum, one_at_a_time=choose, first=packing.first)
         parameter = calibration.parameter
-        seed = _seed(packing.seed, calibrator, calibration)
+        before = calibrator.searches.get(("", 1.0))
+        seed = Seed.taken(
+            calibration, seed=packing.seed, kc_before=before.kc if before is not None else None,
+            kc=calibration.search.kc,
+        )  # fmt: skip
     if seed.verdict == "out of reach":
         return seed, {}
     tell("slides")
@@ -158,34 +161,9 @@ def _in_words(case: str, tell: Tell) -> Tell:
     return heard
 
 
-def _untouched(seed: int) -> Seed:
-    """Return the result of a packing without calibration."""
-    return Seed(
-        seed=seed, kc_before=None, parameter="none", value=1.0, kc=None, verdict="not asked for",
-        reason='dem.parameter = "none"',
-    )  # fmt: skip
-
-
-def _seed(seed: int, calibrator: Calibrator, calibration: Calibration) -> Seed:
-    return Seed(
-        seed=seed,
-        kc_before=calibrator.searches["", 1.0].kc if ("", 1.0) in calibrator.searches else None,
-        parameter=calibration.parameter,
-        value=calibration.value,
-        kc=calibration.search.kc,
-        verdict=calibration.verdict,
-        reason=calibration.reason,
-    )
-
-
 def _case(slides: list[Slide]) -> RandomCase:
     """Return one case over all packings that were calibrated."""
     last = [slide.rows[-1] for slide in slides]
     spreads = {name: Spread.of([getattr(row, name) for row in last]) for name in QUANTITIES}
-    surfaces = [(as_line(slide.surface_before), as_line(slide.surface_after)) for slide in slides]
+    surfaces = [(slide.surface_before, slide.surface_after) for slide in slides]
     return RandomCase.model_validate({**spreads, "profile": Profile.of(surfaces) if len(surfaces) > 1 else None})
-
-
-def as_line(points: list[list[float]]) -> Line:
-    """Return the points of a surface in the form of stored answers."""
-    return tuple((x, z) for x, z in points)

@@ -15,7 +15,8 @@ from meshes.errors import InputError
 from tests.support.newmark import G, newmark_slide, newmark_slide_speed
 from tests.support.published import slides
 from workflow.estimates.slide_error import SlideError, error_of
-from workflow.report import model_error
+from workflow.report.model_error import error_sentence
+from workflow.results.governing import MethodSlides
 
 ROOT = Path(__file__).parents[3]
 CASES = slides()
@@ -139,24 +140,22 @@ def test_a_file_with_faults_is_refused_in_words(tmp_path: Path) -> None:
     assert isinstance(CASES["column_33_100"], SlideCase)
 
 
-def test_the_report_says_how_far_off_the_model_was_and_no_more_digits_than_that(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(model_error, "slide_error", lambda flows, method: SlideError("flow failures", 3.0, 6, 9, 2.0))
-    messages = model_error.error_sentence([1.234, 2.345], True)
+def test_the_report_says_how_far_off_the_model_was_and_no_more_digits_than_that() -> None:
+    def sentence(low: float, high: float, error: SlideError | None) -> str:
+        return error_sentence(MethodSlides("discs", {}, (low, high), error))
+
+    near = SlideError("flow failures", 3.0, 6, 9, 2.0)
+    messages = sentence(1.234, 2.345, near)
     assert messages == (
         "Flow failures of the collection were predicted within a factor of 3 in 6 of 9 cases; with this error the "
         "largest slide is 0.4 to 7 m."
     )
-    assert model_error.error_sentence([0.0], True) == ""
-    monkeypatch.setattr(model_error, "slide_error", lambda flows, method: SlideError("flow failures", 10.0, 7, 9, 2.9))
-    messages = model_error.error_sentence([4.0, 10.0], True)  # by a factor of 10: 0.4 to 100 m, which nobody can use
+    assert sentence(0.0, 0.0, near) == ""
+    far = SlideError("flow failures", 10.0, 7, 9, 2.9)
+    messages = sentence(4.0, 10.0, far)  # by a factor of 10: 0.4 to 100 m, which nobody can use
     assert messages.endswith(
         "in 7 of 9 cases, half of them within a factor of 2.9: use the slide as an order of magnitude."
     )
-    monkeypatch.setattr(
-        model_error, "slide_error", lambda flows, method: SlideError("lateral spreads", 10.0, 3, 9, 20.0)
-    )
-    assert model_error.error_sentence([1.0], False).endswith("is not predicted by these discs.")
-    monkeypatch.setattr(model_error, "slide_error", lambda flows, method: None)
-    assert model_error.error_sentence([1.0], None) == ""
+    seldom = SlideError("lateral spreads", 10.0, 3, 9, 20.0)
+    assert sentence(1.0, 1.0, seldom).endswith("is not predicted by these discs.")
+    assert sentence(1.0, 1.0, None) == ""

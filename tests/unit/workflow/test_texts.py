@@ -19,15 +19,17 @@ from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.config.tables import ReportSettings
 from workflow.estimates.slide_error import SlideError
-from workflow.report import assumptions, model_error, uncertainty
+from workflow.report import assumptions, uncertainty
 from workflow.report.captions import CAPTIONS, WITHOUT_DISCS
 from workflow.report.first_page import FLOW, IN_FULL, SIDES, headlines
+from workflow.report.model_error import error_sentence
 from workflow.report.page import VARIED
 from workflow.report.tables import STRATA_HEADS
 from workflow.report.texts import Texts, catalogue, sentences
 from workflow.report.warnings import split
 from workflow.results.accuracy import METHODS
 from workflow.results.answer import FORCE
+from workflow.results.governing import MethodSlides
 
 REPORT = TOP / "workflow/report"
 # Of the reports of a study and of a comparison, which are in English alone.
@@ -116,13 +118,10 @@ def test_a_warning_is_translated_with_its_numbers() -> None:
 @pytest.mark.parametrize("factor", [2.0, 5.0, 10.0])
 @pytest.mark.parametrize("kind", ["flow failures", "lateral spreads", "field slides"])
 @pytest.mark.parametrize("method", ["discs", "mpm"])
-def test_the_error_on_known_slides_has_its_japanese(
-    monkeypatch: pytest.MonkeyPatch, factor: float, kind: str, method: SlideMethod
-) -> None:
+def test_the_error_on_known_slides_has_its_japanese(factor: float, kind: str, method: SlideMethod) -> None:
     fixed = 3 if factor == 10.0 else 8
     error = SlideError(kind, factor, fixed, 9, 1.9, method)
-    monkeypatch.setattr(model_error, "slide_error", lambda flows, method: error)
-    sentence = Texts("ja").sentence(model_error.error_sentence([1.0, 2.0], None, method))
+    sentence = Texts("ja").sentence(error_sentence(MethodSlides(method, {}, (1.0, 2.0), error)))
     assert sentence.endswith("。")
     assert re.search("[a-z]{4}", sentence) is None
 
