@@ -70,11 +70,12 @@ def _curves(results: Results) -> Sheet | None:
         rest = [(step.displacement, step.factor) for step in like.curve if step.at_rest and step.balanced]
         if rest:  # the path itself carries overstress
             look: dict[str, Any] = {"color": CONTINUUM, "marker": "o", "markerfacecolor": "white", "linestyle": ""}
-            axes.plot(*np.array(rest).T, **look, markersize=4)
-            handles.append(Line2D([], [], **look, markersize=4, label="in equilibrium without overstress"))
+            label = "in equilibrium without overstress"
+            handles += axes.plot(*np.array(rest).T, **look, markersize=4, label=label)
     if answer.by_limit_analysis:
-        axes.axhline(answer.kc, color=CONTINUUM, linewidth=0.9, alpha=0.6)
-        handles.append(Line2D([], [], color=CONTINUUM, linewidth=0.9, alpha=0.6, label="limit load of the FEM"))
+        handles.append(
+            axes.axhline(answer.kc, color=CONTINUUM, linewidth=0.9, alpha=0.6, label="limit load of the FEM")
+        )
     elif results.kc is not None:
         axes.axhspan(answer.kc_lower, answer.kc_upper, color=CONTINUUM, alpha=0.15, linewidth=0)
     if discs is not None:
@@ -93,11 +94,10 @@ def _curves(results: Results) -> Sheet | None:
         if soil and like is not None:
             far = results.config.dem.ductility * like.yielding_m
             widest = max(widest, far)
-            axes.axvline(far, color=CRITICAL, linestyle=DASHED, linewidth=0.9)
             label = (
                 f"{results.config.dem.ductility:g} times the yield displacement of the FEM (dashed): end of the test"
             )
-            handles.append(Line2D([], [], color=CRITICAL, linestyle=DASHED, linewidth=0.9, label=label))
+            handles.append(axes.axvline(far, color=CRITICAL, linestyle=DASHED, linewidth=0.9, label=label))
     axes.set_xlim(0.0, 1.05 * widest)
     axes.set_ylim(bottom=0.0)
     axes.set_title(_brackets(results), fontsize=9, loc="left", color=INK, pad=4)
@@ -202,12 +202,11 @@ def _calibration(results: Results) -> Sheet | None:
     axes.set_xlim(0.9 * min(shown), 1.1 * max(shown))
     target, within = answer.target_kc, answer.tolerance
     axes.axhspan(target - within, target + within, color=CRITICAL, alpha=0.15, linewidth=0)
-    axes.axhline(target, color=CRITICAL, linewidth=1.0)
+    aim = axes.axhline(target, color=CRITICAL, linewidth=1.0, label="target critical Kh, and tolerance")
     if answer.value is not None:
-        axes.axvline(answer.value, color=DISCS, linewidth=0.8, linestyle=DASHED)
         taken = f"factor taken, {answer.value:.3g}"
-        handles.append(Line2D([], [], color=DISCS, linewidth=0.8, linestyle=DASHED, label=taken))
-    handles.append(Line2D([], [], color=CRITICAL, linewidth=1.0, label="target critical Kh, and tolerance"))
+        handles.append(axes.axvline(answer.value, color=DISCS, linewidth=0.8, linestyle=DASHED, label=taken))
+    handles.append(aim)
     sheet.legend(handles, 5)
     return sheet
 
@@ -242,10 +241,8 @@ def _block(results: Results) -> Sheet | None:
     for sign, colour, way, line in ((1.0, CONTINUUM, "positive", SOLID), (-1.0, DISCS, "negative", DASHED)):
         slide = newmark(record.time, sign * record.acceleration, results.kc)
         speed.plot(slide.time, slide.velocity, color=colour, linewidth=1.0, linestyle=line)
-        path.plot(slide.time, slide.displacement, color=colour, linewidth=1.3, linestyle=line)
-        handles.append(
-            Line2D([], [], color=colour, linewidth=1.3, linestyle=line, label=f"{way}: {slide.permanent:.3f} m")
-        )
+        label = f"{way}: {slide.permanent:.3f} m"
+        handles += path.plot(slide.time, slide.displacement, color=colour, linewidth=1.3, linestyle=line, label=label)
     handles.append(
         Line2D([], [], color=INK, linewidth=0.9, linestyle=DOTTED, label=f"resistance kc g, kc = {results.kc:.3f}")
     )

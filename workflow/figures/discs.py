@@ -157,10 +157,15 @@ def state(model: DiscModel, before: DiscModel, title: str) -> Sheet:
     if there:  # soil discs have none
         springs = partial(draw_pore_springs, model=model)
         sheet.show(1, render(window, springs), window, "pore springs: green whole, red cracked")
+    displacement_scale(sheet, norm)
+    return sheet
+
+
+def displacement_scale(sheet: Sheet, norm: Normalize) -> None:
+    """Draw the colour bar of displacements, whose range is not stretched by a few discs that roll away."""
     sheet.colour_bar(
         ScalarMappable(norm, FAR), "displacement (m); larger displacements have the last colour of the scale"
     )
-    return sheet
 
 
 def nice(value: float) -> float:

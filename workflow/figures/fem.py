@@ -5,7 +5,6 @@ from typing import NamedTuple, assert_never
 
 import numpy as np
 import pyvista as pv
-from matplotlib.lines import Line2D
 
 from fem.continuum.fields import FieldState
 from fem.continuum.strength import flow_of
@@ -182,25 +181,20 @@ def _curve_sheet(config: Config, answer: FemAnswer) -> Sheet:
     )
     moving = [step for step in answer.curve if not step.at_rest]
     resting = [step for step in answer.curve if step.balanced]
-    axes.plot(
+    path = axes.plot(
         [0.0, *(100 * s.displacement for s in moving)], [0.0, *(s.factor for s in moving)],
-        color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.2,
+        color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.2, label="path, every step converged",
     )  # fmt: skip
-    axes.plot([100 * s.displacement for s in resting], [s.factor for s in resting], "s", color=INK, markersize=3.5)
+    at_rest = axes.plot(
+        [100 * s.displacement for s in resting], [s.factor for s in resting], "s",
+        color=INK, markersize=3.5, label="at rest, without overstress",
+    )  # fmt: skip
     bracket = ""
     if not answer.by_limit_analysis:
         bracket = ", and its bracket"
         axes.axhspan(answer.kc_lower, answer.kc_upper, color=CRITICAL, alpha=0.15, linewidth=0)
-    axes.axhline(answer.kc, color=CRITICAL, linewidth=1.0)
+    critical = axes.axhline(answer.kc, color=CRITICAL, linewidth=1.0, label=f"critical Kh{bracket}")
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
-    handles = [
-        Line2D([], [], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.2, label="path, every step converged"),
-        Line2D([], [], color=CRITICAL, linewidth=1.0, label=f"critical Kh{bracket}"),
-    ]
-    if resting:
-        handles.append(
-            Line2D([], [], color=INK, marker="s", linestyle="", markersize=3.5, label="at rest, without overstress")
-        )
-    sheet.legend(handles, 3)
+    sheet.legend([*path, critical, *(at_rest if resting else [])], 3)
     return sheet

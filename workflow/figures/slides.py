@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pyvista as pv
 from matplotlib.artist import Artist
-from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -30,7 +29,7 @@ from workflow.figures.canvas import (
     render,
     soil_colours,
 )
-from workflow.figures.discs import FAR, NO_LINE, draw_strata, draw_values, nice, window_of
+from workflow.figures.discs import NO_LINE, displacement_scale, draw_strata, draw_values, nice, window_of
 from workflow.results.cases import CaseAnswer, Profile, alike, smoothed
 from workflow.results.history import SlideHistory
 from workflow.results.lengths import metres
@@ -142,19 +141,13 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
         "displacement, and the surface before and after",
     )
     size = 2.0 * float(frame.radius[frame.free].mean())
-    axes.plot(*smoothed(before, size).T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)))
-    axes.plot(*smoothed(after, size).T, color=CONTINUUM, linewidth=1.3)
+    axes.plot(*smoothed(before, size).T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)), label="surface before")
+    axes.plot(*smoothed(after, size).T, color=CONTINUUM, linewidth=1.3, label="surface after")
     sheet.show(1, render(window, strata), window, "layers")
-    sheet.colour_bar(
-        ScalarMappable(norm, FAR), "displacement (m); larger displacements have the last colour of the scale"
-    )
-    lines = [
-        Line2D([], [], color=INK, linewidth=1.1, linestyle=(0, (4, 2)), label="surface before"),
-        Line2D([], [], color=CONTINUUM, linewidth=1.3, label="surface after"),
-    ]
+    displacement_scale(sheet, norm)
     sheet.legend(handles, columns, below=2.6)
     sheet.figure.legend(
-        handles=lines, loc="upper right", bbox_to_anchor=(0.985, sheet.legend_at[1]), ncols=2, fontsize=7.5,
+        handles=axes.lines, loc="upper right", bbox_to_anchor=(0.985, sheet.legend_at[1]), ncols=2, fontsize=7.5,
         frameon=False, borderaxespad=0.0, labelcolor=INK,
     )  # fmt: skip
     return sheet
@@ -275,19 +268,16 @@ def point_profiles(config: Config, answer: PointSlidesAnswer) -> Sheet:
     sheet = Sheet(title, [0.16] * len(groups), "", 1)
     heights = np.concatenate([np.array(case.surface_before)[:, 1] for case in answer.cases.values()])
     margin = ROOM * (heights.max() - heights.min()) + answer.cell_m
+    lines: list[Line2D] = []
     for view, (numbers, case) in enumerate(groups.items()):
         last = view == len(groups) - 1
         name = f"{config.called(*numbers)}: largest slide {metres(case.slide_max_m)}; {case.reason}"
         axes = sheet.plot(view, "distance x (m)" if last else "", "elevation (m)", name)
         before, after = np.array(case.surface_before), seen_from_above(np.array(case.surface_after), answer.cell_m)
-        axes.plot(*after.T, color=CONTINUUM, linewidth=1.3)
-        axes.plot(*before.T, color=INK, linewidth=0.9, linestyle=(0, (4, 2)))
+        moved = axes.plot(*after.T, color=CONTINUUM, linewidth=1.3, label="surface after")
+        lines = axes.plot(*before.T, color=INK, linewidth=0.9, linestyle=(0, (4, 2)), label="surface before") + moved
         axes.set_xlim(before[0, 0], before[-1, 0])
         axes.set_ylim(heights.min() - margin, heights.max() + margin)  # alike in all cases
         sheet.state_exaggeration(view)
-    handles = [
-        Line2D([], [], color=INK, linewidth=0.9, linestyle=(0, (4, 2)), label="surface before"),
-        Line2D([], [], color=CONTINUUM, linewidth=1.3, label="surface after"),
-    ]
-    sheet.legend(handles, 2)
+    sheet.legend(lines, 2)
     return sheet

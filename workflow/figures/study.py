@@ -68,10 +68,8 @@ def fragility(curves: Sequence[ProbabilityCurve], title: str) -> Frames:
         families.setdefault(curve.name.split(": ")[0], []).append(curve)
     rows = -(-len(families) // FAMILIES)
     picture = Frames(HEIGHT * rows, f"{title}: fragility")
-    frames = np.ravel([picture.figure.subplots(rows, min(len(families), FAMILIES), squeeze=False)])
-    for axes in frames[len(families) :]:
-        axes.set_visible(False)
-    for axes, (name, family) in zip(frames, families.items(), strict=False):
+    frames = _frames(picture, len(families), min(len(families), FAMILIES))
+    for axes, (name, family) in zip(frames, families.items(), strict=True):
         for curve, colour in zip(family, (CONTINUUM, DISCS, CRITICAL, INK, "#1f6fb2") * len(family), strict=False):
             _band(axes, curve, colour, curve.name.split(": ")[-1])
         across = "slide d (m)" if name.endswith("over d") else "Kh, or PGA / g (-)"
@@ -91,10 +89,8 @@ def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], ti
     shown = list(drawn)[:SHOWN]
     rows = -(-len(shown) // ACROSS)
     picture = Frames(HEIGHT * rows, f"{title}: {name} of every sample")
-    frames = np.ravel([picture.figure.subplots(rows, ACROSS, sharey=True, squeeze=False)])
-    for axes in frames[len(shown) :]:
-        axes.set_visible(False)
-    for axes, path_of in zip(frames, shown, strict=False):
+    frames = _frames(picture, len(shown), ACROSS, sharey=True)
+    for axes, path_of in zip(frames, shown, strict=True):
         axes.plot(drawn[path_of], values, "o", color=CONTINUUM, markersize=2.0, alpha=0.6)
         _label(axes, _broken(path_of), "")
     for first in frames[::ACROSS]:
@@ -106,10 +102,7 @@ def convergence(series: Sequence[Series], title: str) -> Frames:
     """Draw a frame for each series, with the limit on the axis; the limit is red if the series has not converged."""
     rows = -(-len(series) // ACROSS)
     picture = Frames(LOW * rows + 0.4, f"{title}: convergence of the slides")
-    frames = np.ravel([picture.figure.subplots(rows, ACROSS, squeeze=False)])
-    for axes in frames[len(series) :]:
-        axes.set_visible(False)
-    for axes, row in zip(frames, series, strict=False):
+    for axes, row in zip(_frames(picture, len(series), ACROSS), series, strict=True):
         halves = [half or 0.0 for half in row.half_ci95]
         axes.errorbar(row.sizes, row.values, yerr=halves, fmt="o", color=CONTINUUM, markersize=3.5, linewidth=0.9)
         sizes = np.linspace(0.0, row.sizes[0], 60)
@@ -127,6 +120,14 @@ def convergence(series: Sequence[Series], title: str) -> Frames:
         axes.tick_params(labelsize=6.5, colors=INK)
         axes.grid(color="#dddddd", linewidth=0.5)
     return picture
+
+
+def _frames(picture: Frames, count: int, across: int, sharey: bool = False) -> list[Axes]:
+    """Return a number of frames of a picture, in rows of frames ``across``; the rest of the last row stays empty."""
+    frames = np.ravel([picture.figure.subplots(-(-count // across), across, sharey=sharey, squeeze=False)])
+    for axes in frames[count:]:
+        axes.set_visible(False)
+    return list(frames[:count])
 
 
 def _broken(path: str) -> str:
