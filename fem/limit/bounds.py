@@ -189,25 +189,10 @@ def kh_bounds(
     limits = Limits(settings.gap, settings.max_cells, seconds, enough=0.0, least=LEAST_KH)
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
     bounds = search_all(tuple(searches.values()), limits, observer)
-    dropped, strong = 0.0, {direction: (ground, searches[direction]) for direction, ground in grounds.items()}
-    for direction, ground in grounds.items():
-        if ground.section is not section and not any(face.kh < bounds.upper for face in ground.shallow_failures):
-            # What coarse triangles bore too much decided: no face needs strength.
-            grounds[direction] = replace(ground, section=section, shallow_failures=())
-            dropped += searches[direction].work
-            left = replace(limits, seconds=limits.seconds - dropped)
-            searches[direction] = grounds[direction].search(left)
+    strong = {direction: (ground, searches[direction]) for direction, ground in grounds.items()}
+    dropped = _drop_needless_strength(section, grounds, searches, limits, bounds.upper)
     bounds = search_all(tuple(searches.values()), limits, observer)
-    least = {way: SLIPS * max(search.bracket.lower, 0.0) for way, (_, search) in strong.items()}
-    wet = [
-        way
-        for way, search in searches.items()
-        if search.bracket.upper < least[way]
-        or (
-            search.bracket.upper < strong[way][1].bracket.lower
-            and any(has_uncounted_water(section, face, fem.least_depth) for face in strong[way][0].shallow_failures)
-        )
-    ]
+    wet = [way for way, search in searches.items() if _slips(section, fem, search, *strong[way])]
     for way in wet:  # shallow ground slips where water comes out of a face, before any face by itself
         dropped += searches[way].work - strong[way][1].work
         as_given = searches[way].bracket.upper
@@ -236,6 +221,37 @@ def kh_bounds(
         substitute=substitute,
         work=settings.seconds - allowed + spent,
     )
+
+
+def _drop_needless_strength(
+    section: Section,
+    grounds: dict[Direction, DirectionGround],
+    searches: dict[Direction, DirectionSearch],
+    limits: Limits,
+    upper: float,
+) -> float:
+    """Replace grounds whose faces fail at no smaller Kh than ``upper`` by the section without strengthening, with new
+    searches; return the work of the replaced searches. The coarse triangles resisted too much.
+    """
+    dropped = 0.0
+    for direction, ground in grounds.items():
+        if ground.section is not section and not any(face.kh < upper for face in ground.shallow_failures):
+            grounds[direction] = replace(ground, section=section, shallow_failures=())
+            dropped += searches[direction].work
+            left = replace(limits, seconds=limits.seconds - dropped)
+            searches[direction] = grounds[direction].search(left)
+    return dropped
+
+
+def _slips(
+    section: Section, fem: FemSettings, search: DirectionSearch, ground: DirectionGround, strong: DirectionSearch
+) -> bool:
+    """Return whether shallow ground slips: the bounds of ``search`` are far below those of the ``strong`` search, whose
+    ``ground`` has strengthened faces, or below them with water at a face."""
+    if search.bracket.upper < SLIPS * max(strong.bracket.lower, 0.0):
+        return True
+    wet = any(has_uncounted_water(section, face, fem.least_depth) for face in ground.shallow_failures)
+    return wet and search.bracket.upper < strong.bracket.lower
 
 
 def directions_of(fem: FemSettings) -> tuple[Direction, ...]:

@@ -3,7 +3,7 @@ its critical Kh.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, TypeVar
 
 from fem.errors import UnstableError
@@ -56,36 +56,14 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
     weight = _weight_borne(section, mesh, fem)
     critical = _critical(section, config, mesh, fem, notes) if weight >= 1.0 else None
     kc = critical.kc if critical is not None and critical.verdict in ("plateau", "peak") and critical.kc > 0.0 else None
-    factor: float | None = None
-    strict = bracket = None
-    if nothing:
-        notes.append(
-            "the layers have no residual strength, so that there is no factor of safety; see slide.cases, residual"
-        )
-    else:
-        factor, strict = _factors(section, mesh, fem, bounds_settings, notes)
+    factor, strict = (None, None) if nothing else _factors(section, mesh, fem, bounds_settings, notes)
     lower = strict.lower if strict is not None and strict.lower > 0.0 else None
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
-    if weight < 1.0 and not (upper is not None and upper < 1.0):  # else the factor of safety says so
-        notes.append(
-            "the finite elements find no equilibrium under the weight of the ground"
-            + (f", {100.0 * weight:.0f} % of it at most" if weight >= LEAST_SHARE else "")
-        )
-    if strict is not None and lower is None and upper is None:
-        notes.append("strict bounds of the factor of safety: none within the allowed computing work")
-    unstable = ""  # why ground that stands between held sides does not between its own
+    notes += _on_factors(nothing, weight, strict)
+    bracket, unstable = None, ""  # why ground that stands between held sides does not between its own
     if lower is not None and lower > 1.0:
         bracket, unstable = _between_own_sides(section, fem, bounds_settings, notes)
-    if strict is not None and strict.shallow_failure is not None:
-        notes.append(
-            "shallow ground without cohesion, of one face or where two meet, fails at a factor of safety of "
-            f"{strict.shallow_failure:.2f}; the bounds are of failures deeper than {fem.least_depth:g} m"
-        )
-    if kc is not None and bracket is not None and kc > bracket.upper:
-        notes.append(
-            f"the finite elements give a critical Kh of {kc:.3f}, above the strict upper bound of "
-            f"{bracket.upper:.3f}: the mesh is too coarse for the weak layer, and the bounds govern"
-        )
+    notes += _on_bounds(fem, kc, strict, bracket)
     stands, reason = _stands(kc, lower, upper)
     if unstable:
         stands, reason = "flows", f"a mechanism that leaves the section at a side, which fem.sides permits: {unstable}"
@@ -103,6 +81,33 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
         factor_upper=upper,
         notes=tuple(dict.fromkeys(notes)),
     )
+
+
+def _on_factors(nothing: bool, weight: float, strict: "SafetyBounds | None") -> Iterator[str]:
+    """Yield notes on missing factors of safety, and on ground that supports only a multiple of its ``weight``."""
+    if nothing:
+        yield "the layers have no residual strength, so that there is no factor of safety; see slide.cases, residual"
+    if weight < 1.0 and not (strict is not None and strict.upper < 1.0):  # else the factor of safety says so
+        most = f", {100.0 * weight:.0f} % of it at most" if weight >= LEAST_SHARE else ""
+        yield f"the finite elements find no equilibrium under the weight of the ground{most}"
+    if strict is not None and strict.lower <= 0.0 and not math.isfinite(strict.upper):
+        yield "strict bounds of the factor of safety: none within the allowed computing work"
+
+
+def _on_bounds(
+    fem: FemSettings, kc: float | None, strict: "SafetyBounds | None", bracket: "SmallerKhBounds | None"
+) -> Iterator[str]:
+    """Yield notes on failures above those of the bounds, and on a critical Kh above its upper bound."""
+    if strict is not None and strict.shallow_failure is not None:
+        yield (
+            "shallow ground without cohesion, of one face or where two meet, fails at a factor of safety of "
+            f"{strict.shallow_failure:.2f}; the bounds are of failures deeper than {fem.least_depth:g} m"
+        )
+    if kc is not None and bracket is not None and kc > bracket.upper:
+        yield (
+            f"the finite elements give a critical Kh of {kc:.3f}, above the strict upper bound of "
+            f"{bracket.upper:.3f}: the mesh is too coarse for the weak layer, and the bounds govern"
+        )
 
 
 def _critical(

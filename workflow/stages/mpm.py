@@ -2,7 +2,7 @@
 
 import copy
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -218,8 +218,6 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
     Slides converge with the first power of the size of the cells, so that the second slide gives the limit of fine
     cells (Richardson's extrapolation). The third slide shows the influence of the damping rate.
     """
-    from fem.mpm.slide import LOSS
-
     counts, coarse, slower = slides
     slide, settlement = counts.slide[-1], counts.settlement[-1]
     uphill_first = counts.before[0, 1] >= counts.before[-1, 1]
@@ -228,30 +226,6 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
     finer = counts.slide_max + (counts.slide_max - coarse.slide_max) / (COARSE - 1)
     decaying_slower = counts.slide_max + slower.slide_max - coarse.slide_max
     ends = counts.slide_max, max(decaying_slower, 0.0), max(finer, 0.0)
-    notes = []
-    lost = 100.0 * counts.energy_lost_share
-    if abs(counts.energy_lost_share) > LOSS and counts.slide_max > DOUBTED_FROM:
-        how = (
-            "lost, so that the slide is a low estimate"
-            if lost > 0.0
-            else "gained, so that the slide is a high estimate"
-        )
-        notes.append(f"{WARNING}{abs(lost):.0f} % of the energy is {how}")
-    if counts.stopped_by and ground.sides == "fixed":
-        notes.append(f"the slide reached the {counts.stopped_by} side of the section, which stopped it")
-    if ground.crust < THIN * counts.cell:
-        wanted = int(CELLS_STEP * np.ceil(ground.section.layering.areas().sum() / ground.crust**2 / CELLS_STEP))
-        notes.append(
-            f"{WARNING}the ground above the liquefied strata is {ground.crust:.2g} m thick, less than a cell, so that "
-            f"its slide is not resolved; check with {wanted} cells (slide.mpm_cells)"
-        )
-    if ground.softened:
-        listed = ", ".join(f'"{name}"' for name in ground.softened)
-        single = len(ground.softened) == 1
-        notes.append(
-            f"{listed} {'has' if single else 'have'} a reduced stiffness, so that longer time steps are stable; "
-            f"{'its strength is' if single else 'their strengths are'} unchanged"
-        )
     largest = int(np.argmax(slide))
     return PointCase(
         slide_max_m=counts.slide_max,
@@ -267,11 +241,40 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
         transfer_loss_share=counts.transfer_loss_share,
         energy_lost_share=counts.energy_lost_share,
         stopped_by=counts.stopped_by,
-        notes=tuple(notes),
+        notes=tuple(_notes(counts, ground)),
         surface_before=line(counts.before),
         surface_after=line(counts.after[np.argsort(counts.after[:, 0])]),
         slide_along=line(np.column_stack([counts.before[:, 0], slide])),
     )
+
+
+def _notes(slide: "PointSlide", ground: "PointGround") -> Iterator[str]:
+    """Yield what a reader needs to judge the numbers of a slide."""
+    from fem.mpm.slide import LOSS
+
+    lost = 100.0 * slide.energy_lost_share
+    if abs(slide.energy_lost_share) > LOSS and slide.slide_max > DOUBTED_FROM:
+        how = (
+            "lost, so that the slide is a low estimate"
+            if lost > 0.0
+            else "gained, so that the slide is a high estimate"
+        )
+        yield f"{WARNING}{abs(lost):.0f} % of the energy is {how}"
+    if slide.stopped_by and ground.sides == "fixed":
+        yield f"the slide reached the {slide.stopped_by} side of the section, which stopped it"
+    if ground.crust < THIN * slide.cell:
+        wanted = int(CELLS_STEP * np.ceil(ground.section.layering.areas().sum() / ground.crust**2 / CELLS_STEP))
+        yield (
+            f"{WARNING}the ground above the liquefied strata is {ground.crust:.2g} m thick, less than a cell, so that "
+            f"its slide is not resolved; check with {wanted} cells (slide.mpm_cells)"
+        )
+    if ground.softened:
+        listed = ", ".join(f'"{name}"' for name in ground.softened)
+        single = len(ground.softened) == 1
+        yield (
+            f"{listed} {'has' if single else 'have'} a reduced stiffness, so that longer time steps are stable; "
+            f"{'its strength is' if single else 'their strengths are'} unchanged"
+        )
 
 
 STAGE = Stage(
