@@ -10,7 +10,7 @@ from typing import Any
 
 from fem.continuum.loads import excess_pressure_advice, lifted
 from fem.continuum.strength import davis_words, flow_of, is_associated, is_dilating_fully
-from fem.errors import UnstableError
+from fem.errors import UnstableError, answer_or_none
 from fem.limit_load.limit_load import LimitLoadResult
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import element_for
@@ -84,16 +84,11 @@ def assess(
         search = _Search(section, meshing, first, comm, listener, executor)
         # All answers; those that do not depend on each other are computed concurrently.
         adapted, safety = None, None
-        if is_associated(section.strata, settings.flow):
-            if settings.direction != "both":
-                safety = search.begin_safety(settings)
-            try:
-                adapted = search.on_meshes("Kh").critical(settings)
-            except UnstableError as error:
-                raise search.fails(settings, error) from error
-            except NoAnswerError:  # an equilibrium path has to do
-                pass
         try:
+            if is_associated(section.strata, settings.flow):
+                if settings.direction != "both":
+                    safety = search.begin_safety(settings)
+                adapted = answer_or_none(partial(search.on_meshes("Kh").critical, settings))
             if adapted is None:
                 assessment = search.by_path(settings, safety)
             else:
@@ -231,16 +226,12 @@ class _Search:
         the flow rule is ψ = φ. The limit load by the other flow rule is None if it was not found, or if the section
         file has ψ = φ in all strata.
         """
-        try:
-            if self.dilates_more(settings):
-                return self.on_meshes("Kh by Davis's estimate").with_davis(adapted, settings)
-            if not self.is_substituted(settings):
-                return adapted, None
-            return self.on_meshes("Kh with ψ = φ").with_full_dilation(adapted, settings)
-        except UnstableError:
-            raise
-        except NoAnswerError:
-            return adapted, None
+        both = None
+        if self.dilates_more(settings):
+            both = answer_or_none(partial(self.on_meshes("Kh by Davis's estimate").with_davis, adapted, settings))
+        elif self.is_substituted(settings):
+            both = answer_or_none(partial(self.on_meshes("Kh with ψ = φ").with_full_dilation, adapted, settings))
+        return both or (adapted, None)
 
     def by_own_dilation(
         self,
@@ -295,12 +286,9 @@ class _Search:
         """Return the factor of safety on adapted meshes, or on the first mesh if the flow is not associated. Meshes
         begin ``like`` those of the critical Kh if it is known."""
         if is_associated(self.section.strata, settings.flow):
-            try:
-                return self.with_other_factor(self.on_meshes().safety(settings, kh, like), settings, kh)
-            except UnstableError:
-                raise
-            except NoAnswerError:  # the solver left none: a path has to do
-                pass
+            adapted = answer_or_none(partial(self.on_meshes().safety, settings, kh, like))
+            if adapted is not None:
+                return self.with_other_factor(adapted, settings, kh)
         result = safety_factor(
             self.section, self.first, settings, kh, self.comm, self.path_listener("factor of safety")
         )

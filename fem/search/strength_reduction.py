@@ -6,6 +6,7 @@ of equilibria along which the factor is an unknown.
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from fem.continuum.loads import seismic_sign
 from fem.continuum.nodal_loads import seismic_load, still_load
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor
 from fem.continuum.strength import is_associated, strength_of
-from fem.errors import UnstableError
+from fem.errors import UnstableError, answer_or_none
 from fem.limit_load.conic_safety_factor import LARGEST_FACTOR, FactorStart, conic_safety_factor, too_weak
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import (
@@ -32,7 +33,6 @@ from fem.path.path_step import PathStep
 from fem.path.plateau import PathListener, PlateauRule, find_limit_load
 from fem.search.critical import ASSOCIATED_RULE
 from fem.settings import FemSettings, PathVerdict
-from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -169,12 +169,9 @@ def safety_factor(
         If no state on the path is in equilibrium.
     """
     if is_associated(section.strata, settings.flow):
-        try:
-            return limit_load_safety_factor(section, mesh, settings, kh, comm)
-        except UnstableError:
-            raise
-        except NoAnswerError:  # the solver left none: a path has to do
-            pass
+        by_limit_load = answer_or_none(partial(limit_load_safety_factor, section, mesh, settings, kh, comm))
+        if by_limit_load is not None:
+            return by_limit_load
     faces = faces_at(section, settings, kh)
     for start in STARTS:
         try:

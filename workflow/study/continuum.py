@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from fem.continuum.strength import is_associated
-from fem.errors import UnstableError
+from fem.errors import UnstableError, answer_or_none
 from fem.limit.bounds import kh_bounds
 from fem.search.adaptive import AdaptiveSearch
 from fem.search.critical import critical_coefficient
@@ -38,13 +38,9 @@ def continuum(sample: StudySample) -> Numbers:
 
 def _critical(config: Config, first: "QuadMesh") -> "tuple[LimitLoadResult | CriticalResult, QuadMesh]":
     if is_associated(config.section.strata, config.fem.flow):
-        try:
-            critical = AdaptiveSearch(config.section, config.mesh, first).critical(config.fem)
+        search = AdaptiveSearch(config.section, config.mesh, first)
+        if (critical := answer_or_none(lambda: search.critical(config.fem))) is not None:
             return critical.result, critical.mesh
-        except UnstableError:
-            raise
-        except NoAnswerError:  # the solver left none: a path has to do
-            pass
     return critical_coefficient(config.section, first, config.fem), first
 
 
