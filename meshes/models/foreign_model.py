@@ -102,6 +102,19 @@ def within_reason(entries: Sequence[zipfile.ZipInfo]) -> Sequence[zipfile.ZipInf
     return entries
 
 
+def chosen_part(names: Sequence[str], wanted: str | None, path: Path, kind: str, kinds: str) -> tuple[int, list[str]]:
+    """Return the number of the part of a model that is read, the first one by default, and a notice on other parts.
+
+    ``names``: names of the parts; ``wanted``: name of the part, or None; ``kind``, ``kinds``: what a part is called,
+    such as "a scenario" and "scenarios". Raises InputError if there is no such part.
+    """
+    if wanted is not None and wanted not in names:
+        raise InputError("--part", [f'"{wanted}": expected {kind} of {path}, one of {", ".join(names)}'])
+    number = 0 if wanted is None else names.index(wanted)
+    others = [name for name in names if name != names[number]]
+    return number, [f"not read: {kinds} {', '.join(others)} (--part names one)"] if others else []
+
+
 def corners(points: Sequence[tuple[float, float]]) -> np.ndarray:
     """Return points (n, 2) in m; raise ValueError if a coordinate is no number."""
     array = np.array(points, dtype=float).reshape(-1, 2)

@@ -17,6 +17,7 @@ from meshes.models.foreign_model import (
     ForeignModel,
     ImportedSection,
     as_input_errors,
+    chosen_part,
     corners,
     line_of,
     section_of,
@@ -77,13 +78,9 @@ def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
             str(path), [f"{EXPECTED}; the analyses in it are of {', '.join(filter(None, kinds)) or 'no kind'}"]
         )
     names = [_text(node, "Name") for node in analyses]
-    if wanted is not None and wanted not in names:
-        raise InputError("--part", [f'"{wanted}": expected an analysis of {path}, one of {", ".join(names)}'])
-    analysis = analyses[0 if wanted is None else names.index(wanted)]
+    place, others = chosen_part(names, wanted, path, "an analysis", "analyses")
+    analysis, notices = analyses[place], [f'analysis "{names[place]}"', *others]
     number = _text(analysis, "ID")
-    notices = [f'analysis "{_text(analysis, "Name")}"']
-    others = [name for name in names if name != _text(analysis, "Name")]
-    notices += [f"not read: analyses {', '.join(others)} (--part names one)"] if others else []
     system = root.find("./Coordinates/EngCoords")
     word = system.get("UnitSystem", "metric") if system is not None else "metric"
     if word.lower() not in ("metric", "imperial"):

@@ -16,6 +16,7 @@ from meshes.models.foreign_model import (
     ImportedSection,
     YieldStress,
     as_input_errors,
+    chosen_part,
     corners,
     line_of,
     section_of,
@@ -59,9 +60,8 @@ def _read(path: Path) -> list[tuple[str, Json]]:
 def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> ForeignModel:
     scenarios = [content for folder, content in files if folder == "scenarios"]
     labels = [scenario["Label"] for scenario in scenarios]
-    if label is not None and label not in labels:
-        raise InputError("--part", [f'"{label}": expected a scenario of {path}, one of {", ".join(labels)}'])
-    scenario = scenarios[0 if label is None else labels.index(label)]
+    place, others = chosen_part(labels, label, path, "a scenario", "scenarios")
+    scenario = scenarios[place]
     stage = scenario["Stages"][-1]
 
     def part(folder: str, key: str, of: Json = stage) -> Json:
@@ -74,9 +74,8 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
         (of["Label"], part("states", "StateId", of), part("geometries", "GeometryId", of)["Layers"])
         for of in reversed(scenario["Stages"])
     ]
-    notices = [f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"']
-    others = [item for item in labels if item != scenario["Label"]]
-    notices += [f"not read: scenarios {', '.join(others)} (--part names one)"] if others else []
+    where = f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"'
+    notices = [where, *others]
     if len(scenario["Stages"]) > 1:
         notices.append(
             "not read: earlier stages, except preconsolidation, which is stored as the difference to the stress in "
@@ -86,7 +85,6 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
     layers: list[ForeignLayer] = []
     outlines = part("geometries", "GeometryId")["Layers"]
     if not outlines:
-        where = f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"'
         raise InputError(str(path), [f"{where}: the stage has no layers; expected at least one"])
     for item in outlines:
         points, soil = corners(_pairs(item["Points"])), of_layer[item["Id"]]

@@ -8,9 +8,9 @@ from typing import TypeVar
 import numpy as np
 
 from meshes.section.dense_lines import CELL
-from meshes.section.layering import Layering
+from meshes.section.layering import Layering, at_ends, crossings
 from meshes.section.liquefies import Cases
-from meshes.section.polyline import Line, limits
+from meshes.section.polyline import Line, without_repeats
 from meshes.section.stratum import Stratum
 
 # What is added to the name of a stratum for the part of it that lies below water, and for a pocket or a film of water
@@ -128,8 +128,7 @@ class DividedStratum:
         """Return the level as the bottom of the upper part, from ``left`` to ``right`` (m)."""
         points = np.column_stack([np.repeat(self.x, 2)[1:-1], self.level.ravel()])
         points = points[(points[:, 0] >= left) & (points[:, 0] <= right)]
-        new = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])
-        return Line(elevation=[[float(x), float(z)] for x, z in points[new]])
+        return Line(elevation=[[float(x), float(z)] for x, z in without_repeats(points)])
 
 
 def divided_by_water(layers: Layering, k: int, water: np.ndarray) -> DividedStratum:
@@ -137,7 +136,8 @@ def divided_by_water(layers: Layering, k: int, water: np.ndarray) -> DividedStra
     x = layers.x
     inside = water[(water[:, 0] > x[0]) & (water[:, 0] < x[-1]), 0]
     x = np.union1d(x, [at for at in inside if np.abs(x - at).min() > layers.tolerance])
-    x = np.union1d(x, _crossings(layers, k, water, x))
+    top, bottom, level = _at_ends(layers, k, water, x)
+    x = np.union1d(x, crossings(x, [level - top, level - bottom], layers.tolerance))
     top, bottom, level = _at_ends(layers, k, water, x)
     for line in (top, bottom):
         level = np.where(np.abs(level - line) <= _reach(level - line, x, layers.tolerance), line, level)
@@ -191,21 +191,8 @@ def _at_ends(layers: Layering, k: int, water: np.ndarray, x: np.ndarray) -> list
     intervals."""
     middle = 0.5 * (x[1:] + x[:-1])
     sides = [layers.interfaces(end, near=middle)[:, k : k + 2] for end in (x[:-1], x[1:])]
-    before, after = limits(water, x)
     top, bottom = (np.column_stack([side[:, j] for side in sides]) for j in (0, 1))
-    return [top, bottom, np.column_stack([after[:-1], before[1:]])]
-
-
-def _crossings(layers: Layering, k: int, water: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the x at which the water level crosses top or bottom of stratum k between two breakpoints."""
-    top, bottom, level = _at_ends(layers, k, water, x)
-    cut = []
-    for line in (top, bottom):
-        gap = level - line
-        i = np.flatnonzero(gap[:, 0] * gap[:, 1] < 0.0)
-        at = x[i] + (x[i + 1] - x[i]) * gap[i, 0] / (gap[i, 0] - gap[i, 1])
-        cut.append(at[(at - x[i] > layers.tolerance) & (x[i + 1] - at > layers.tolerance)])
-    return np.concatenate(cut)
+    return [top, bottom, at_ends(water, x)]
 
 
 def cut_strata(

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from meshes.section.polyline import Line, Points, limits
+from meshes.section.polyline import Line, Points, limits, without_repeats
 from meshes.section.simplified import needed, with_farthest
 from meshes.section.stratum import Stratum
 from meshes.section.water import Water
@@ -240,5 +240,5 @@ def _rebuilt(x: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
     x, left, right = x[there], left[there], right[there]
     left[0], right[-1] = right[0], left[-1]
     chain = np.column_stack([np.repeat(x, 2), np.column_stack([left, right]).ravel()])
-    chain = chain[np.concatenate([[True], np.any(np.diff(chain, axis=0) != 0.0, axis=1)])]
+    chain = without_repeats(chain)
     return chain[needed(chain, ROUNDING * max(1.0, float(np.abs(chain[:, 1]).max())))]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meshes.section.polyline import Line, limits
+from meshes.section.polyline import Line, limits, without_repeats
 
 # Points closer than this are one point: a centimetre, which no survey and no log of a boring tells, or in a small model
 # a two-thousandth of its height. Left apart they would make cells that are thousands of times as long as wide.
@@ -189,7 +189,7 @@ def layering(
     x = x[(x >= x_left) & (x <= x_right)]
     x = np.union1d(x, [at for at in also if x_left < at < x_right and np.abs(x - at).min() > snap])
     ground, lines, floor = _elevations(surface, raw, is_depth, raw_base, base.elevation is None, x)
-    x = np.union1d(x, _crossings(x, ground, lines, snap))
+    x = np.union1d(x, crossings(x, [ground - line for line in lines], snap))
     ground, lines, floor = _elevations(surface, raw, is_depth, raw_base, base.elevation is None, x)
 
     problems = []
@@ -224,7 +224,7 @@ def elevations_below(surface: np.ndarray, depth: Line) -> np.ndarray:
     layers = layering(surface, depth, [None]).layering
     chain = np.stack([layers.left[:, 1], layers.right[:, 1]], axis=1).ravel()
     points = np.column_stack([np.repeat(layers.x, 2)[1:-1], chain])
-    return points[np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])]
+    return without_repeats(points)
 
 
 def snapping_length(surface: np.ndarray, base: np.ndarray, base_is_depth: bool) -> float:
@@ -268,7 +268,7 @@ def _snapped_x(lines: list[np.ndarray], snap: float) -> list[np.ndarray]:
     return snapped
 
 
-def _ends(points: np.ndarray, x: np.ndarray) -> np.ndarray:
+def at_ends(points: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Return the values of a polyline at both ends of every interval between the x, (intervals, 2)."""
     before, after = limits(points, x)
     return np.stack([after[:-1], before[1:]], axis=1)
@@ -283,25 +283,27 @@ def _elevations(
     x: np.ndarray,
 ) -> tuple[np.ndarray, list[np.ndarray], np.ndarray]:
     """Return the elevations of the ground, of every bottom and of the base over the intervals between the x."""
-    ground = _ends(surface, x)
+    ground = at_ends(surface, x)
 
     def elevation(points: np.ndarray, depth: bool) -> np.ndarray:
-        value = _ends(points, x)
+        value = at_ends(points, x)
         return ground - value if depth else value
 
     lines = [elevation(points, depth) for points, depth in zip(bottoms, is_depth, strict=True)]
     return ground, lines, elevation(base, base_is_depth)
 
 
-def _crossings(x: np.ndarray, ground: np.ndarray, lines: list[np.ndarray], snap: float) -> np.ndarray:
-    """Return the x at which lines cross the ground surface between two breakpoints."""
-    crossings = []
-    for line in lines:
-        gap = ground - line
+def crossings(x: np.ndarray, gaps: Sequence[np.ndarray], snap: float) -> np.ndarray:
+    """Return the x at which lines cross another line between two breakpoints, more than ``snap`` (m) from both.
+
+    ``gaps`` (intervals, 2) are the heights (m) of the other line above each line, at both ends of the intervals.
+    """
+    cut = [np.empty(0)]
+    for gap in gaps:
         i = np.flatnonzero(gap[:, 0] * gap[:, 1] < 0.0)
         at = x[i] + (x[i + 1] - x[i]) * gap[i, 0] / (gap[i, 0] - gap[i, 1])
-        crossings.append(at[(at - x[i] > snap) & (x[i + 1] - at > snap)])
-    return np.concatenate(crossings) if crossings else np.empty(0)
+        cut.append(at[(at - x[i] > snap) & (x[i + 1] - at > snap)])
+    return np.concatenate(cut)
 
 
 def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what: str) -> list[str]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from meshes.section.cohesion_field import CohesionField
 from meshes.section.cutting import LEAST_STRENGTH, divided_by_water
+from meshes.section.polyline import without_repeats
 from meshes.section.section import Section
 from meshes.section.stratum import Stratum
 
@@ -63,7 +64,7 @@ def _kink(field: CohesionField, k: int) -> np.ndarray:
         inside = (over[0] <= 0.0) & (over[1] >= 0.0)
         levels.append(np.where(inside, 0.5 * (upper + lower), beyond))
     ends = np.column_stack([np.column_stack([x[:-1], x[1:]]).ravel(), np.column_stack(levels).ravel()])
-    return ends[np.concatenate([[True], np.any(np.diff(ends, axis=0) != 0.0, axis=1)])]
+    return without_repeats(ends)
 
 
 def _excess(

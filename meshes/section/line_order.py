@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from meshes.section.dense_lines import CELL, NEAR, Place, mean_height
-from meshes.section.polyline import Line, pairs_of
+from meshes.section.polyline import Line, pairs_of, without_repeats
 from meshes.section.sentences import counted
 
 
@@ -87,7 +87,7 @@ def _ordered(points: np.ndarray, reach: float) -> tuple[np.ndarray, float] | Non
     """Return points (n, 2) in order, and the largest move (m); None if no move is needed, or if a move would exceed the
     reach."""
     count = len(points)
-    points = points[np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])]
+    points = without_repeats(points)
     if len(points) < 2:
         return None
     x, z = points.T

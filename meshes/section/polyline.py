@@ -141,6 +141,11 @@ def limits(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return left, right
 
 
+def without_repeats(points: np.ndarray) -> np.ndarray:
+    """Return the points (n, 2) of a line without those that are equal to the point before them."""
+    return points[np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])]
+
+
 def downhill(ground: np.ndarray) -> int:
     """Return +1 if a surface (n, 2) falls to the right from one end to the other, -1 if it falls to the left."""
     return 1 if ground[0, 1] >= ground[-1, 1] else -1
@@ -155,4 +160,15 @@ def level_at(level: np.ndarray, x: np.ndarray, near: np.ndarray) -> np.ndarray:
     return np.where(near < x, before, after)
 
 
-__all__ = ["ElevationOrLine", "Line", "Points", "Polyline", "Quantity", "downhill", "level_at", "limits", "read_points"]
+__all__ = [
+    "ElevationOrLine",
+    "Line",
+    "Points",
+    "Polyline",
+    "Quantity",
+    "downhill",
+    "level_at",
+    "limits",
+    "read_points",
+    "without_repeats",
+]
