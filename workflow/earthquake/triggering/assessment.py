@@ -30,10 +30,14 @@ CLAY = 'clay by its strength, φ = 0, and its plasticity index is not known; liq
 class Judged:
     """Holds one test and its factor F_L.
 
-    Attributes ---------- boring, x, sample : place and result of the test top, bottom : range of depth (m) that the
-    test represents, half-way to its neighbours in the same stratum length : length of the stretch of the section for
-    which this boring is the nearest one (m) where : stresses and stratum at the test outcome : demand, resistance and
-    F_L by the method; None if the method does not apply reason : why the method does not apply
+    Attributes
+    ----------
+    boring, x, sample : place and result of the test
+    top, bottom : range of depth (m) that the test represents, half-way to its neighbours in the same stratum
+    length : length of the stretch of the section for which this boring is the nearest one (m)
+    where : stresses and stratum at the test
+    outcome : demand, resistance and F_L by the method; None if the method does not apply
+    reason : why the method does not apply
     """
 
     boring: str
