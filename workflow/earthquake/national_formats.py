@@ -41,11 +41,6 @@ SMC_QUANTITIES: dict[str, tuple[str, str]] = {
 }
 
 
-def is_geonet(lines: Lines) -> bool:
-    """Return whether these are lines of a file of GeoNet."""
-    return bool(lines) and bool(GEONET.match(lines[0]))
-
-
 def geonet(lines: Lines) -> list[RecordedSeries]:
     """Read GeoNet V1 and V2: for each component a heading of 26 lines, acceleration (mm/s²), velocity and
     displacement."""
@@ -83,11 +78,6 @@ def _recorded(values: np.ndarray) -> np.ndarray:
     return values[known[0] : known[-1] + 1]
 
 
-def is_bhrc(lines: Lines) -> bool:
-    """Return whether these are lines of a file of BHRC."""
-    return bool(lines) and bool(BHRC.match(lines[0]))
-
-
 def bhrc(lines: Lines) -> list[RecordedSeries]:
     """Read BHRC, volume 1: for each component a heading of 27 lines and acceleration, as a rule in tenths of g."""
     components: list[RecordedSeries] = []
@@ -112,11 +102,6 @@ def bhrc(lines: Lines) -> list[RecordedSeries]:
             called = f"{name}: {azimuths[name]}" if name in azimuths else name
             components.append(RecordedSeries("BHRC", called, time, scale * values, measured, "acceleration"))
     return components
-
-
-def is_smc(lines: Lines) -> bool:
-    """Return whether these are lines of an SMC file of the USGS."""
-    return bool(lines) and bool(SMC.match(lines[0]))
 
 
 def smc(lines: Lines) -> list[RecordedSeries]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from meshes.section.motion_units import motion_unit, time_unit
-from workflow.earthquake.national_formats import bhrc, geonet, is_bhrc, is_geonet, is_smc, smc
+from workflow.earthquake.national_formats import BHRC, GEONET, SMC, bhrc, geonet, smc
 from workflow.earthquake.recorded_series import RecordedSeries, fixed_numbers, free_numbers, steps
 
 Lines = Sequence[str]
@@ -240,6 +240,10 @@ def word_of(heading: str) -> str:
     return match[0] if match else ""
 
 
+def _first(pattern: re.Pattern[str]) -> Callable[[Lines], bool]:
+    return lambda lines: bool(lines) and bool(pattern.match(lines[0]))
+
+
 def _any(*patterns: re.Pattern[str]) -> Callable[[Lines], bool]:
     return lambda lines: any(pattern.search(line) for line in lines[:HEADING] for pattern in patterns)
 
@@ -250,14 +254,14 @@ def _is_knet(lines: Lines) -> bool:
 
 
 FORMATS = (
-    NetworkFormat("", lambda lines: bool(lines) and bool(SPECTRA.match(lines[0])), spectra),
-    NetworkFormat("GeoNet V1 and V2", is_geonet, geonet),
-    NetworkFormat("BHRC V1", is_bhrc, bhrc),
+    NetworkFormat("", _first(SPECTRA), spectra),
+    NetworkFormat("GeoNet V1 and V2", _first(GEONET), geonet),
+    NetworkFormat("BHRC V1", _first(BHRC), bhrc),
     NetworkFormat("COSMOS V1 and V2", _any(COSMOS, COSMOS_REALS), cosmos),
     NetworkFormat("CSMIP V1 and V2", _any(CSMIP_V1, CSMIP_V2), csmip),
     NetworkFormat("RENADIC", _any(FILM), film),
     NetworkFormat("K-NET and KiK-net", _is_knet, knet),
-    NetworkFormat("SMC", is_smc, smc),
+    NetworkFormat("SMC", _first(SMC), smc),
     NetworkFormat("ESM", lambda lines: any(line.startswith("SAMPLING_INTERVAL_S:") for line in lines[:HEADING]), esm),
     NetworkFormat("PEER .AT2, .VT2, .DT2", _any(PEER_NEW, PEER_OLD), peer),
 )
