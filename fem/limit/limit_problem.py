@@ -33,6 +33,8 @@ class Places:
     normal: np.ndarray
 
 
+# Traction, over the unit of stress, that is none but for rounding.
+NO_TRACTION = 1e-12
 # Traction (k, 2) in Pa on a boundary, and pressure (k,) in Pa outside; linear along every edge of the mesh.
 EdgeTraction = Callable[[Places], np.ndarray]
 Outside = Callable[[Places], np.ndarray]
@@ -240,9 +242,20 @@ def limit_problem(mesh: TriMesh, body: RigidPlasticBody, units: Units) -> LimitP
         tension=_tension(mesh, body) / units.stress,
         dead_force=_on_skeleton(mesh, body) * per_volume,
         live_force=body.live_force[mesh.stratum] * per_volume,
-        outline=replace(outline, dead=outline.dead / units.stress, live=outline.live / units.stress),
-        jumps=jumps._replace(traction=jumps.traction / units.stress),
+        outline=replace(
+            outline,
+            dead=_beyond_rounding(outline.dead / units.stress),
+            live=_beyond_rounding(outline.live / units.stress),
+        ),
+        jumps=jumps._replace(traction=_beyond_rounding(jumps.traction / units.stress)),
     )
+
+
+def _beyond_rounding(traction: np.ndarray) -> np.ndarray:
+    """Return dimensionless tractions, exactly zero where they are rounding errors, such as the pressure of water that
+    ends at this point: whether a traction is zero decides which corners have no stress.
+    """
+    return np.where(np.abs(traction) <= NO_TRACTION, 0.0, traction)
 
 
 def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:

@@ -20,8 +20,6 @@ DEPENDENT = 1e-12
 # Largest eigenvalue of the yield function on the stresses that a point leaves free, over that of the whole cone, at
 # which none of them is inside the cone.
 OUTSIDE = 1e-9
-# In place of an edge's number on the outline: tractions across it jump by a known amount, which is not zero.
-JUMPS = -2
 # Rows of σxx - σyy and σxy of a stress [xx, yy, xy]: both zero where the pressure is the same all round.
 ROUND = np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
 # Cohesion, over the unit of stress, that is none but for rounding.
@@ -65,11 +63,12 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     at_loose[mesh.cells[loose]] = True
     place = np.full(len(mesh.edges), -1)
     place[outline.edges] = np.arange(len(outline.edges))
-    place[problem.jumps.edges] = JUMPS
+    jumps = np.zeros((len(mesh.edges), 2), dtype=bool)  # ends of edges across which tractions jump by a known amount
+    jumps[problem.jumps.edges] = ((problem.jumps.traction != 0.0) | (problem.jumps.live != 0.0)).any(axis=2)
     free = np.zeros(mesh.cells.shape, dtype=bool)
     for point, cells, corners in fans(problem, np.flatnonzero(touches & at_loose)):
         round_there = round_corners[cells, corners]
-        equations = _traction_equations(problem, point, cells, place, known)
+        equations = _traction_equations(problem, point, cells, (place, jumps, known))
         equations = np.vstack([equations, np.kron(np.eye(len(cells))[round_there], ROUND)])
         may_be_zero = round_there | (problem.cohesion[cells] == 0.0).all(axis=1)
         zero = np.zeros(len(cells), dtype=bool)
@@ -108,16 +107,20 @@ def _crests(problem: LimitProblem) -> np.ndarray:
 
 
 def _traction_equations(
-    problem: LimitProblem, point: int, cells: np.ndarray, place: np.ndarray, known: np.ndarray
+    problem: LimitProblem, point: int, cells: np.ndarray, conditions: tuple[np.ndarray, np.ndarray, np.ndarray]
 ) -> np.ndarray:
-    """Return the equations of the tractions at a point for the stresses of its cells: continuity across inner edges,
-    and zero traction where it is prescribed.
+    """Return the equations of the tractions at a point for the stresses of its cells: continuity across inner edges
+    unless tractions jump at this end of the edge, and zero traction where it is prescribed.
+
+    ``conditions``: the number of every edge on the outline, or -1; whether tractions jump at either end of every edge;
+    the components of the tractions at the ends of the outline that are zero.
     """
     mesh, outline = problem.mesh, problem.outline
+    place, jumps, known = conditions
     rows = []
     for edge in np.unique(mesh.cell_edges[cells]):
         ends = mesh.edges[edge]
-        if point not in ends or place[edge] == JUMPS:
+        if point not in ends or jumps[edge, int(ends[1] == point)]:
             continue
         along = mesh.points[ends[1]] - mesh.points[ends[0]]
         x, y = np.array([along[1], -along[0]]) / np.hypot(*along)

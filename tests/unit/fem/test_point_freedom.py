@@ -107,6 +107,27 @@ def test_sand_that_touches_the_surface_between_two_strips_has_no_stress_there():
     assert not notes
 
 
+def test_sand_below_clay_whose_pore_pressure_ends_at_the_ground_has_no_stress_there() -> None:
+    """Pore pressure jumps along the contact and is zero, to rounding, where the contact comes out of the face, so
+    that tractions are continuous there. Without this condition the stress lay 7e-07 beyond the yield surface.
+    """
+    contact = {"elevation": [[0, 6], [24, 6]]}
+    clay = layer("clay", cohesion="20 kPa", friction_angle=0, pore_pressure_ratio=0.3, bottom=contact)
+    sand = layer("sand", cohesion=0, friction_angle="33 deg")
+    data = {"name": "touch", "surface": [[0, 10], [24, 2]], "base": {"elevation": 0}, "strata": [clay, sand]}
+    section, settings = Section.parse(data), FemSettings(sides="fixed")
+    strong = strengthened(section, shallow_failures(section, settings), settings)
+    mesh = first_mesh(strong, 300)
+    body = body_of(strong, mesh, settings, davis=False)
+    problem = limit_problem(mesh, body, units_of(mesh, body))
+    touches = np.isclose(problem.points[problem.mesh.cells], [12.0, 6.0]).all(axis=2) & (problem.cohesion == 0.0)
+    assert touches.any()
+    assert np.all(stress_free_corners(problem)[touches])
+    _, notes, stress = proven_lower_bound(problem)
+    assert stress is not None
+    assert not notes
+
+
 @pytest.mark.parametrize("noise", [1e-9, 1e-8, 1e-7, 1e-5])
 def test_contacts_that_are_all_but_straight_do_not_cost_the_bounds(noise):
     """Edges of bisected triangles go on straight through their middles; here they have a kink of ``noise`` m."""
