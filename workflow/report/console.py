@@ -28,9 +28,9 @@ from workflow.report.texts import Texts
 from workflow.report.triggering import triggering_sentences
 from workflow.report.verdicts import verdict_paragraph
 from workflow.report.warnings import sides_warning, split
-from workflow.results.accuracy import accuracy, exceeds, of_meshes
+from workflow.results.accuracy import accuracy, exceeds, of_meshes, remaining_error, strict_factor
 from workflow.results.answer import FORCE, SectionLabel, way_out
-from workflow.results.bounds import BoundsAnswer
+from workflow.results.bounds import BoundsAnswer, SafetyPart
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
@@ -95,15 +95,22 @@ def fem_sentences(
     yield from own_dilation_sentences(answer)
     yield from comparison_sentences(answer)
     for factor in answer.safety_factors:
-        yield safety_sentence(factor, answer, every) + (_above_bound(factor, results) if results is not None else "")
+        strict = strict_factor(results, answer, factor, answer.flow) if results is not None else None
+        excess = _above_bound(factor, results) if results is not None else ""
+        yield safety_sentence(factor, answer, every, strict) + excess
     for warning in (*answer.warnings, *(results.warnings_by_bounds() if results is not None else ())):
         yield f"{'Contradiction' if warning.contradiction else 'Warning'}: {warning.what} To do: {warning.remedy}."
     for _, text in sides_warning(answer, section):
         yield "Warning: {} To do: {}".format(*split(text))
 
 
-def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = True) -> str:
-    """Return a factor of safety and the extent of its slip surface; with ``every`` also details of its computation."""
+def safety_sentence(
+    factor: FactorOfSafety, answer: FemAnswer, every: bool = True, strict: SafetyPart | None = None
+) -> str:
+    """Return a factor of safety and the extent of its slip surface; with ``every`` also details of its computation.
+
+    ``strict``: strict bounds of the factor, which limit the error by the mesh.
+    """
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
     rest = f", with a mesh error of {100 * factor.rest:.1f} % or less" if factor.rest is not None else ""
     compared = factor.davis if factor.davis is not None else factor.associated
@@ -114,7 +121,7 @@ def safety_sentence(factor: FactorOfSafety, answer: FemAnswer, every: bool = Tru
     end = "This is " if of_mesh else f"{factor.verdict.capitalize()}{most}, "
     phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {end}{factor.reason}{rest}."
     if not every:
-        gain = factor.rest or 0.0
+        gain = remaining_error(factor, strict) or 0.0 if factor.rest is not None else 0.0
         finer = f" A finer mesh may give {100 * gain:.1f} % less." if gain >= LEAST_REST else ""
         phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}.{finer}"
     if factor.slip_surface:

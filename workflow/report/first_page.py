@@ -226,17 +226,19 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
 
 
 def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> str:
-    """Return the interval of a factor of safety. The interval follows from strict bounds under the same conditions,
-    else from the error by the mesh, else from the distance between the critical Kh on the same mesh and its strict
-    bounds. The interval is empty if none of these is known.
+    """Return the interval of a factor of safety. The interval follows from strict bounds under the same conditions and
+    the error by the mesh, else from the distance between the critical Kh on the same mesh and its strict bounds. The
+    interval is empty if none of these is known.
     """
     strict = strict_factor(results, fem, factor, fem.flow)
-    if strict is not None:
-        low, high = f"{strict.lower:.2f}", f"{strict.upper:.2f}"
-        return _from_to(low, high, proven_by(strict.shallow_failure is not None), _)
-    if factor.rest is not None:
-        low = f"{factor.factor * (1.0 - factor.rest):.2f}"
-        return _from_to(low, f"{factor.factor:.2f}", METHODS[0], _)
+    by_meshes = None if factor.rest is None else (factor.factor * (1.0 - factor.rest), factor.factor)
+    if strict is not None and strict.lower is not None and strict.upper is not None:
+        low, high, method = strict.lower, strict.upper, proven_by(strict.shallow_failure is not None)
+        if by_meshes is not None and by_meshes[0] <= high and low <= by_meshes[1]:
+            low, high, method = max(low, by_meshes[0]), min(high, by_meshes[1]), f"{method} and {METHODS[0][3:]}"
+        return _from_to(f"{low:.2f}", f"{high:.2f}", method, _)
+    if by_meshes is not None:
+        return _from_to(f"{by_meshes[0]:.2f}", f"{by_meshes[1]:.2f}", METHODS[0], _)
     error = accuracy(results, fem)
     if error is None or not fem.has_kc or error.low <= 0.0:
         return ""

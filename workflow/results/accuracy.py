@@ -80,6 +80,15 @@ def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety, flow
     return next((part for part in both if part.kh == factor.kh), None)
 
 
+def remaining_error(factor: FactorOfSafety, strict: SafetyPart | None) -> float | None:
+    """Return the share by which a factor of safety may still be too large: by the sequence of meshes, and no more than
+    its ``strict`` lower bound leaves; None if neither is known."""
+    if strict is None or strict.lower is None:
+        return factor.rest
+    left = max(0.0, 1.0 - strict.lower / factor.factor)
+    return left if factor.rest is None else min(left, factor.rest)
+
+
 def proven_by(strengthened: bool) -> str:
     """Return the name of the bounds that limit an interval: bounds of the ground of the section file, or of ground with
     its bare faces ``strengthened``."""

@@ -54,6 +54,25 @@ def test_a_headline_never_lies_above_the_strict_upper_bound(above: float) -> Non
     assert ("0.4 % above the strict upper bound, 1.424: use this bound" in console) == (above > 0.001)
 
 
+@pytest.mark.parametrize(("lower", "message"), [(1.30, "2.0 % less"), (1.41, "1.0 % less"), (1.424, "")])
+def test_a_finer_mesh_cannot_give_less_than_the_strict_lower_bound(lower: float, message: str) -> None:
+    """Elements 1.564, a lower bound of 1.562, and yet "a finer mesh may give 1.9 % less"."""
+    run = analysed(slope())
+    factor = FactorOfSafety(
+        kh=0.0, factor=1.424, upper=1.424, verdict="plateau", reason="", curve=(), shallow_failure=None, rest=0.02
+    )
+    answer = fem(run, 0.2).model_copy(update={"safety_factors": (factor,)})
+    part = SafetyPart(kh=0.0, lower=lower, upper=1.44, cells=100)
+    judged = results(run, fem=answer, bounds=bounds(run, 0.199, 0.2).model_copy(update={"safety": (part,)}))
+    console = " ".join(fem_sentences(answer, run.section, False, judged))
+    assert ("A finer mesh may give" in console) == bool(message)
+    assert message in console
+    interval = headlines(judged, Texts())[1].interval
+    low = f"{max(lower, 0.98 * 1.424):.2f}"
+    expected = "1.42" if low == "1.42" else f"{low} to 1.42"
+    assert interval == f"{expected} by strict bounds and the sequence of meshes"
+
+
 @pytest.mark.parametrize(
     ("middle", "message"),
     [
