@@ -13,7 +13,7 @@ from meshes.section.section import Model, Section
 Element = Literal["quadratic", "reduced", "bilinear"]
 Sides = Literal["free-field", "smooth", "fixed", "periodic"]
 DirectionSetting = Literal["both", "downhill", "uphill"]
-FlowSetting = Literal["auto", "davis", "associated", "section"]
+FlowSetting = Literal["auto", "davis", "associated", "non-associated"]
 DavisForm = Literal["A", "B", "C"]
 
 # Accuracies are shares of Kh, or of this Kh where Kh is smaller: nobody designs by the fourth decimal. In the factor of
@@ -143,7 +143,7 @@ class FemSettings(Model):
         default="auto",
         description=(
             '"associated" sets ψ = φ, "davis" takes Davis\'s estimate where ψ < φ (less strength, associated '
-            'flow), "section" follows the non-associated path with the ψ of the strata; "auto": "associated", '
+            'flow), "non-associated" follows an equilibrium path with the ψ of the strata; "auto": "associated", '
             'or "davis" where the strata give a dilation angle below φ. Results by one of the first two also '
             "state the result by the other one"
         ),
@@ -177,7 +177,7 @@ class FemSettings(Model):
         le=0.1,
         description=(
             "displacement over which the viscous overstress decays, over the elastic displacement; it is "
-            'used with flow = "section"'
+            'used with flow = "non-associated"'
         ),
     )
     safety_factor_at: tuple[Annotated[float, Field(ge=-LARGEST, le=LARGEST)], ...] = Field(

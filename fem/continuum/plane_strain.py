@@ -95,7 +95,7 @@ class PlaneStrain:
         element: Element,
         comm: Any = None,
         threads: int = 1,
-        flow: FlowSetting = "section",
+        flow: FlowSetting = "non-associated",
         form: DavisForm = "B",
     ) -> None:
         """Discretise ``mesh`` of ``strata`` with finite elements of type ``element`` on the ranks of ``comm``, with
@@ -237,7 +237,7 @@ class PlaneStrain:
         if self.overstress < ELASTIC_SHARE:
             self._tangent += ELASTIC_SHARE * self._elastic[self.material]
         if self._solver is None:
-            self._solver = LinearSolver(self.grid, self.exchange, symmetric=self.flow != "section")
+            self._solver = LinearSolver(self.grid, self.exchange, symmetric=self.flow != "non-associated")
         self._solver.factorise(self._tangent, self._hourglass, self._free_local, self._fixed_owned)
 
     def solve(self, force: np.ndarray) -> np.ndarray:

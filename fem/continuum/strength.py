@@ -27,7 +27,7 @@ import numpy as np
 from fem.settings import DavisForm, FlowSetting
 from meshes.section.section import Section, Stratum
 
-Flow = Literal["davis", "associated", "section"]
+Flow = Literal["davis", "associated", "non-associated"]
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def strength_of(
 ) -> StrataStrength:
     """Return the flow rule and the strength of the strata, divided by ``factor``; tension cut-offs are divided, too.
 
-    "section" takes ψ as given, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and tan φ in one
+    "non-associated" takes the given ψ, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and tan φ in one
     of Davis's three forms and then sets ψ = φ; "auto" is one of these (``flow_of``). At a tension cut-off the flow is
     associated, whatever the flow rule is. ``form``: Davis's form, "A", "B" or "C".
     """
@@ -106,7 +106,7 @@ def strength_of(
     full_friction = np.array([s.friction_angle for s in strata])
     dilation = np.array([s.dilation for s in strata])
     friction = np.arctan(np.tan(full_friction) / factor)
-    if flow == "section":
+    if flow == "non-associated":
         return StrataStrength(cohesion, friction, np.minimum(dilation, friction), tension)
     if flow == "davis":
         match form:
@@ -152,7 +152,7 @@ def tensile_strengths(strata: Sequence[Stratum]) -> np.ndarray:
 
 def is_associated(strata: Sequence[Stratum], flow: FlowSetting) -> bool:
     """Return whether the analysis has ψ = φ in every stratum, so that the limit load is unique."""
-    return flow != "section" or is_dilating_fully(strata)
+    return flow != "non-associated" or is_dilating_fully(strata)
 
 
 def is_dilating_fully(strata: Sequence[Stratum]) -> bool:

@@ -60,7 +60,7 @@ class CriticalResult:
     element : Element
         The element that was used.
     flow : Flow
-        The flow rule: "davis", "associated" or "section".
+        The flow rule: "davis", "associated" or "non-associated".
     direction : Direction
         Direction of the seismic force, "downhill" or "uphill" by the ends of the surface.
     sign : int

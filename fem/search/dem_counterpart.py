@@ -32,7 +32,7 @@ def non_associated_path(
     Raises InputError, UnstableError and NoEquilibriumError.
     """
     # fields are asked for beyond the path alone, so that it is not taken once more for some on its way
-    wish = settings.changed(flow="section", kh=(LARGEST,))
+    wish = settings.changed(flow="non-associated", kh=(LARGEST,))
     way: list[tuple[float, np.ndarray]] = []  # Kh and displacements (points, 2) in m
 
     def step(path: EquilibriumPath) -> None:

@@ -92,7 +92,7 @@ def limit_load(problem, fixed, load, control, rule=None, **settings):
     return find_limit_load(path, ductility, math.inf, rule or PlateauRule(growth=0.001, latest=60.0)), path
 
 
-def footing(element, phi, cells, surcharge=False, growth=1.15, psi=None, flow="section", **settings):
+def footing(element, phi, cells, surcharge=False, growth=1.15, psi=None, flow="non-associated", **settings):
     """Bearing capacity factor of a rough rigid footing on weightless ground: Nc, or Nq under a ``surcharge``.
 
     The ground dilates by ``psi`` (deg), by φ if none is given; ``flow`` says what is made of less.

@@ -118,10 +118,10 @@ def test_the_verdict_counts_peak_strength_and_the_slip_surface(
 
 @pytest.mark.slow
 def test_a_dilation_angle_that_is_taken_as_given_is_followed_along_a_path(tmp_path: Path) -> None:
-    """With flow = "section" there is no limit load, and the peak has the factor of its path, no mechanism."""
+    """With flow = "non-associated" there is no limit load, and the peak has the factor of its path, no mechanism."""
     path = written(tmp_path, "5 kPa", cohesion="20 kPa", friction_angle="25 deg", dilation_angle="5 deg",
                    residual_friction_angle="15 deg")  # fmt: skip
-    coarse = ("--set", "fem.flow=section", "--set", "mesh.max_cells=150")
+    coarse = ("--set", "fem.flow=non-associated", "--set", "mesh.max_cells=150")
     assert command_line.run("residual", path, "--out", tmp_path / "run", "--quiet", *coarse) == 0
     steps = json.loads((tmp_path / "run/fem/residual.json").read_text())["steps"]
     assert steps["notes"] == []

@@ -80,7 +80,7 @@ def shaking(folder: Path) -> Config:
         "mesh": {"method": "free", "size": 3.0},
         "site_response": {"record": quake, "scale": 0.1, "slip_depth": 4.0},
         "water_table": {"depth": 0.5},
-        "fem": {**data["fem"], "flow": "section"},
+        "fem": {**data["fem"], "flow": "non-associated"},
         "bounds": {**data["bounds"], "safety_factor": True},
         "earthquake": {"magnitude": 7.5, "peak_acceleration": "300 gal"},
         "triggering": {"borings": [{"name": "B-1", "x": 50.0, "spt": tests}]},

@@ -55,6 +55,7 @@ class Renamed:
 
 RENAMED = (
     Renamed("fem", "sides", values={"roller": "free-field", "tied": "periodic"}),
+    Renamed("fem", "flow", values={"section": "non-associated"}),
     Renamed("slide", "judges", new_key="methods"),
 )
 # Keys of the files that a run leaves.

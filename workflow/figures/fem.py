@@ -82,7 +82,7 @@ def _flow_in_words(config: Config) -> str:
             return "ψ = φ"
         case "davis":
             return f"Davis's estimate for ψ = {_dilations(config.section)}"
-        case "section":
+        case "non-associated":
             return f"the given ψ ({_dilations(config.section)})"
     assert_never(flow)
 

@@ -19,7 +19,7 @@ FLOWS: Mapping[Flow, str] = {
     "associated": "The ground yields with ψ = φ: ground that dilates less is not stronger (Radenkovic 1961).",
     "davis": "Where ψ < φ, c and tan φ are reduced by Davis's factor and the ground yields with ψ = φ (Davis 1968): an "
     "estimate, and no bound.",
-    "section": "Yielding ground dilates with the given ψ; the limit load is then not unique.",
+    "non-associated": "Yielding ground dilates with the given ψ; the limit load is then not unique.",
 }
 DIRECTIONS: Mapping[DirectionSetting, str] = {
     "both": "The seismic force acts downslope in one analysis and upslope in another.",

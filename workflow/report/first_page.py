@@ -26,7 +26,7 @@ from workflow.results.verdicts import HeadlinePart
 FLOW: Mapping[str, str] = {
     "associated": "associated flow, ψ = φ",
     "davis": "Davis reduced strength",
-    "section": "non-associated flow with the given ψ",
+    "non-associated": "non-associated flow with the given ψ",
 }
 IN_FULL = {**FLOW, "davis": "Davis reduced strength, for soil that dilates less than ψ = φ"}  # where it is first named
 SIDES: Mapping[str, str] = {

@@ -22,7 +22,7 @@ BLOCKS: Mapping[Flow, str] = {
     "sliding blocks and their relations were verified.",
     "davis": "The yield coefficient is the critical Kh by Davis's estimate, as set in the section: with ψ = φ the "
     "blocks would slide less.",
-    "section": "The yield coefficient is the critical Kh with the given ψ, as set in the section: with ψ = φ the "
+    "non-associated": "The yield coefficient is the critical Kh with the given ψ, as set in the section: with ψ = φ the "
     "blocks would slide less.",
 }
 # The same of discs, and of the verdict on liquefied ground.
@@ -54,7 +54,7 @@ def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, s
             return phrase if compared is None else f"{phrase}; {estimate}, which is no bound: {_low(compared, shown)}"
         case "davis":
             phrase = f"{shown(value)} by {estimate}, which is no bound"
-        case "section":
+        case "non-associated":
             phrase = f"{shown(value)} with the given ψ by a non-associated path"
         case _:
             assert_never(flow)

@@ -144,7 +144,7 @@ def strict_kh(results: Results, fem: FemAnswer, flow: Flow, direction: Direction
             bracket = bounds.towards(direction)
         case "davis":
             bracket = bounds.substitute.towards(direction) if bounds.substitute is not None else None
-        case "section":
+        case "non-associated":
             bracket = None
         case _:
             assert_never(flow)

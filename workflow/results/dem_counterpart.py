@@ -14,7 +14,7 @@ from workflow.results.continuum import FemAnswer, PathVerdict, displacement_at
 FLOWS: Mapping[Flow, str] = {
     "davis": "Davis's estimate",
     "associated": "ψ = φ",
-    "section": "non-associated flow with the given ψ",
+    "non-associated": "non-associated flow with the given ψ",
 }
 
 
@@ -29,7 +29,7 @@ class DemCounterpart(Answer):
     verdict: PathVerdict
     reason: str
     sides: Sides
-    flow: Flow = Field(description='flow rule; "section" is a non-associated path with the given ψ')
+    flow: Flow = Field(description='flow rule; "non-associated" is a non-associated path with the given ψ')
     deeper_than_m: float | None = Field(
         default=None,
         description=(

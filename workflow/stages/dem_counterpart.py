@@ -54,7 +54,7 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
     fem = FemAnswer.read(store)
     known = _in_the_box_of_discs(config, store, fem, tell) or DemCounterpart.of(fem)
     sides = sides_of_discs(config)
-    if known.sides != sides or known.flow == "section" or is_dilating_fully(config.section.strata):
+    if known.sides != sides or known.flow == "non-associated" or is_dilating_fully(config.section.strata):
         return known
     mesh = stored_mesh(config.section, store)
     depth = known.deeper_than_m or config.fem.least_depth
@@ -75,7 +75,7 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
     return known.model_copy(
         update={
             "kc": path.kc, "kc_upper": max(path.kc, min(path.upper, most)), "verdict": path.verdict,
-            "reason": path.reason, "flow": "section", "curve": curve,
+            "reason": path.reason, "flow": "non-associated", "curve": curve,
             "yielding_m": displacement_at(curve, path.kc, YIELDED), "slip_surface": line(surface),
         }
     )  # fmt: skip

@@ -28,7 +28,7 @@ PATH_CELLS = 2500
 FLOWS: Mapping[Flow, str] = {
     "davis": "Davis's estimate",
     "associated": "ψ = φ",
-    "section": "the flow rule of the given ψ (equilibrium path)",
+    "non-associated": "the flow rule of the given ψ (equilibrium path)",
 }
 
 
@@ -187,7 +187,7 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
         return name, f"sides {sides} instead of {fem.sides}", config.with_settings("fem", sides=sides)
     if name == "dilation" and not is_dilating_fully(config.section.strata):
         own_flow = flow_of(config.section.strata, fem.flow)
-        flow: Flow = "davis" if own_flow == "section" else "section"
+        flow: Flow = "davis" if own_flow == "non-associated" else "non-associated"
         return name, f"{FLOWS[flow]} instead of {FLOWS[own_flow]}", config.with_settings("fem", flow=flow)
     return None
 

@@ -56,7 +56,7 @@ def test_form_c_is_associated_once_the_reduced_friction_is_below_the_dilation():
 
 
 def test_flow_as_given_keeps_dilation_below_the_reduced_friction():
-    strength = strength_of([soil(phi=30.0, psi=20.0)], "section", 2.0)
+    strength = strength_of([soil(phi=30.0, psi=20.0)], "non-associated", 2.0)
     assert strength.dilation[0] == strength.friction[0] == pytest.approx(math.atan(math.tan(math.radians(30.0)) / 2.0))
 
 
@@ -67,7 +67,7 @@ def test_the_flow_is_with_psi_equal_to_phi_unless_a_dilation_angle_below_phi_is_
     silent, none, full = stratum(), stratum(dilation_angle="0 deg"), stratum(dilation_angle="30 deg")
     assert flow_of([silent, full], "auto") == "associated"
     assert flow_of([silent, none], "auto") == "davis"
-    for flow in ("davis", "associated", "section"):
+    for flow in ("davis", "associated", "non-associated"):
         assert flow_of([silent, none], flow) == flow
     assert davis_words([0.0, 0.0]) == "Davis's estimate for ψ = 0"
     assert davis_words([0.0, 0.1]) == "Davis's estimate for the given ψ"
@@ -77,7 +77,7 @@ def test_the_flow_is_with_psi_equal_to_phi_unless_a_dilation_angle_below_phi_is_
 
 def test_only_flow_as_given_can_be_non_associated():
     sand, clay = soil(phi=30.0, psi=0.0), soil(phi=0.0, psi=0.0)
-    assert not is_associated([sand, clay], "section")
-    assert is_associated([clay], "section")
+    assert not is_associated([sand, clay], "non-associated")
+    assert is_associated([clay], "non-associated")
     assert is_associated([sand], "davis")
     assert is_associated([sand], "associated")

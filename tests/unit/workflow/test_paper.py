@@ -109,7 +109,7 @@ def test_states_of_the_discs(s13: Config) -> None:
         (0.22, 0.23, "associated", "above the strict upper bound"),
         (0.25, 0.26, "davis", "contradicts these bounds"),
         (0.22, 0.23, "davis", "no smaller ψ can exceed"),
-        (0.22, 0.23, "section", "no smaller ψ can exceed"),
+        (0.22, 0.23, "non-associated", "no smaller ψ can exceed"),
     ],
 )
 def test_upper_bounds_judge_every_smaller_dilation_and_lower_ones_their_own(

@@ -53,6 +53,20 @@ def test_every_way_to_write_a_setting_is_rewritten(text: str) -> None:
     assert rewritten(text, "old.toml")[0] == text.replace("tied", "periodic")
 
 
+def test_the_flow_rule_of_a_path_has_the_name_of_the_field() -> None:
+    """The old word is that of a section, too, which stays."""
+    old = 'name = "section"\n[fem]\nflow = "section"\n'
+    text, changes = rewritten(old, "old.toml")
+    assert text == 'name = "section"\n[fem]\nflow = "non-associated"\n'
+    assert changes == ['line 3: "section" -> "non-associated"']
+    assert [line.split(";")[0] for line in notices(tomllib.loads(old))] == [
+        'fem.flow = "section" is now fem.flow = "non-associated"'
+    ]
+    assert current_answer({"flow": "section", "section": {"flow": True}}) == {
+        "flow": "non-associated", "section": {"flow": True},
+    }  # fmt: skip
+
+
 def test_a_word_that_is_spelt_out_by_escapes_is_told() -> None:
     with pytest.raises(InputError, match=r'change by hand: fem.sides = "tied" is now fem.sides = "periodic"'):
         rewritten('[fem]\nsides = "t\\u0069ed"', "old.toml")

@@ -30,7 +30,7 @@ from workflow.stages.variants import (
         ({}, "mesh", "cells of half the size"),
         ({}, "element", "bilinear element instead of quadratic"),
         ({"fem": {"element": "quadratic"}}, "step", "first step of Kh 0.04 instead of 0.02"),
-        ({"fem": {"flow": "section"}}, "step", "first step of Kh 0.04 instead of 0.02"),
+        ({"fem": {"flow": "non-associated"}}, "step", "first step of Kh 0.04 instead of 0.02"),
         ({}, "sides", "sides fixed instead of free-field"),
         ({"fem": {"sides": "fixed"}}, "sides", "sides free-field instead of fixed"),
         ({}, "dilation", "the flow rule of the given ψ (equilibrium path) instead of ψ = φ"),
@@ -40,7 +40,7 @@ from workflow.stages.variants import (
             "the flow rule of the given ψ (equilibrium path) instead of Davis's estimate",
         ),
         (
-            {"fem": {"flow": "section"}},
+            {"fem": {"flow": "non-associated"}},
             "dilation",
             "Davis's estimate instead of the flow rule of the given ψ (equilibrium path)",
         ),

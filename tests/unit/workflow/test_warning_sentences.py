@@ -69,7 +69,7 @@ def test_a_target_of_the_discs_that_is_not_sharp_is_told(run: Config) -> None:
     like = DemCounterpart.of(fem(run, 0.16).model_copy(update={"curve": (step,)}))
     result = results(run, dem=dem_fixture.critical(run, 0.16), dem_counterpart=like)
     assert not any("boundary conditions of the discs" in item for item in warned(result))
-    wide = like.model_copy(update={"kc_upper": 0.226, "flow": "section"})
+    wide = like.model_copy(update={"kc_upper": 0.226, "flow": "non-associated"})
     warnings = warned(results(run, dem=dem_fixture.critical(run, 0.16), dem_counterpart=wide))
     assert (
         "of the discs (free-field sides, non-associated flow with the given ψ) fail between Kh = 0.160 and 0.226. "

@@ -63,7 +63,7 @@ def test_an_endless_slope_under_still_water_is_one_of_buoyant_soil(level: float,
 
 def test_the_path_of_equilibria_comes_there_too() -> None:
     ground = endless(12.0, cohesion="5 kPa", friction_angle="20 deg", dilation_angle="20 deg")
-    mesh, path = generate(ground, MESH), PERIODIC.model_copy(update={"element": "quadratic", "flow": "section"})
+    mesh, path = generate(ground, MESH), PERIODIC.model_copy(update={"element": "quadratic", "flow": "non-associated"})
     kc, factor = closed_form(5e3, 20.0)
     critical_result = critical_coefficient(ground, mesh, path, MPI.COMM_SELF)
     assert critical_result.kc == pytest.approx(kc, rel=0.03)

@@ -19,7 +19,7 @@ from tests.support import SECTIONS, TOP
 from workflow.config import Config
 
 S13 = SECTIONS / "s13.toml"
-ASSOCIATED, DAVIS, AS_GIVEN = "associated", "davis", "section"
+ASSOCIATED, DAVIS, AS_GIVEN = "associated", "davis", "non-associated"
 
 
 @functools.cache
@@ -177,7 +177,7 @@ from workflow.config import Config
 from tests.support import SECTIONS, TOP
 run = Config.load(sys.argv[1])
 mesh = generate(run.section, run.mesh.model_copy(update={"columns": int(sys.argv[3])}))
-for flow in ("associated", "section"):
+for flow in ("associated", "non-associated"):
     wish = FemSettings(element=sys.argv[2], flow=flow, direction="downhill")
     result = critical_coefficient(run.section, mesh, wish, MPI.COMM_WORLD)
     if MPI.COMM_WORLD.rank == 0:

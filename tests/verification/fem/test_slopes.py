@@ -113,7 +113,7 @@ def test_clay_fails_between_fixed_sides_as_its_limit_load_says():
 def test_without_dilation_a_layer_slides_at_the_friction_of_simple_shear(element, beta, c, phi):
     """tan φ* = cos ψ sin φ / (1 - sin ψ sin φ) (Davis 1968), with ψ = 0 sin φ, and c cos φ. Measured: 0.2 % below
     to 1.2 % above (bilinear), 0.7 and 1.5 % above (quadratic): the stress need not turn to that of simple shear."""
-    a = result(strip(beta, c, phi, 0.0), element, flow="section")
+    a = result(strip(beta, c, phi, 0.0), element, flow="non-associated")
     angle = math.radians(phi)
     exact = infinite_slope(beta, c * math.cos(angle), math.sin(angle))
     assert a.kc == pytest.approx(exact, rel=0.018)
@@ -123,7 +123,7 @@ def test_without_dilation_a_layer_slides_at_the_friction_of_simple_shear(element
 
 def test_reduced_element_finds_too_little_on_the_path_with_psi_as_given():
     """The others come to within 0.2 % of the least that flow at constant volume bears on a plane; it ends 6 % below."""
-    a = result(strip(10.0, 0.0, 35.0, 0.0), "reduced", flow="section")
+    a = result(strip(10.0, 0.0, 35.0, 0.0), "reduced", flow="non-associated")
     assert a.verdict == "peak"
     assert a.kc < 0.97 * infinite_slope(10.0, 0.0, math.sin(math.radians(35.0)))
 

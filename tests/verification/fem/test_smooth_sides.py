@@ -119,7 +119,7 @@ def test_paths_of_equilibria_come_close_to_the_limit_loads() -> None:
     """Kh and the factor of safety by cones and along a path, with smooth sides that decide. The fill dilates by 20
     instead of 25 degrees on the path, and carries no more than with ψ = φ (Radenkovic 1961)."""
     ground = CUT_SHORT[1]
-    mesh, path = generate(ground, MeshSettings(size=1.0)), SMOOTH.model_copy(update={"flow": "section"})
+    mesh, path = generate(ground, MeshSettings(size=1.0)), SMOOTH.model_copy(update={"flow": "non-associated"})
     kc = critical_limit_load(ground, mesh, SMOOTH, MPI.COMM_SELF).kc
     factor = limit_load_safety_factor(ground, mesh, SMOOTH, 0.05, MPI.COMM_SELF).factor
     strata = [
