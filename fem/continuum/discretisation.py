@@ -121,7 +121,7 @@ def discretise(mesh: QuadMesh, element: Element, comm: Any = None) -> Discretisa
     )
 
 
-def tied(d: Discretisation, masters: np.ndarray, slaves: np.ndarray) -> Discretisation:
+def periodic_discretisation(d: Discretisation, masters: np.ndarray, slaves: np.ndarray) -> Discretisation:
     """Return a copy of the elements in which slave components (k,) are replaced by master components (k,)."""
     replacement = np.arange(d.size, dtype=d.global_dofs.dtype)
     for axis in (0, 1):

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.continuum.discretisation import Discretisation, discretise, tied
+from fem.continuum.discretisation import Discretisation, discretise, periodic_discretisation
 from fem.continuum.linear_solver import Exchange, LinearSolver
 from fem.continuum.strength import is_associated, strength_of
 from fem.kernels import assembly, mohr_coulomb, viscoplastic
@@ -190,7 +190,7 @@ class PlaneStrain:
 
     def tie_nodes(self, masters: np.ndarray, slaves: np.ndarray) -> None:
         """Make nodes (global numbers) move like other nodes; call ``hold`` again afterwards."""
-        self._take(tied(self.grid, masters, slaves))
+        self._take(periodic_discretisation(self.grid, masters, slaves))
         self._passive = np.concatenate([self._passive, slaves])
 
     def body_force(self, density: Sequence[float], acceleration: tuple[float, float]) -> np.ndarray:

@@ -96,9 +96,9 @@ def strength_of(
 ) -> StrataStrength:
     """Return the flow rule and the strength of the strata, divided by ``factor``; tension cut-offs are divided, too.
 
-    "non-associated" takes the given ψ, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and tan φ in one
-    of Davis's three forms and then sets ψ = φ; "auto" is one of these (``flow_of``). At a tension cut-off the flow is
-    associated, whatever the flow rule is. ``form``: Davis's form, "A", "B" or "C".
+    "non-associated" takes the given ψ, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and
+    tan φ in one of Davis's three forms and then sets ψ = φ; "auto" is "associated" or "davis" (``flow_of``). At a
+    tension cut-off the flow is associated, whatever the flow rule is. ``form``: Davis's form, "A", "B" or "C".
     """
     flow = flow_of(strata, flow)
     cohesion = np.array([s.cohesion for s in strata]) / factor

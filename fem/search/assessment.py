@@ -102,7 +102,7 @@ def assess(
         return replace(assessment, warnings=[*assessment.warnings, *of_uplift(section.uplift)])
 
 
-def critical_as_discs(
+def critical_of_dem_counterpart(
     section: Section,
     meshing: MeshSettings,
     first: QuadMesh,

@@ -22,8 +22,8 @@ BLOCKS: Mapping[Flow, str] = {
     "sliding blocks and their relations were verified.",
     "davis": "The yield coefficient is the critical Kh by Davis's estimate, as set in the section: with ψ = φ the "
     "blocks would slide less.",
-    "non-associated": "The yield coefficient is the critical Kh with the given ψ, as set in the section: with ψ = φ the "
-    "blocks would slide less.",
+    "non-associated": "The yield coefficient is the critical Kh with the given ψ, as set in the section: with ψ = φ "
+    "the blocks would slide less.",
 }
 # The same of discs, and of the verdict on liquefied ground.
 DISCS = "The discs are calibrated to the continuum with the given ψ, 0 if none is given, since discs hardly dilate."

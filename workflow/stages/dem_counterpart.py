@@ -86,7 +86,7 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
     enough for discs to resolve. Return None if the critical Kh with these sides is not requested, was already computed
     by the stage `fem`, or was not found.
     """
-    from fem.search.assessment import critical_as_discs
+    from fem.search.assessment import critical_of_dem_counterpart
     from fem.search.slip_surface import slip_surface
 
     dilates_more = fem.flow == "associated" and not is_dilating_fully(config.section.strata)
@@ -102,7 +102,8 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
         tell((f"the continuum: {what}" + (f" = {path.factor:.4f}" if path is not None else ""), None))
 
     try:
-        box = critical_as_discs(config.section, config.mesh, stored_mesh(config.section, store), settings, report)
+        mesh = stored_mesh(config.section, store)
+        box = critical_of_dem_counterpart(config.section, config.mesh, mesh, settings, report)
     except NoAnswerError:
         return None
     result = box.result

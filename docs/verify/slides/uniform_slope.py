@@ -1,4 +1,4 @@
-"""A uniform slope, its sides tied: ground that continues for ever, whose layers liquefy and which Kh pushes downhill.
+"""A uniform slope with periodic sides: endless ground whose layers liquefy, under a Kh that acts downslope.
 
 The frame of the discs lies along the slope: x downhill along its surface, z across it, gravity tilted. Planes parallel
 to the surface carry, at a normal stress p, the shear stress p (tan b + kh) by statics, where vertical inertia is left
@@ -194,7 +194,7 @@ class UniformSlope:
 
 
 def _discs(packing: TiedPacking, layers: Sequence[LayerSprings], thickness: Sequence[float] = ()) -> DiscModel:
-    """Discs of a tied packing on the level, in layers of some thickness from z = 0 up; in the first one without any."""
+    """Discs of a periodic packing on the level, in layers of some thickness from z = 0 up."""
     layer = np.searchsorted(np.cumsum(thickness)[:-1], packing.z, side="right") if len(thickness) else 0
     return DiscModel.create(
         DiscGeometry(packing.x, packing.z, packing.radius, np.where(packing.layer < 0, -1, layer)),

@@ -2,7 +2,7 @@
 
 from mpi4py import MPI
 
-from fem.search.assessment import assess, critical_as_discs
+from fem.search.assessment import assess, critical_of_dem_counterpart
 from meshes.gmsh_model import generate
 from tests.support.sections import layer
 from workflow.config import Config
@@ -22,7 +22,7 @@ def test_below_a_face_of_sand_the_box_bears_more() -> None:
     layer_springss = config.fem.changed(sides="fixed")
     deeper = layer_springss.changed(least_depth=2.0)
     box, deep_box = (
-        critical_as_discs(config.section, config.mesh, mesh, fem, lambda *_: None).result
+        critical_of_dem_counterpart(config.section, config.mesh, mesh, fem, lambda *_: None).result
         for fem in (layer_springss, deeper)
     )
     assert deep_box.kc > assessment.critical.shallow_failures[0].kh

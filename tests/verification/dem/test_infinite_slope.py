@@ -1,4 +1,4 @@
-"""A uniform slope of soil discs, its sides tied, fails where the strength says that its own discs show in shear.
+"""A uniform slope of soil discs, its sides periodic, fails where the strength says that its own discs show in shear.
 
 Ground at an angle b carries on every plane parallel to its surface, at the depth d, gamma d (sin b + k cos b) along and
 gamma d (cos b - k sin b) across: without cohesion it fails where (tan b + k)/(1 - k tan b) is the largest ratio of

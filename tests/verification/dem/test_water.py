@@ -102,7 +102,7 @@ def test_ground_that_sinks_into_liquefied_ground_is_carried_by_the_water_that_it
 
 
 def smooth_row(tilt, **changes):
-    """A row of discs that do not turn on a rough plane, its sides tied: a uniform slope one disc deep."""
+    """A row of discs that do not turn on a rough plane, its sides periodic: a uniform slope one disc deep."""
     rough = replace(
         SOIL, friction=FRICTION, contact_cohesion=0.0, rolling_friction=np.inf, cn=np.sqrt(MASS * KN),
         ct=np.sqrt(MASS * KN),
