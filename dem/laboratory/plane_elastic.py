@@ -29,12 +29,12 @@ class PlaneElastic:
 
     @property
     def nu_2d(self) -> float:
-        """Return Poisson's ratio of the sheet."""
+        """Return Poisson's ratio of the discs as a sheet in plane stress."""
         return self.lame / self.M
 
     @property
     def E_2d(self) -> float:
-        """Return Young's modulus of the sheet (Pa)."""
+        """Return Young's modulus of the discs as a sheet in plane stress (Pa)."""
         return self.M * (1.0 - self.nu_2d**2)
 
     @property

@@ -237,6 +237,6 @@ def _on_stiffness(stiffness: float, real: float, stress: float) -> list[str]:
         return []
     what = "stiffer" if stiffness > real else "softer"
     return [
-        f"{what} than the soil: the spring constant kn is {stiffness / real:.2f} times the one that follows from E, "
-        f"{stiffness / stress:.0f} times the stress of the layer"
+        f"the discs are {what} than the soil: their contact stiffness kn is {stiffness / stress:.0f} times the "
+        f"vertical effective stress of the layer, which is {stiffness / real:.2f} times the kn that corresponds to E"
     ]

@@ -102,7 +102,7 @@ class Calibrator:
     Parameters
     ----------
     ground
-        Place of the discs in the section.
+        Packing of the discs, and its place in the section.
     layers
         Uncalibrated springs of the layers.
     settled

@@ -72,7 +72,7 @@ def critical_kh(
     settled : DiscModel
         Discs at rest under their weight; not changed.
     ground : Ground
-        Place of the discs in the section.
+        Packing of the discs, and its place in the section.
     settings : DemSettings
         Criteria of rest and of failure, and largest Kh of the search.
     resolution : float, optional

@@ -59,7 +59,7 @@ class Deposit:
 
     Attributes
     ----------
-    ground : place of the discs in the section
+    ground : packing of the discs, and its place in the section
     layers : springs of every stratum, before calibration
     settled : the discs at rest
     """

@@ -164,7 +164,7 @@ def settle(
     Parameters
     ----------
     ground : Ground
-        Place of the discs in the section.
+        Packing of the discs, and its place in the section.
     layers : list of LayerSprings
         Springs of the discs, one for each stratum.
     settings : DemSettings

@@ -53,8 +53,8 @@ def replace_contacts_of_clay(model: DiscModel, seconds: float, ground: Ground | 
     ----------
     model : discs at rest, which are changed. Clay is every layer with an undrained strength.
     seconds : time in which the contacts of clay fade out (s)
-    ground : place of the discs in a section, whose clay may be stronger at one place than at another; None for clay of
-        one strength
+    ground : packing of the discs and its place in a section, whose clay may be stronger at one place than at another;
+        None for clay of one strength
 
     Returns
     -------

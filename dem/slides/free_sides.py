@@ -66,7 +66,7 @@ class FreeSides:
     Parameters
     ----------
     start : discs at rest in a box
-    ground : place of the discs in a section
+    ground : packing of the discs, and its place in a section
     strata : numbers of the strata that liquefy; a side at which none of them lies remains a wall that does not move
     drained : volumetric strain of these strata by drainage
     """

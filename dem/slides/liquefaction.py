@@ -63,7 +63,7 @@ class Slider:
     start
         Discs at rest, with pore springs if the law has them.
     ground
-        Place of the discs in the section.
+        Packing of the discs, and its place in the section.
     strata
         Numbers of the strata that liquefy.
     case

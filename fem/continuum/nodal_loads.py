@@ -27,8 +27,8 @@ Traction = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 POINTS_ON_EDGE = 3
 
 
-def still_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
-    """Return the nodal forces (dofs,) in N/m of static pore pressure, free water and surcharges; 0.0 without any."""
+def hydrostatic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
+    """Return the nodal forces (dofs,) in N/m of static pore pressure, free water and surcharges; 0.0 without load."""
     load: np.ndarray | float = 0.0
     water, surface = section.water_pressure, section.surface_loads
     if water.present:
@@ -38,7 +38,7 @@ def still_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.nda
     return load
 
 
-def excess_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | None:
+def excess_pressure_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | None:
     """Return the nodal forces (dofs,) in N/m of the excess pore pressure by shaking, None without any."""
     if not any(s.excess_pore_pressure_ratio for s in section.strata):
         return None

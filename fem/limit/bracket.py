@@ -148,7 +148,7 @@ class Limits:
         is likely to be solved within this work. Work is computed from the number of iterations, not measured, so that
         the same input has the same meshes on a busy machine.
     enough : load multiplier below which an upper bound needs no improvement
-    least : smallest multiplier of which the gap is a share; for Kh the constant ``LEAST_KH``
+    least : multiplier below which ``gap`` is a share of this constant instead of the mean; ``LEAST_KH`` for Kh
     """
 
     gap: float

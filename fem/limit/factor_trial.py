@@ -96,7 +96,7 @@ def root_of(points: Sequence[tuple[float, float]], slope: float | None, furthest
 
     ``points`` are pairs of the logarithm of a factor and the function, in the order of the factors. The zero is
     interpolated from the nearest points, or extrapolated from one point with ``slope``, by at most ``furthest`` in the
-    logarithm. The result is NaN without any point, or with one point and no slope.
+    logarithm. The result is NaN if there is no point, or if there is only one point and ``slope`` is None.
     """
     stand, fail = [point for point in points if point[1] >= 0.0], [point for point in points if point[1] < 0.0]
     ends = [stand[-1], fail[0]] if stand and fail else stand[-2:] or fail[:2]

@@ -131,8 +131,8 @@ class Discretised:
     ) -> "tuple[Discretised, cone_program.Solution]":
         """Solve the cone program, and return the solution with the problem in the unit of stress that was used. If the
         solver is not certain, or finds no stress because forces were rounded, the program is solved again with a larger
-        unit of stress. Only the first of the two solutions begins at ``start``. ``least`` is the smallest multiplier of
-        which the gap is a share.
+        unit of stress. Only the first of the two solutions begins at ``start``. The gap at which the solver ends is a
+        share of the multiplier, or of ``least`` if the multiplier is smaller.
         """
         attempts = []
         for ground, place in ((self, start), (replace(self, unit=LARGER * self.unit), None)):

@@ -163,8 +163,8 @@ class MaterialPointEngine:
         """Add to the dissipated energy the elastic energy (J/m) that the ground lost when its stiffness changed."""
         self._sums[0, kernel.DISSIPATED] += energy
 
-    def as_it_is(self) -> dict[str, np.ndarray]:
-        """Return the state of the engine as a mapping of names to arrays, from which `go_on_from` continues."""
+    def snapshot(self) -> dict[str, np.ndarray]:
+        """Return the state of the engine as a mapping of names to arrays, from which `restore` continues."""
         state = {name: getattr(self.points, name) for name in ARRAYS}
         state |= {
             "order": self.order,
@@ -176,8 +176,8 @@ class MaterialPointEngine:
         clock = np.array([self.time, self.steps, *self._filtered, *self._began])
         return state | {"sorted_at": self._sorted_at, "clock": clock}
 
-    def go_on_from(self, state: Mapping[str, np.ndarray]) -> None:
-        """Restore a state that `as_it_is` of an engine with the same ground returned."""
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Restore a state that `snapshot` of an engine with the same ground returned."""
         for name in ARRAYS:
             getattr(self.points, name)[:] = state[name]
         self.order, self._offsets, self._sorted_at = state["order"], state["offsets"], state["sorted_at"]

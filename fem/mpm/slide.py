@@ -172,7 +172,7 @@ class PointSlider:
     def _keep(self, path: Path, slide: PointSlide, shares: Mapping[int, float]) -> None:
         """Write a checkpoint: the engine, the slide so far, and the ``shares`` of strength that the strata have
         lost."""
-        arrays = {ENGINE + name: array for name, array in self.engine.as_it_is().items()}
+        arrays = {ENGINE + name: array for name, array in self.engine.snapshot().items()}
         arrays |= {name: np.array(getattr(slide, name)) for name in (*LISTS, "before")}
         plain = {
             "shares": [*shares.values()],
@@ -188,7 +188,7 @@ class PointSlider:
             arrays, plain = read_checkpoint(path)
         except OSError:
             return
-        self.engine.go_on_from(_of(arrays, ENGINE))
+        self.engine.restore(_of(arrays, ENGINE))
         self.began |= _of(arrays, BEGAN)
         shares.update(zip(list(shares), plain["shares"], strict=True))
         slide.times = [float(time) for time in arrays["times"]]
@@ -276,8 +276,8 @@ class PointSlider:
         before[strains, SOFT] = hard
 
     def _columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return positions on the grid (n, 2) of the points in the order in which they were made, their heights (m) in
-        columns half a cell wide, and their masses (kg/m)."""
+        """Return for all points, in their original order: positions on the grid (n, 2) in m, heights (n,) in m of the
+        rectangles, half a cell wide, that the points stand for, and masses (n,) in kg/m."""
         original, points, grid = self.engine.original, self.ground.points, self.ground.grid
         height = original(points.state[:, kernel.VOLUME]) / (0.5 * grid.cell)
         return grid.level(original(points.x)), height, original(points.mass)

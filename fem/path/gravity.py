@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fem.continuum.loads import soils
-from fem.continuum.nodal_loads import excess_load, ground_force, pressed_sides, still_load
+from fem.continuum.nodal_loads import excess_pressure_load, ground_force, hydrostatic_load, pressed_sides
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.repetition import refuse_other_water
 from fem.continuum.shallow_failure import ShallowFailure, strengthened
@@ -82,10 +82,10 @@ def gravity_equilibrium(
     constant = np.where(problem.free, weight, problem.forces_of(problem.stress))
     problem.hold(fixed_components(settings))
     if settings.vertical != 0.0:
-        lift = lift_of(problem, settings)
+        lift = vertical_inertia(problem, settings)
         apply_load(problem, constant, lift, settings)
         constant = constant + lift
-    if excess_pressure and (excess := excess_load(problem, mesh, section)) is not None:
+    if excess_pressure and (excess := excess_pressure_load(problem, mesh, section)) is not None:
         apply_load(problem, constant, excess, settings)
         constant = constant + excess
     _begin_here(problem)
@@ -113,8 +113,8 @@ def at_the_sides(
         constant = constant + side_force(problem, mesh, section, weight)
     problem.hold(fixed_components(settings))
     if settings.vertical != 0.0:
-        constant = constant + lift_of(problem, settings)
-    if excess_pressure and (excess := excess_load(problem, mesh, section)) is not None:
+        constant = constant + vertical_inertia(problem, settings)
+    if excess_pressure and (excess := excess_pressure_load(problem, mesh, section)) is not None:
         constant = constant + excess
     return problem, weight, constant
 
@@ -174,7 +174,7 @@ def under_weight(
     else:
         problem.hold(UNDER_GRAVITY)
     weight = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -GRAVITY))
-    weight = weight + still_load(problem, mesh, section)
+    weight = weight + hydrostatic_load(problem, mesh, section)
     if settings.sides == "periodic":
         weight = weight + pressed_sides(problem, mesh, section)
     if problem.exchange.norm(weight) == 0.0:
@@ -182,7 +182,7 @@ def under_weight(
     return problem, weight
 
 
-def lift_of(problem: PlaneStrain, settings: FemSettings) -> np.ndarray:
+def vertical_inertia(problem: PlaneStrain, settings: FemSettings) -> np.ndarray:
     """Return the nodal forces (N/m) of vertical inertia, which the vertical seismic coefficient causes."""
     return problem.body_force([s.density_seismic for s in problem.strata], (0.0, settings.vertical * GRAVITY))
 
@@ -217,8 +217,9 @@ def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
 
 
 def _lay_levels(first: int, section: Section, problem: PlaneStrain) -> None:
-    """Assign the soil of the nearest cohesion to every quadrature point of strata whose cohesion varies; ``first``
-    numbers the soils.
+    """Assign the soil of the nearest cohesion to every quadrature point of strata whose cohesion varies.
+
+    ``first`` is the number, in the strata of the problem, of the first of the soils that `levels` returned.
     """
     field, points = section.cohesion_field, problem.points()
     for k in np.flatnonzero(field.varies):

@@ -7,7 +7,7 @@ import numpy as np
 SLOPE_LEFT, MOST_LENGTHS, LONGEST, INSIDE = 0.5, 9, 8.0, 0.1
 
 
-class Descent:
+class LineSearch:
     """Searches the length of a correction that nearly minimises a convex potential, from the slope of the potential
     alone.
 

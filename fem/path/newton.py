@@ -15,7 +15,7 @@ import numpy as np
 
 from fem.continuum.linear_solver import SingularMatrixError
 from fem.continuum.plane_strain import PlaneStrain
-from fem.path.line_search import Descent
+from fem.path.line_search import LineSearch
 from fem.path.nonlinear_elimination import LocalSubproblem
 
 # Iterations without progress, a residual below 0.9 of the best, after which Newton's method is given up.
@@ -214,7 +214,7 @@ def _lowest(
             step = problem.solve(residual)
         except SingularMatrixError:
             break
-        search = Descent(problem.exchange.dot(residual, step))
+        search = LineSearch(problem.exchange.dot(residual, step))
         while True:
             residual, norm = residual_of(problem, loading, increment + search.part * step, multiplier, scale)
             if search.ends(problem.exchange.dot(residual, step)):

@@ -16,7 +16,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from fem.continuum.linear_solver import CholmodMatrix
 from fem.continuum.plane_strain import PartialProblem, PlaneStrain
 from fem.kernels import assembly, mohr_coulomb
-from fem.path.line_search import Descent
+from fem.path.line_search import LineSearch
 
 # A node whose unbalanced force is this share of the largest belongs to the subproblem, with so many rings of cells.
 SHARE, RINGS = 0.2, 5
@@ -75,7 +75,7 @@ class LocalSubproblem:
                     step[moving] = _factors(self.part, elements, number).solve(left)
             except (RuntimeError, ArithmeticError):  # the stiffness is singular
                 break
-            search = Descent(float(left @ step[moving]))
+            search = LineSearch(float(left @ step[moving]))
             while True:
                 internal, tangent = _response(self.part, moved + search.part * step)
                 left = force - internal[moving]

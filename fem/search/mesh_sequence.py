@@ -110,7 +110,7 @@ class AdaptiveResult(Generic[F]):
         if len(self.rounds) < 2:
             return math.nan
         before, last = self.rounds[-2:]
-        return last.value - left_of_error(before, last.cells, last.value)
+        return last.value - remaining_error(before, last.cells, last.value)
 
     @property
     def at_sides(self) -> tuple[str, ...]:
@@ -135,7 +135,7 @@ class AdaptiveResult(Generic[F]):
         return float(shear @ np.sqrt(area)) / max(float(shear.sum()), 1e-300)
 
 
-def left_of_error(before: MeshRound, cells: int, value: float) -> float:
+def remaining_error(before: MeshRound, cells: int, value: float) -> float:
     """Return the discretisation error of ``value`` (-) on a mesh of ``cells``, extrapolated from the mesh
     ``before``."""
     return (before.value - value) / max(cells / before.cells - 1.0, LEAST_GAIN)
@@ -156,7 +156,7 @@ class Wish:
     max_cells : cells of the finest mesh
     other : function that returns the Kh (-) of the other direction; the sequence ends once this direction certainly has
         a larger critical Kh
-    least : smallest answer of which the accuracy is a share (-)
+    least : answer (-) below which ``accuracy`` is a share of this constant instead of the answer
     """
 
     accuracy: float
@@ -246,7 +246,7 @@ class MeshSequence(Generic[F]):
         if not self._rounds:
             return MeshRound(cells, value, math.inf, math.inf)
         before, size = self._rounds[-1], max(abs(value), SMALLEST_KH)
-        left = left_of_error(before, cells, value)
+        left = remaining_error(before, cells, value)
         rest = (left if left >= 0.0 else -RISEN * left) / size
         if value > min(mesh.value for mesh in self._rounds) and math.isfinite(before.rest):
             # After a rise, an answer that stays above an earlier one has at least the error of before, on more cells.

@@ -13,7 +13,7 @@ import numpy as np
 
 from fem.continuum.fields import FieldState
 from fem.continuum.loads import seismic_sign
-from fem.continuum.nodal_loads import seismic_load, still_load
+from fem.continuum.nodal_loads import hydrostatic_load, seismic_load
 from fem.continuum.shallow_failure import faces_at, least_rolling_factor
 from fem.continuum.strength import is_associated, strength_of
 from fem.errors import UnstableError, answer_or_none
@@ -24,9 +24,9 @@ from fem.path.gravity import (
     apply_load,
     at_the_sides,
     gravity_equilibrium,
-    lift_of,
     path_settings,
     under_weight,
+    vertical_inertia,
 )
 from fem.path.newton import StrengthReduction
 from fem.path.path_step import PathStep
@@ -112,7 +112,7 @@ def limit_load_safety_factor(
     faces = faces_at(section, settings, kh)
     if kh == 0.0 and settings.sides != "periodic":  # sides that stay held have no stress of their own
         problem, constant = under_weight(section, mesh, settings, comm, faces)
-        constant = constant + lift_of(problem, settings)
+        constant = constant + vertical_inertia(problem, settings)
     else:
         problem, _, constant = at_the_sides(section, mesh, settings, comm, faces, kh != 0.0)
     if kh != 0.0:
@@ -191,7 +191,7 @@ def safety_factor(
     driving = load
     if kh == 0.0:
         driving = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -1.0))
-        driving = driving + still_load(problem, mesh, section) / GRAVITY
+        driving = driving + hydrostatic_load(problem, mesh, section) / GRAVITY
     control = driving / norm(driving)
     problem.use_elastic_tangent()
     problem.factorise()

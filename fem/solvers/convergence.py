@@ -12,7 +12,7 @@ class Tolerance:
     Attributes
     ----------
     gap : difference of both objectives as a share of the multiplier (-)
-    least : smallest multiplier of which the gap is a share (-)
+    least : multiplier (-) below which ``gap`` is a share of this constant instead of the multiplier
     residual : relative residual of both equations (-)
     nearly : residual that is accepted if iterations no longer reduce it (-). If edges pass almost straight through a
         point, the volume conditions of clay around the point are nearly dependent, and a residual of 5e-9 remains.

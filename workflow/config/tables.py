@@ -135,7 +135,7 @@ class Tables(Model):
     fem: FemSettings = Field(default=FemSettings(), description="a table [fem] of the finite element analysis")
     bounds: BoundsSettings = Field(default=BoundsSettings(), description="a table [bounds] of the limit analysis")
     dem: DemSettings = Field(default=DemSettings(), description="a table [dem] of the discs and their calibration")
-    slide: SlideSettings = Field(default=SlideSettings(), description="a table [slide] of the liquefied slides")
+    slide: SlideSettings = Field(default=SlideSettings(), description="a table [slide] of slides after liquefaction")
     variants: VariantSettings = Field(
         default=VariantSettings(), description="a table [variants] of assumptions that are changed one at a time"
     )
@@ -167,7 +167,7 @@ class Tables(Model):
     )
     uncertain: UncertainSettings = Field(
         default=UncertainSettings(),
-        description="a table [uncertain] of numbers that have a distribution, by their paths",
+        description="a table [uncertain] of the distributions of uncertain numbers, by the paths of these numbers",
     )
     study: StudySettings = Field(
         default=StudySettings(), description="a table [study] of the samples of `noshiro study`"

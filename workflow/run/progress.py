@@ -32,9 +32,9 @@ class TimeLeft:
     """Estimates the remaining time of a stage, which never rises. The time is extrapolated from the finished share at
     constant speed. Work is reported in pieces: during a piece the share is constant, and the remaining time counts
     down. If a piece takes longer than expected, the remaining time is constant, as a lower bound, until the piece is
-    finished. Waiting for a processor, compilation and meshes would give far too long times: the speed is that since the
-    first report of a share between 0 and `EARLY`, if there is one, and before `EARLY` more is finished no time is
-    shown.
+    finished. The time before the first report, in which kernels are compiled and meshes are made, is left
+    out of the speed if the first reported share is below `EARLY`. No time is shown until a further share of `EARLY` is
+    finished.
     """
 
     EARLY = 0.03

@@ -168,7 +168,7 @@ def by_one_element(variants: Sequence[Variant], changes: Sequence[Change]) -> li
 def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] | None:
     """Return the name, description and config of a variant; None if it would change nothing.
 
-    ``element`` is the element of the answer.
+    ``element`` is the finite element with which the answer was computed.
     """
     from fem.limit_load.limit_load import is_unique
 

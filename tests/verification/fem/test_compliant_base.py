@@ -65,9 +65,9 @@ def test_two_threads_and_a_checkpoint_give_the_same_bits() -> None:
         engine.base[grid_motion.IMPEDANCE] = DENSITY * SPEED * WIDTH
         engine.run(0.3, shaking)
         if threads == 2:
-            stored = {name: array.copy() for name, array in engine.as_it_is().items()}
+            stored = {name: array.copy() for name, array in engine.snapshot().items()}
             engine.run(0.1, shaking)
-            engine.go_on_from(stored)
+            engine.restore(stored)
         engine.run(0.3, shaking)
         states.append((engine.original(engine.points.x), engine.base[grid_motion.NEW]))
     assert states[0][1] != 0.0

@@ -5,7 +5,7 @@ import math
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from fem.path.line_search import LONGEST, MOST_LENGTHS, SLOPE_LEFT, Descent
+from fem.path.line_search import LONGEST, MOST_LENGTHS, SLOPE_LEFT, LineSearch
 
 
 @given(
@@ -20,7 +20,7 @@ def test_the_search_ends_where_the_potential_hardly_falls(kinks, stiffer, first)
     def slope(part: float) -> float:
         return 1.0 - first * part - sum(k * max(part - at, 0.0) for at, k in zip(sorted(kinks), stiffer, strict=False))
 
-    search, tried = Descent(slope(0.0)), 0
+    search, tried = LineSearch(slope(0.0)), 0
     while not search.ends(slope(search.part)):
         tried += 1
     assert tried < MOST_LENGTHS
@@ -32,7 +32,7 @@ def test_the_search_ends_where_the_potential_hardly_falls(kinks, stiffer, first)
 @given(slopes=st.lists(st.floats(-2.0, 2.0) | st.just(math.nan), min_size=MOST_LENGTHS + 1, max_size=MOST_LENGTHS + 1))
 @example(slopes=[-1.0] * (MOST_LENGTHS + 1))
 def test_the_search_ends_whatever_the_slopes(slopes) -> None:
-    search = Descent(slopes[0])
+    search = LineSearch(slopes[0])
     tried = next(number for number, slope in enumerate(slopes[1:], 1) if search.ends(slope))
     assert tried <= MOST_LENGTHS
     assert 0.0 < search.part <= LONGEST
