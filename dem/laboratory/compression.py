@@ -11,7 +11,7 @@ from dem.laboratory.strength import dilation
 STRAIN = 0.15  # axial, at the end
 AFTER = 0.08  # from here on is after the peak
 RATE = 4e-4  # strain per sqrt(m / kn)
-BINS = 30  # of `STRAIN`, in which a course is told
+BINS = 30  # intervals of `STRAIN` in which the course of the stress is recorded
 INERTIAL = 6e-3  # inertial number at most; half of both changes the strength by less than seeds do
 
 

@@ -17,7 +17,7 @@ from dem.model import DiscModel
 
 NEARLY = 0.25  # mean radii between the rims of discs that still belong together: so much room has one in a cage
 BONDED = 1.0  # the same of liquefied discs and of undrained clay, which bonds hold up to two diameters apart
-TELL = 0.01  # of the mass, that has left the connected ground before it is told
+TELL = 0.01  # share of the mass outside the connected ground above which it is reported
 FULL = 0.5  # of a row of discs: columns with less are beyond the front
 
 

@@ -37,7 +37,7 @@ LONG = 10.0
 SHORT = 3.0
 # Angles, and seismic coefficients, that differ by less are the same.
 SAME = 1e-9
-# Seismic coefficients that differ by less are told as one: water that flows presses a little differently everywhere.
+# Seismic coefficients that differ by less count as equal: the pressure of water that flows varies a little everywhere.
 ALIKE = 5e-4
 
 

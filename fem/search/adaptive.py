@@ -147,7 +147,7 @@ class AdaptiveSearch:
         try:
             up = self._towards("uphill", settings, lambda: downhill.result().result.kc)
         except NoAnswerError:
-            downhill.result()  # what keeps that from an answer is told first
+            downhill.result()  # its error is raised first
             raise
         down = downhill.result()
         if up.result.kc < down.result.kc and not up.at_sides:

@@ -29,7 +29,7 @@ from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 
-# Is told what is being done, and, where a path is followed, how far it is.
+# Is called with the present task and, on an equilibrium path, with the path.
 AssessmentListener = Callable[[str, EquilibriumPath | None], None]
 
 # A factor of safety that is being looked for, or why there is none.

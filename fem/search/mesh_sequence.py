@@ -32,7 +32,7 @@ LEAST_GAIN = 0.25
 RISEN = 3.0
 # So many meshes have the largest number of cells: a second one may follow the mechanism better, a third hardly does.
 MOST_LARGEST = 2
-# A change is told as a share of kc, or of this Kh where kc is smaller.
+# A change is reported as a share of kc, or of this Kh where kc is smaller.
 SMALLEST_KH = 0.05
 # What may be left of the error, as a share of kc, where it is asked whether a direction can matter: that of a first
 # mesh, and of later ones as a multiple of what two meshes tell.

@@ -126,7 +126,7 @@ def _python_ags4(path: Path) -> Any:
         raise InputError(str(path), ["AGS4 files need the package python-ags4: pip install noshiro[borings]"])
     from python_ags4 import AGS4
 
-    logging.getLogger("python_ags4").setLevel(logging.CRITICAL + 1)  # what it has to say is told here
+    logging.getLogger("python_ags4").setLevel(logging.CRITICAL + 1)  # what it has to say is reported here
     return AGS4
 
 

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 
 MOST_UNREAD = 0.5  # share of the blow counts of a file that may be left out
-MOST_ALIKE = 3  # complaints that differ in places and values alone and are told one by one
+MOST_ALIKE = 3  # complaints that differ in places and values alone and are reported one by one
 VALUES = re.compile(r"'[^']*'|\"[^\"]*\"|[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 PLACE = re.compile(r"boring \S+?(?=[,:])")
 

@@ -15,7 +15,7 @@ from meshes.errors import InputError
 from meshes.section.numbering import Piece, Stack, stacked
 
 REMEDY = "--borings selects the borings of the section"
-WATER_ABOVE = 0.1  # m, by which water is told to stand above the ground
+WATER_ABOVE = 0.1  # m, by which water is reported to stand above the ground
 OFF_LINE = 20.0  # m, beside the line, beyond which a boring does not belong to the section
 
 

@@ -17,7 +17,7 @@ from meshes.section.simplified import needed
 
 # Outlines that end within this share of the width of a side were drawn to it.
 SIDE = 0.002
-MOST_ALIKE = 3  # lines of one layer that are told one by one
+MOST_ALIKE = 3  # lines of one layer that are reported one by one
 TOP = re.compile(r"(?<![^\W_])top(?![^\W_])", re.IGNORECASE)  # a word of the name of a layer
 SOIL = ("density", "youngs_modulus", "poissons_ratio", "cohesion", "friction_angle")
 

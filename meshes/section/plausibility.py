@@ -69,7 +69,7 @@ def _is_meant(written: str | float, unit: str, otherwise: float, limits: Range) 
     return within(SIZES[unit] * float(number[1]) if number and unit in SIZES else otherwise, limits)
 
 
-# Share of a stratum on the wrong side of the water that is told.
+# Share of a stratum on the wrong side of the water that is reported.
 WRONG_SIDE = 0.02
 # How level (m) the surface of standing water has to be.
 LEVEL = 0.01
@@ -137,7 +137,7 @@ def _sentences(where: str, model: Model, ranges: dict[str, Range]) -> Iterator[s
             continue
         is_single = key.startswith("density_") and isinstance(model, Stratum) and model.density is not None
         if is_single and key == "density_ordinary":
-            continue  # both densities are the one that was given, and the other is told
+            continue  # both densities are the one that was given, and the other is reported
         yield sentence(f"{where}, {'density' if is_single and key == 'density_seismic' else key}", value, limits)
 
 

@@ -84,7 +84,7 @@ OWN_KEYS = ("name", "points", "material")
 OF_GROUND = ("piezometric_level", "consolidated_below")
 AnyModel = TypeVar("AnyModel", bound=BaseModel)
 BELOW = "\n"  # what lies below the base; no stratum is called so
-# A zone of which no more than the first share lies in the section lies outside; less than the second is not told.
+# A zone of which no more than the first share lies in the section lies outside; less than the second is not reported.
 MISSED, NOTABLE = 1e-6, 1e-3
 
 

@@ -66,7 +66,7 @@ class Invocation:
             read = _with(section, tables, stored, store)
         if read.fem.sides == "periodic":
             refuse_other_sides(read.section)
-        list(records(read))  # a record that cannot be read is told now, not after minutes
+        list(records(read))  # a record that cannot be read is reported now, not after minutes
         if read.slide.accelerogram:
             from workflow.stages.shaking import shaking_of
 

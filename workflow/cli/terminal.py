@@ -86,7 +86,7 @@ def show_strata(section: Section) -> None:
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     rows = [[legible(cell) for cell in row] for row in tables.strata_rows(section)]
     for head, cells in zip(tables.STRATA_HEADS, zip(*rows, strict=True), strict=True):
-        name, wraps = head == "stratum", head == "stratum" or head in SEVERAL  # a number is told whole
+        name, wraps = head == "stratum", head == "stratum" or head in SEVERAL  # a number is reported whole
         width = NAME_WIDTH if name else max(len(part) for cell in cells for part in re.split(r"(?<=,) | (?=\()", cell))
         table.add_column(
             legible(head), justify="left" if name else "right", no_wrap=not wraps, overflow="fold", min_width=width

@@ -14,7 +14,7 @@ from workflow.earthquake import accelerogram
 from workflow.earthquake.settings import SiteResponseSettings
 from workflow.earthquake.site_response import ColumnLayer, HalfSpace, Response, response
 
-THICKEST = 1.0  # m: layers are divided, so that strains are told with depth
+THICKEST = 1.0  # m: layers are divided, so that strains are reported with depth
 AT_REST = 0.5  # horizontal over vertical effective stress, for the mean that stiffness depends on
 MAKDISI = "F. I. Makdisi, H. B. Seed, J. Geotech. Eng. Div. 104 (1978) 849-867"
 

@@ -34,6 +34,6 @@ def remarks(config: Any) -> list[str]:
     """Return corrections of the records in use, and warnings about these records; empty if a record cannot be read."""
     try:
         texts = [f"{place}, {record.name}: {text}" for place, record in records(config) for text in record.remarks]
-    except InputError:  # told when it is read
+    except InputError:  # reported when it is read
         return []
     return texts

@@ -139,7 +139,7 @@ class EarthquakeSettings(Model):
             return ""
         try:
             motion, let_expect = self.motion(), expected(self, self.magnitude, self.distance)
-        except InputError:  # told by problems, or nothing is expected there
+        except InputError:  # reported by problems, or nothing is expected there
             return ""
         if motion is None or let_expect.low <= motion.median <= let_expect.high:
             return ""

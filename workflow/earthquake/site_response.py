@@ -17,7 +17,7 @@ ATMOSPHERE = 101_325.0  # Pa
 EFFECTIVE = 0.65  # of the largest strain, that stiffness and damping are taken at
 # Rounds at most; the largest change of a stiffness or a damping at which they end, and up to which there is an answer.
 ROUNDS, CLOSE, ENOUGH = 150, 0.002, 0.05
-# Largest shear strains from which on the answer is told to be doubtful, and to be none.
+# Largest shear strains above which there is a warning, and above which there is no answer.
 LARGE, TOO_LARGE = 0.005, 0.015
 # Of Darendeli (2001): curvature, the coefficients of his damping, 10 cycles at 1 Hz.
 CURVATURE, CYCLES = 0.919, 10.0
@@ -147,7 +147,7 @@ def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcro
     motion = _Motion.of(step, outcrop)
     now = best = tuple(layers)
     least = np.inf
-    for rounds in range(1, ROUNDS + 1):  # noqa: B007  # told below
+    for rounds in range(1, ROUNDS + 1):  # noqa: B007  # reported below
         curves = _curves(now, _strain(now, base, motion))
         change = max(_change(new, old) for new, old in zip(curves, now, strict=True))
         if change < least:

@@ -50,7 +50,7 @@ def missing(text: str) -> str:
 
 
 def without(text: str, characters: str) -> str:
-    """Return a text with a question mark for each of some characters."""
+    """Return a text with a question mark in place of each of the ``characters``."""
     return text.translate({ord(character): UNKNOWN for character in characters})
 
 

@@ -18,7 +18,7 @@ from workflow.results.verdicts import Weight
 
 # A case that leaves less strength and slides less by so much (m), and by such a share, contradicts the other.
 LESS, LESS_SHARE = 0.1, 0.03
-# A surface that falls by so much (m), and so many times the mean of its upslope third, is not told by that mean.
+# A surface that falls by so much (m), and so many times the mean of its upslope third, does not show in that mean.
 FALLS, FALLS_TIMES = 0.5, 3.0
 NEAR_SIDE = 0.05  # of the length of the section: what falls so near to a side slides away from it
 # Discs that lose such a share of their critical Kh on the way to it do not bear it where it is held.

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from workflow.results.accuracy import Accuracy
 from workflow.results.lengths import metres
 
-LEAST = 0.001  # numerical errors are told as no less
+LEAST = 0.001  # numerical errors are reported as no less
 
 
 def number(value: float | None, digits: int = 3) -> str:

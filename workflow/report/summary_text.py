@@ -24,10 +24,10 @@ from workflow.results.results import Results
 ASSUMED = ("dilation", "sides")  # variants that tell what an assumption is worth
 MESH_ERROR = 1.02  # times the limit for ψ = φ, which the elements may exceed for their mesh
 DISAGREE = 3.0  # times: beyond this, methods do not say the same
-# A slide that moves less in its last 10 s is told to lie still, though its discs may not: in m, and of all its way.
+# A slide that moves less in its last 10 s counts as at rest, though its discs may not: in m, and of all its way.
 STILL, STILL_SHARE = 0.01, 0.001
-ENDS = ("settled", "lying", "moving")  # how slides end, in the order in which they are told
-STAYS = 0.1  # m: a slide of less is told as none
+ENDS = ("settled", "lying", "moving")  # how slides end, in the order in which they are reported
+STAYS = 0.1  # m: a slide of less is reported as none
 
 
 def springs_of(results: Results) -> dict[str, str]:

@@ -15,11 +15,11 @@ from workflow.results.material_points import WARNING
 from workflow.results.results import Results
 from workflow.results.verdicts import WarningPart, Weight
 
-CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is told
-SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are told
+CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is reported
+SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are reported
 DECIDE = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
-AT_LIMIT = 0.1  # of the critical Kh after liquefaction: a Kh of a slide that is nearer to it is told
-OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is told
+AT_LIMIT = 0.1  # of the critical Kh after liquefaction: a Kh of a slide that is nearer to it is reported
+OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is reported
 # A number or a range in a note, and what is none though it has digits: what stands in quotes, and names as Ac1.
 NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?(?: to \d+(?:\.\d+)?)?)(?![\w.]*\w)')
 

@@ -14,7 +14,7 @@ from workflow.results.results import Results
 COARSE = 0.1
 # What is left of the error of a sequence that has not converged, in times of what its last meshes tell.
 WIDER = 2.0
-# A critical Kh or a factor of safety exceeds an upper bound if it does so by half of the last digit that is told, and
+# A critical Kh or a factor of safety exceeds an upper bound if it does so by half of the last digit reported, and
 # by this share of the bound.
 DIGIT, SHARE = 0.0005, 0.0005
 # What an interval can follow from.

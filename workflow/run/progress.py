@@ -39,8 +39,8 @@ class TimeLeft:
 
     EARLY = 0.03
 
-    PATIENCE = 0.5  # of what the elapsed time alone says: less is never told
-    TOO_LITTLE = 1.5  # where the elapsed time says that many times what is told, it is told as a lower bound
+    PATIENCE = 0.5  # of what the elapsed time alone says: less is never reported
+    TOO_LITTLE = 1.5  # where the elapsed time says that many times what is reported, it is reported as a lower bound
 
     def __init__(self, start: float) -> None:
         self.start, self.share, self.end = start, 0.0, math.inf

@@ -143,7 +143,7 @@ def packed(packing: PackingTask, tell: Tell) -> Packed:
     start = calibrator.settled_with(parameter, seed.value)
     tasks = [task(config, f"seed{packing.seed}", number, start, calibrator.ground) for number in packing.numbers]
     alike = first_alike(config, tasks)
-    # whether a case is a flow failure is told by the packing of the run alone
+    # whether a case is a flow failure is decided by the packing of the run alone
     slides = {
         each: slid(SlideTask(config, store, each, by_weight=False), _in_words(config.called(each.number), tell))
         for each in dict.fromkeys(alike.values())

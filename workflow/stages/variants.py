@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 LARGEST_STEP = 0.1
 # Cells of the answer's mesh beyond which a change that wants a path is looked at on the mesh it began with: a path
-# takes minutes on 5,000 cells of bare sand, and the change is told beside that mesh without it.
+# takes minutes on 5,000 cells of bare sand, and the change is reported beside that mesh without it.
 PATH_CELLS = 2500
 FLOWS: Mapping[Flow, str] = {
     "davis": "Davis's estimate",

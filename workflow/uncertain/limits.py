@@ -64,7 +64,7 @@ def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
         )
     at = distribution.at
     if check(at(0.5)):
-        return Reach()  # its median is told with the whole input
+        return Reach()  # its median is reported with the whole input
     if distribution.kind in ("uniform", "triangular") or distribution.between is not None:
         ends = distribution.between or getattr(distribution, distribution.kind)
         refused = [(end, check(at(chance))) for end, chance in ((ends[0], FIRST), (ends[-1], LAST))]
@@ -90,7 +90,7 @@ def _check(data: Mapping[str, Any], path: str, distribution: Distribution, model
             field = here.model_fields.get(str(place[-1])) if here is not None else None
             if field is not None:
                 fields.append((value_at(data, place), _adapter(field)))
-    except ValueError:  # a path that leads nowhere is told with the whole input
+    except ValueError:  # a path that leads nowhere is reported with the whole input
         fields = []
 
     def check(drawn: Any) -> str:

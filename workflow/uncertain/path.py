@@ -14,7 +14,7 @@ Place = tuple[int | str, ...]  # keys and indices, from the outermost table inwa
 
 
 def plain(data: Any) -> Any:
-    """Return a copy of nested tables that can be changed."""
+    """Return a copy of nested tables in which dicts and lists replace read-only mappings and tuples."""
     if isinstance(data, Mapping):
         return {key: plain(value) for key, value in data.items()}
     return [plain(value) for value in data] if isinstance(data, list | tuple) else data
@@ -38,7 +38,10 @@ def value_at(data: Any, place: Place) -> Any:
 
 
 def places(data: Any, path: str) -> Iterator[Place]:
-    """Yield the places that a path names; raise ValueError if there are none."""
+    """Yield the keys that lead to each number that a path names, such as "strata.*.cohesion".
+
+    Raises ValueError if there is no such number.
+    """
     entries = _entries(data)
     if path.startswith("*.") and isinstance(data, list | tuple):
         for number, entry in enumerate(data):
@@ -68,12 +71,12 @@ def _entries(data: Any) -> dict[str, Any]:
 
 
 def _head(entries: Mapping[str, Any], path: str) -> str | None:
-    """Return the first entry of a path; names of entries may contain dots."""
+    """Return the longest entry with which a path begins, since names of entries may contain dots; None without one."""
     return max((name for name in entries if path == name or path.startswith(f"{name}.")), key=len, default=None)
 
 
 def changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
-    """Return the value after a number is drawn; raise ValueError if the value before is no number."""
+    """Return the value that replaces ``before`` for a drawn number; raise ValueError if ``before`` is no number."""
     if distribution.does == "value":
         if _is_point(before):
             return [before[0], distribution.written(value)]

@@ -22,7 +22,7 @@ from workflow.earthquake.triggering.methods import RELATIONS, Relation
 from workflow.earthquake.triggering.settings import TriggeringSettings
 
 ABOVE_WATER = "above the water table"  # why a soil is not judged
-LEAST_LOAD = 0.01  # of the total stress: what surcharges add to it is told
+LEAST_LOAD = 0.01  # of the total stress: what surcharges add to it is reported
 CLAY = 'clay by its strength, φ = 0, and its plasticity index is not known; liquefies_in = "triggered" assesses it'
 
 
