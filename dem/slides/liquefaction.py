@@ -39,7 +39,7 @@ from dem.slides.free_sides import EVERY, FreeSides
 from dem.slides.liquefied_strength import liquefied, onset, weaken_clay
 from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.runout import loose_share, on_loose_mass
-from dem.slides.slide import Row, Slide
+from dem.slides.slide import Row, Slide, stopped_at
 from dem.slides.surface import Surface, crack_opening, escaped
 from dem.slides.volume import swollen, undrained, volume_change
 from meshes.files import whole
@@ -290,10 +290,7 @@ class Slider:
         slide.escaped, slide.loose_share = escaped(model), loose_share(model)
         slide.notes = self._notes()
         if slide.settled and slide.stopped_by is not None:
-            slide.settled = False
-            slide.reason = (
-                f"the {slide.stopped_by} side of the box stopped the slide: in a longer section it would continue"
-            )
+            slide.settled, slide.reason = False, stopped_at(slide.stopped_by)
         return slide
 
     def _notes(self) -> list[str]:

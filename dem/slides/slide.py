@@ -10,6 +10,11 @@ from dem.slides.rest import moved_lately
 MOVES = 2.0  # times what Kh alone does, beyond which a disc of the surface slides
 
 
+def stopped_at(side: str) -> str:
+    """Return the reason of a slide that a side of the box, "left" or "right", brought to rest."""
+    return f"the {side} side of the box stopped the slide: in a longer section it would continue"
+
+
 @dataclass(frozen=True)
 class Row:
     """Holds the state of a slide at one time, a line of history.csv.

@@ -29,9 +29,10 @@ class SecondOpinion:
     discs_span, points_span : intervals of both slides, over packings (discs) or damping of transfers
         (material points), with the error on known slides if there are comparable ones
     agreed : whether the two slides differ by less than the larger interval, or are nearly equal, or neither comes to
-        rest
+        rest, or one is a lower limit that the other one exceeds
     flows : whether the ground flows by its weight alone
     resting : whether discs and material points are at rest
+    limits : whether a side of the model limits the slide of the discs and that of the material points
     """
 
     discs: float
@@ -41,13 +42,19 @@ class SecondOpinion:
     agreed: bool
     flows: bool | None
     resting: tuple[bool, bool]
+    limits: tuple[bool, bool] = (False, False)
 
     def sentence(self) -> str:
         """Return a sentence that compares both slides."""
         both = f"discs slide {metres(self.discs)} and material points {metres(self.points)}"
+        if self.agreed and all(self.limits):
+            return f"{both}, and both reach a side of the model, which limits both slides"
+        if self.agreed and any(self.limits) and any(self.resting):
+            stopped = "discs" if self.limits[0] else "material points"
+            return f"{both}, and both agree, since a side of the model limits the slide of the {stopped}"
         if self.agreed:
             return f"{both}, and both agree" + ("" if any(self.resting) else " that the slide does not come to rest")
-        if self.resting[0] != self.resting[1]:
+        if self.resting[0] != self.resting[1] and not any(self.limits):
             return f"{both}, and only {'discs' if self.resting[0] else 'material points'} come to rest{self._nearer()}"
         intervals = f"{rough_range(*self.discs_span)} and {rough_range(*self.points_span)}"
         return f"{both}, which differ by more than the intervals of {intervals}{self._nearer()}"
@@ -87,8 +94,15 @@ def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinio
     apart = abs(case.slide_max_m - other.slide_max_m)
     alike = max(ALIKE, (1.0 - 1.0 / CLOSE) * max(case.slide_max_m, other.slide_max_m))
     near = apart <= max(discs[1] - discs[0], points[1] - points[0], alike)
-    agreed = near if all(resting) else not any(resting)
-    return SecondOpinion(case.slide_max_m, other.slide_max_m, discs, points, agreed, case.flows, resting)
+    limits = case.stopped_by is not None, other.stopped_by is not None
+    if all(resting):
+        agreed = near
+    elif any(resting) and any(limits):
+        least, free = (case, other) if limits[0] else (other, case)
+        agreed = near or free.slide_max_m >= least.slide_max_m
+    else:
+        agreed = not any(resting)
+    return SecondOpinion(case.slide_max_m, other.slide_max_m, discs, points, agreed, case.flows, resting, limits)
 
 
 def _with_error(low: float, high: float, flows: bool | None, method: SlideMethod) -> Span:

@@ -140,7 +140,7 @@ def _of_slides(slides: MethodSlides, _: Texts) -> str:
     if 2 * error.within < error.cases:
         return _("no interval: {method} did not predict the known slides of this kind", method=method)
     if not error.bounds_slides:
-        return _uncertain(error, method, _)
+        return _uncertain(error, method, _) + _numerical(slides, error, _)
     low, high = slides.interval
     values = {"within": error.within, "cases": error.cases, "factor": f"{error.factor:g}", "method": method}
     if any(case.stopped_by is not None for case in slides.cases.values()):  # nothing limits the slide
@@ -155,9 +155,14 @@ def _of_slides(slides: MethodSlides, _: Texts) -> str:
         span=rough_range(low, high),
         **values,
     )
-    if slides.ends[0] < min(slides.largest) / error.factor:  # the factor alone does not give the lower end
-        known += _("; the numerical error alone gives {span}", span=span(slides.ends))
-    return known
+    return known + _numerical(slides, error, _)
+
+
+def _numerical(slides: MethodSlides, error: SlideError, _: Texts) -> str:
+    """Return the interval by the numerical error if its lower end is below that by the error on known slides."""
+    if slides.ends[0] >= min(slides.largest) / error.factor:
+        return ""
+    return _("; the numerical error alone gives {span}", span=span(slides.ends))
 
 
 def _uncertain(error: SlideError, method: str, _: Texts) -> str:

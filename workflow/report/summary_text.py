@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
+from dem.slides.slide import stopped_at
 from meshes.section.cutting import shown_name
 from workflow.config import Config
 from workflow.report.contradictions import is_weaker, liquefied_strata
@@ -176,7 +177,7 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
     ends: dict[tuple[str, str | None], list[int]] = {}
     for number, case in cases.items():
         if number not in stays:
-            end = "settled" if case.settled else "lying" if lies_still(case) else "moving"
+            end = "settled" if case.settled or rests_at_side(case) else "lying" if lies_still(case) else "moving"
             ends.setdefault((end, case.stopped_by), []).append(number)
     for (end, side), numbers in sorted(ends.items(), key=lambda item: ENDS.index(item[0][0])):
         lengths = about([cases[number].slide_max_m for number in numbers])
@@ -206,6 +207,11 @@ def lies_still(case: CaseNumbers) -> bool:
     """Return whether a slide that did not come to rest hardly moved in its last 10 s."""
     still = max(STILL, STILL_SHARE * abs(case.slide_max_m))
     return case.moved_lately_m is not None and case.moved_lately_m < still
+
+
+def rests_at_side(case: CaseAnswer) -> bool:
+    """Return whether a side of the disc model brought the slide to rest."""
+    return case.stopped_by is not None and case.reason == stopped_at(case.stopped_by)
 
 
 def at_rest(case: CaseNumbers | PointCase) -> bool:

@@ -140,6 +140,21 @@ def test_a_lower_end_that_the_factor_does_not_give_names_the_numerical_error(mon
     )
 
 
+def test_the_numerical_error_is_named_beside_an_error_too_large_for_an_interval(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """S-13 again: within a factor of 5 of 0.96 m, and the cells alone leave 0 to 0.96 m, which was unsaid."""
+    error = SlideError("lateral spreads", 5.0, 23, 31, 2.3, "mpm")
+    monkeypatch.setattr(governing, "slide_error", lambda flows, method: error if method == "mpm" else None)
+    point = SimpleNamespace(
+        slide_max_m=0.96, slide_max_low_m=0.0, slide_max_high_m=0.96, settled=True, reason="", stopped_by=None
+    )
+    slide = headlines(results(analysed(slope()), mpm=cast(Any, SimpleNamespace(cases={1: point}))), Texts())[2]
+    assert not error.bounds_slides
+    assert slide.interval.startswith("uncertain by a factor of 5: 23 of 31")
+    assert slide.interval.endswith("; the numerical error alone gives 0 to 0.96 m")
+
+
 def test_where_nothing_liquefies_the_third_number_is_that_of_a_rigid_block_in_the_earthquake() -> None:
     data = {**slope(), "earthquake": {"magnitude": 6.8, "peak_acceleration": "0.3 g"}}
     weak = headlines(results(analysed(data), fem=fem(analysed(data), 0.05)), Texts())[2]

@@ -65,3 +65,28 @@ def test_a_contradiction_names_the_model_that_was_nearer_to_known_slides() -> No
 def test_what_does_not_come_to_rest_in_one_model_alone_is_a_contradiction() -> None:
     assert not opinion(1.0, 1.0, settled=False).agreed
     assert "only discs come to rest" in opinion(1.0, 1.0, settled=False).sentence()
+
+
+def test_a_slide_that_a_side_of_the_model_limits_agrees_with_a_longer_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The river bank: discs at rest at the side after 32 m, points at rest after 33 m, was called a contradiction."""
+    monkeypatch.setattr(second_opinion, "slide_error", lambda flows, method="discs": None)
+
+    def at_side(discs: float, points: float, leaves: bool = False) -> SecondOpinion:
+        stopped = case(1.0, discs).model_copy(update={"settled": False, "stopped_by": "right"})
+        point = SimpleNamespace(
+            slide_max_m=points, slide_max_low_m=points, slide_max_high_m=points, settled=not leaves, reason="",
+            stopped_by="right" if leaves else None,
+        )  # fmt: skip
+        answer = CasesAnswer(sets={"calibrated": {1: stopped}}, random=None)
+        return second_opinions(answer, cast(Any, SimpleNamespace(cases={1: point})))[1]
+
+    assert at_side(32.0, 33.0).sentence() == (
+        "discs slide 32 m and material points 33 m, and both agree, since a side of the model limits the slide of the "
+        "discs"
+    )
+    assert at_side(32.0, 90.0).agreed
+    assert not at_side(32.0, 10.0).agreed
+    assert "differ by more than" in at_side(32.0, 10.0).sentence()
+    assert (
+        at_side(38.0, 48.0, leaves=True).sentence().endswith("both reach a side of the model, which limits both slides")
+    )

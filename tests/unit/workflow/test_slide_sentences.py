@@ -56,6 +56,18 @@ def test_a_slide_that_a_side_of_the_box_stopped_is_told_so(run: Config) -> None:
     )
 
 
+def test_a_slide_that_came_to_rest_at_the_side_is_not_said_to_move(run: Config) -> None:
+    """The river bank: 32 m at rest at the side was "still moving after 38 s"."""
+    reason = "the right side of the box stopped the slide: in a longer section it would continue"
+    stopped = {"stopped_by": "right", "settled": False, "moved_lately_m": 0.38}
+    rests = dem_fixture.case(0.1, 31.5).model_copy(update={**stopped, "reason": reason})
+    moves = dem_fixture.case(0.1, 38.2).model_copy(update={**stopped, "reason": "still moving after 60 s; weight"})
+    cases = CasesAnswer(sets={"calibrated": {1: rests, 2: moves}}, random=None)
+    messages = report_text(results(run, fem=fem(run), cases=cases))
+    assert "In case 1 the surface slides 32 m, where the right side of the disc model stops it." in messages
+    assert "In case 2 the surface had slid 38 m, against the right side of the disc model, after 20 s and" in messages
+
+
 def test_methods_that_disagree_are_told_to(run: Config) -> None:
     """Hamada gives 3.2 m for this slope, and the block does not move at Kh = 0.1 with kc = 0.24."""
     far = report_text(
