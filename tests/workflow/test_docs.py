@@ -55,6 +55,7 @@ def test_the_site_is_whole_and_fetches_nothing(site: Path) -> None:
         assert re.findall(r'<(?:script|img)[^>]+src="?https?:', text) == [], page
         assert re.findall(r'<link[^>]+rel="?stylesheet"?[^>]+href="?https?:', text) == [], page
         assert "{{" not in re.sub(r"<(code|pre).*?</\1>", "", text, flags=re.DOTALL), page
+        assert re.findall(r"<p>(?:noshiro|make|\.venv/bin/\w+) [a-z]+[^<]*</p>", text) == [], f"{page}: no code"
     for package in ("meshes", "fem", "dem"):
         for name in importlib.import_module(package).__all__:
             assert f'.{name}"' in values["reference/python.html"], name
