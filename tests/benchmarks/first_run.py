@@ -54,9 +54,10 @@ def measured() -> Row:
 
 
 def quoted(rows: list[Row]) -> Row:
-    """What the README shows: minutes, rounded up."""
+    """What README and tutorial show: minutes, rounded up."""
     row = {name: round(value, 1) for name, value in rows[0].items()}
-    return {**row, "minutes": int(STEP / 60.0 * math.ceil(rows[0]["seconds"] / STEP))}
+    minutes = int(STEP / 60.0 * math.ceil(rows[0]["seconds"] / STEP))
+    return {**row, "minutes": minutes, "section_minutes": math.ceil(rows[0]["section_seconds"] / 60.0)}
 
 
 def main() -> None:

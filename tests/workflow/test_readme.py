@@ -47,6 +47,12 @@ def test_its_numbers_come_from_the_file() -> None:
     assert [float(number) for number in matches] == [float(number) for number in expected]
 
 
+def test_its_time_comes_from_the_file() -> None:
+    """That of a first run as a newcomer does it, measured and rounded up."""
+    minutes = re.findall(r"`make run` takes up to (\d+) minutes", README)
+    assert minutes == [str(program("generated").numbers()["first_run"]["minutes"])]
+
+
 def test_its_answers_come_from_the_file() -> None:
     first = program("generated").numbers()["readme"]
     (printed,) = blocks("text", README)

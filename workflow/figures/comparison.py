@@ -54,7 +54,7 @@ def _curves(results: Results) -> Sheet | None:
     answer, discs = results.fem, results.dem
     if answer is None:
         return None
-    sheet = Sheet(f"{_title(results)}: Kh and displacement", [0.45], foot(results.config.section), legend_rows=3)
+    sheet = Sheet(f"{_title(results)}: Kh and displacement", [0.45], foot(results.config.section), legend_rows=4)
     axes = sheet.plot(0, "mean displacement in the direction of Kh (m)", "seismic coefficient Kh (-)")
     path = [step for step in answer.curve if not step.at_rest]
     x = [0.0, *(step.displacement for step in path)]

@@ -8,7 +8,7 @@ import numpy as np
 from meshes.section.section import Section
 from workflow.config import notice_lines
 from workflow.report.contradictions import contradictions
-from workflow.report.numbers import coefficient, listed, of_cases
+from workflow.report.numbers import coefficient, listed, of_cases, span
 from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.discs import SlipSurfaces
 from workflow.results.material_points import WARNING
@@ -19,6 +19,8 @@ CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond th
 SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are reported
 DECIDE = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
 AT_LIMIT = 0.1  # of the critical Kh after liquefaction: a Kh of a slide that is nearer to it is reported
+UNRESOLVED = 2.0  # times, or divided by it: a slide whose numerical error alone may be larger is reported
+LEAST_SLIDE = 0.1  # m: the error of a smaller slide is not reported
 OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is reported
 # A number or a range in a note, and what is none though it has digits: what stands in quotes, and names as Ac1.
 NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?(?: to \d+(?:\.\d+)?)?)(?![\w.]*\w)')
@@ -93,6 +95,26 @@ def _of_cases(results: Results) -> Iterator[str]:
     }
     for text in joined(warned):
         yield f"in the slide by material points {text}: compare this slide with that of the discs"
+    yield from _unresolved(results)
+
+
+def _unresolved(results: Results) -> Iterator[str]:
+    """Yield a warning of slides by material points that other cells, or another decay of velocities, may change by more
+    than a factor of two."""
+    points = results.mpm.cases if results.mpm is not None else {}
+    notes = {
+        number: [
+            "by its numerical error alone the slide by material points is "
+            f"{span([case.slide_max_low_m, case.slide_max_high_m])}: take more cells (slide.mpm_cells)"
+        ]
+        for number, case in sorted(points.items())
+        if case.slide_max_m >= LEAST_SLIDE
+        and not (
+            case.slide_max_low_m * UNRESOLVED >= case.slide_max_m
+            and case.slide_max_high_m <= UNRESOLVED * case.slide_max_m
+        )
+    }
+    yield from joined(notes)
 
 
 def _residual_strength(results: Results) -> Iterator[str]:

@@ -275,8 +275,15 @@ def ends_of(cases: dict[int, PointCase], sides: str = "free-field") -> list[str]
 
 def with_points(run: Config, *cases: PointCase, sides: str = "fixed") -> list[str]:
     """The warnings of a report with these slides by material points."""
-    plain = {"notes": (), "slide_max_low_m": 0.0, "slide_max_high_m": 0.0, "settlement_crest_m": 0.0, "reason": "rest"}
-    slid = {k: case.model_copy(update=plain | dict(case.__dict__)) for k, case in enumerate(cases, start=1)}
+    plain = {"notes": (), "settlement_crest_m": 0.0, "reason": "rest"}
+    slid = {
+        k: case.model_copy(
+            update=plain
+            | {"slide_max_low_m": case.slide_max_m, "slide_max_high_m": case.slide_max_m}
+            | dict(case.__dict__)
+        )
+        for k, case in enumerate(cases, start=1)
+    }
     return warned(results(run, mpm=PointSlidesAnswer.model_construct(cases=slid, sides=sides)))
 
 
