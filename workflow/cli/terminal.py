@@ -109,7 +109,7 @@ def show_soundness(config: Config, notices: Sequence[str], picture: Path) -> Non
     flow = [] if (seepage := section.water_pressure.flow) is None else [seepage.words]
     for line in (*flow, *notices, *config.notice_lines):
         say(line)
-    lifts = "can be computed, but its water lifts the ground"
+    lifts = "can be computed, but its pore pressure lifts the ground"
     say(f"The section {lifts if section.uplift else 'is sound'}. Picture: {picture}")
 
 
