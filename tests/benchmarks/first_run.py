@@ -46,10 +46,10 @@ def measured() -> Row:
         first, whole = timed(["make", "run"], clone, home)
         section, _ = blocks("toml", (TOP / "README.md").read_text(encoding="utf-8"))
         (clone / "my_slope.toml").write_text(section, encoding="utf-8")
-        _, own = timed([".venv/bin/noshiro", "run", "my_slope.toml"], clone, home)
+        _, section_run = timed([".venv/bin/noshiro", "run", "my_slope.toml"], clone, home)
     return {
         "cores": os.cpu_count(), "load": round(os.getloadavg()[2], 1), "first_picture_seconds": first,
-        "seconds": whole, "section_seconds": own,
+        "seconds": whole, "section_seconds": section_run,
     }  # fmt: skip
 
 

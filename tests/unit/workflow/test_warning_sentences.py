@@ -107,15 +107,15 @@ def test_discs_that_fail_below_their_critical_kh_where_it_is_held_are_told(run: 
 def test_a_slide_of_material_points_that_its_cells_leave_open_is_told(run: Config) -> None:
     """S-13: 0.96 m in its cells, 2 m in cells twice as large: 0 to 0.96 m, which only a column of a table said."""
 
-    def told(low: float, most: float, high: float) -> list[str]:
+    def warned_of(low: float, most: float, high: float) -> list[str]:
         case = SimpleNamespace(slide_max_m=most, slide_max_low_m=low, slide_max_high_m=high)
         both = cast(Any, SimpleNamespace(mpm=SimpleNamespace(cases={1: case, 2: case})))
         return list(_unresolved(both))
 
-    assert told(0.0, 0.96, 0.96) == [
+    assert warned_of(0.0, 0.96, 0.96) == [
         "by its numerical error alone the slide by material points is 0 to 0.96 m (cases 1 and 2): take more cells "
         "(slide.mpm_cells)"
     ]
-    assert told(0.6, 0.96, 0.96) == []
-    assert len(told(0.9, 0.96, 2.1)) == 1
-    assert told(0.0, 0.05, 0.05) == []
+    assert warned_of(0.6, 0.96, 0.96) == []
+    assert len(warned_of(0.9, 0.96, 2.1)) == 1
+    assert warned_of(0.0, 0.05, 0.05) == []
