@@ -21,6 +21,8 @@ END = re.compile(r"(?<=[.。])(?<!al\.)(?<!eq\.)(?<!Sec\.) (?=[A-Z]|[^\x00-\x7f]
 EDGES = re.compile(r"([\s:;,]*)(.*?)((?:\s|<br>)*)", re.DOTALL)
 VALUE = r"((?:(?!\.\ [A-Z]).)+?)"  # within one sentence
 LIST = re.compile(r", and | and |, ")
+CASE_NAMES = re.compile(r"(ケース[\d、]+) ?\(([^()]+)\)")
+SEPARATOR = re.compile(r", and | and |, |、")
 QUOTES = (("&#34;", '"'), ("&#39;", "'"))
 
 
@@ -100,13 +102,32 @@ class Texts:
         for code, letter in QUOTES:
             words = words.replace(code, letter)
         words = " ".join(words.split())
-        whole = self.sentence(words)
+        whole = self._note(words)
         if whole != words:
             translation = self._on_page(words, whole)
         else:
             parts = (self._on_page(part, self.sentence(part)) for part in END.split(words))
             translation = "".join(part if part.endswith("。") else f"{part} " for part in parts).strip()
         return before + translation + after if translation != words else text
+
+    def _note(self, text: str) -> str:
+        """Translate a sentence, or a note below a table, which may end with ";". A note of a case has the words of the
+        warning that names the case.
+        """
+        whole = self.sentence(text)
+        plain = text.rstrip(";.")
+        if whole != text or plain == text:
+            return whole
+        end, sentence = text[len(plain) :].replace(".", ""), self.sentence(f"{plain}.")
+        if sentence != f"{plain}.":
+            return sentence.removesuffix("。") + (end or "。")
+        what, _, remedy = plain.partition(": ")
+        warning, advice = f"{what[:1].upper()}{what[1:]} (case 0).", f"{remedy[:1].upper()}{remedy[1:]}."
+        translations = self.sentence(warning), self.sentence(advice) if remedy else ""
+        if warning == translations[0] or (remedy and advice == translations[1]):
+            return text
+        observation = self._plain(translations[0]).removesuffix("。").replace("(ケース0)", "")
+        return observation + (f":{translations[1].removesuffix('。')}" if remedy else "") + (end or "。")
 
     def _on_page(self, text: str, translation: str) -> str:
         """Return the translation of a text, or the English sentence if only a part of it would be translated."""
@@ -122,9 +143,16 @@ class Texts:
         return self._plain(translation)
 
     def _plain(self, text: str) -> str:
-        """Translate cases and ranges of numbers in a text."""
+        """Translate cases, their names and ranges of numbers in a text."""
         text = CASES.sub(lambda match: f"ケース{LIST.sub('、', match[1])}", text)
+        text = CASE_NAMES.sub(
+            lambda match: f"{match[1]}({'、'.join(map(self._name, re.split(SEPARATOR, match[2])))})", text
+        )
         return re.sub(r"(?<=\d) to (?=\d)", "~", text)
+
+    def _name(self, name: str) -> str:
+        """Return the translation of the name of a default case; names in a section file are unchanged."""
+        return self.translations.get(name, sentences(self.language).get(name, name))
 
     def listed(self, words: list[str]) -> str:
         """Join words in a list: a, b and c."""
