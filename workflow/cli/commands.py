@@ -116,7 +116,7 @@ def run_all(
 ) -> None:  # fmt: skip
     """Run the whole workflow: mesh, FEM, calibrated discs, slides, pictures and report."""
     from workflow.cli.invocation import Invocation
-    from workflow.cli.terminal import execute, show_plan, show_strata
+    from workflow.cli.terminal import announce, execute, show_plan
     from workflow.run.plan import Choice
     from workflow.stages import declared
 
@@ -126,8 +126,7 @@ def run_all(
     warnings = _warn(verbosity, invocation, "run", choice.chosen)
     if dry_run:
         return show_plan(invocation.job(), choice, verbosity)
-    if verbosity == Verbosity.VERBOSE:
-        show_strata(invocation.config.section)
+    announce(invocation.job(), choice, verbosity)
     return execute(invocation.job(), choice, verbosity, warnings)
 
 

@@ -20,11 +20,12 @@ from meshes.section.section import Section, read_toml
 from workflow.config import Config, notice_lines
 from workflow.config.renamed import notices
 from workflow.report import data, tables
-from workflow.run.plan import Action, Choice, plan
+from workflow.run.plan import Action, Choice, Decision, plan
 from workflow.run.progress import TimeLeft, Verbosity
 from workflow.run.record import Record
 from workflow.run.spelling import is_legible, legible
 from workflow.run.stage import Job
+from workflow.stages.expected_time import announcement
 
 if TYPE_CHECKING:
     from workflow.report.side_by_side import ComparedRun
@@ -122,6 +123,7 @@ def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:
         (decision.stage.name, VERBS[decision.action], decision.why or "nothing has changed") for decision in decisions
     ]
     show_table(("stage", "would", "because"), rows)
+    _announce(decisions, job)
     return _show_shaking(job)
 
 
@@ -129,6 +131,20 @@ def _show_shaking(job: Job) -> None:
     """Print the corrections of records, the warnings about records and earthquake, and the resulting Kh."""
     for line in notice_lines(job.config.notices_of_slides):
         say(line)
+
+
+def _announce(decisions: Sequence[Decision], job: Job) -> None:
+    """Print how long a run takes, in words; nothing for a short run."""
+    if words := announcement(decisions, job.config):
+        say(words)
+
+
+def announce(job: Job, choice: Choice, verbosity: Verbosity) -> None:
+    """Print before a run how long it takes, in words, and in verbose mode the strata."""
+    if verbosity == Verbosity.VERBOSE:
+        show_strata(job.config.section)
+    if verbosity.in_sentences:
+        _announce(plan(job, Record(job.store), choice), job)
 
 
 def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str] = (), pdf: bool = False) -> None:

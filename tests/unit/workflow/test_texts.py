@@ -160,13 +160,13 @@ def test_a_report_in_japanese_says_the_same_numbers() -> None:
         "<sup>b</sup> Warning: 13 % of the energy is lost, so that the slide is a low estimate;<br><sup>c</sup>",
         "<td>In case 1 liquefaction leaves 砂 with a residual strength of 4.6 kPa and 4.2 kPa, a shear strain of 45 % "
         "before strength is regained and 3.8 % less of its volume, and none of its friction and cohesion.</td>",
-        "<sup>a</sup> the ground has piled up by 2.6 m at the right side: take a longer section;<br><sup>b</sup> the right "
-        "side of the box stopped the slide: in a longer section it would continue.",
-        "<sup>a</sup> the discs are softer than the soil: their contact stiffness kn is 800 times the vertical effective "
-        "stress of the layer, which is 0.25 times the kn that corresponds to E;<br>",
+        "<sup>a</sup> the ground has piled up by 2.6 m at the right side: take a longer section;<br><sup>b</sup> the "
+        "right side of the box stopped the slide: in a longer section it would continue.",
+        "<sup>a</sup> the discs are softer than the soil: their contact stiffness kn is 800 times the vertical "
+        "effective stress of the layer, which is 0.25 times the kn that corresponds to E;<br>",
         "<td>discs, cases 1, 2, 3</td><td>settlement, upslope third</td><td>0.65, seismic 1.65</td>",
-        "<p>Discs slide 32 m and material points 33 m, and both agree, since a side of the model limits the slide of the "
-        "discs (case 1).</p>",
+        "<p>Discs slide 32 m and material points 33 m, and both agree, since a side of the model limits the slide of "
+        "the discs (case 1).</p>",
         "<p>After liquefaction, in case 2 (low strength), the continuum does not stand without shaking: an upper bound "
         "proves a factor of safety below 0.20.</p>",
         "<td>not assessed: plasticity index 25 % is at least 7 %: behaves as clay; above the water table</td>",
