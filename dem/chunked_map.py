@@ -7,6 +7,10 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from itertools import pairwise
 from typing import Any, Protocol
 
+import numpy as np
+
+from dem.kernels.neighbours import Near, cell_grid, find_pairs
+
 FEW = 20_000  # of fewer discs one thread has found the neighbours before another has begun
 
 
@@ -37,3 +41,14 @@ def threaded(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
         return [first, *(other.result() for other in others)]
 
     return shared
+
+
+def pairs_near(
+    near: Near, known: tuple[np.ndarray, ...], pore_lengths: np.ndarray, in_ranges: Ranges
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the first and second disc of every pair of discs that are ``near``, and its number among the ``known``
+    pairs, with ``pore_lengths`` of their pore springs (m)."""
+    grid = cell_grid(near)
+    found = in_ranges(lambda begin, end: find_pairs(begin, end, near, grid, known, pore_lengths), len(near.x))
+    first, second, old = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
+    return first, second, old

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.chunked_map import Ranges, serial
+from dem.chunked_map import Ranges, pairs_near, serial
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.liquefied_bonds import FITTED, STRAINED
 from dem.kernels.liquefied_lists import densities
 from dem.kernels.liquefied_stress import measured_shear
-from dem.kernels.neighbours import Near, cell_grid, find_pairs, known_pairs
+from dem.kernels.neighbours import Near, known_pairs
 from dem.pressure_shear import take_back_shear
 from dem.state import DiscState
 
@@ -68,19 +68,11 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
     if not len(state.liquefied):
         return
     order = state.order
-    number = np.empty(len(state), np.int32)
-    number[order] = np.arange(len(state), dtype=np.int32)
     wet = is_liquefying(state)[order]
     # pairs of which neither has liquefied are left out as pairs of fixed discs are
     near = Near(state.x[order], state.z[order], state.radius[order], ~wet, 0.0, state.reach + state.skin, state.repeats)
-    grid, known = cell_grid(near), known_pairs(state.liquefied_i, state.liquefied_j, number)
-    no_pores = np.zeros(len(state.liquefied_i))
-
-    def find(begin: int, end: int) -> tuple[np.ndarray, ...]:
-        return find_pairs(begin, end, near, grid, known, no_pores)
-
-    pairs = in_ranges(find, len(state))
-    first, second, old = pairs[0] if len(pairs) == 1 else map(np.concatenate, zip(*pairs, strict=True))
+    known = known_pairs(state.liquefied_i, state.liquefied_j, state.places)
+    first, second, old = pairs_near(near, known, np.zeros(len(state.liquefied_i)), in_ranges)
     state.bonds = np.concatenate([state.bonds, np.zeros((1, bond.MEMORY))])[old]
     before = _in_pairs(state)
     state.liquefied_i, state.liquefied_j = order[first], order[second]

@@ -10,16 +10,14 @@ import numpy as np
 
 from dem.acceleration import Acceleration
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.chunked_map import Ranges, serial
+from dem.chunked_map import Ranges, pairs_near, serial
 from dem.kernels.arguments import ENERGY_COLUMNS
 from dem.kernels.contact import DEPTH, GAP, KN, KPN, KPS, KS, STOP
 from dem.kernels.layout import LANES
 from dem.kernels.neighbours import (
     Near,
     carry_over,
-    cell_grid,
     find_lines,
-    find_pairs,
     known_pairs,
     reversal_signs,
     share_out,
@@ -155,17 +153,10 @@ class DiscModel(DiscState):
 
     def _list(self, factor: float, skin: float, in_ranges: Ranges = serial) -> None:
         order = self.order
-        number = np.empty(len(self), np.int32)
-        number[order] = np.arange(len(self), dtype=np.int32)
         xs, zs, rs, still = self.x[order], self.z[order], self.radius[order], self.fixed[order]
         near = Near(xs, zs, rs, still, factor, skin, self.repeats)
-        grid, known, length = cell_grid(near), known_pairs(self.pair_i, self.pair_j, number), self.pore_length
-
-        def find(begin: int, end: int) -> tuple[np.ndarray, ...]:
-            return find_pairs(begin, end, near, grid, known, length)
-
-        pairs = in_ranges(find, len(self))
-        i, j, old = pairs[0] if len(pairs) == 1 else map(np.concatenate, zip(*pairs, strict=True))
+        known = known_pairs(self.pair_i, self.pair_j, self.places)
+        i, j, old = pairs_near(near, known, self.pore_length, in_ranges)
         if self._gone.any():  # contacts that liquefied ground has lost would be computed in vain
             there = ~self._gone[self.kind(order[i], order[j])]
             i, j, old = i[there], j[there], old[there]

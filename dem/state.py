@@ -153,6 +153,13 @@ class DiscState:
         return len(self.x)
 
     @property
+    def places(self) -> np.ndarray:
+        """Return the place (n,) of every disc in the spatial order."""
+        places = np.empty(len(self), np.int32)
+        places[self.order] = np.arange(len(self), dtype=np.int32)
+        return places
+
+    @property
     def memory(self) -> tuple[str, ...]:
         """Return the names of the history variables of a pair."""
         return MEMORY + (ROLLING_MEMORY if self.law == "soil" else ())

@@ -44,9 +44,7 @@ def contact_forces(model: DiscModel) -> ContactForces:
     """Compute the forces of all contacts, by the stepping kernel from a copy of the state of the model."""
     layout = _evaluated(model)
     slices = len(layout.chunk_start) - 1
-    number = np.empty(len(model), np.int32)
-    number[model.order] = np.arange(len(model), dtype=np.int32)
-    owner = number[model.pair_i]
+    owner = model.places[model.pair_i]
     turn, start = count_slots(owner, slices)
     links = layout.links.reshape(-1, LINK_FIELDS, LANES)
     chunk = start[owner // LANES] + turn

@@ -53,7 +53,7 @@ def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = seria
     order = model.order
     number = np.empty(n, np.int32)
     number[order] = np.arange(n, dtype=np.int32)
-    owner, partner = number[model.pair_i], number[model.pair_j]
+    owner, partner = model.places[model.pair_i], number[model.pair_j]
     turn, chunk_start = count_slots(owner, slices)
     chunks = int(chunk_start[-1])
     tail = -(-len(model.line_disc) // LANES)
@@ -142,7 +142,7 @@ def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
     """Return the liquefied discs and their pairs as arguments of the kernels; number: number of each disc in spatial
     order."""
     slots = slices * LANES
-    first, second = number[model.liquefied_i], number[model.liquefied_j]
+    first, second = model.places[model.liquefied_i], number[model.liquefied_j]
     lane, start = place_pairs(first, slices)
     lanes = int(start[-1]) * LANES
     discs = np.zeros((slots if len(first) else 0, FIELDS))
@@ -162,9 +162,7 @@ def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
 
 def _bonds(layout: Layout, model: DiscModel) -> np.ndarray:
     """Return the history variables of the bonds (pairs, MEMORY), read back from their lanes."""
-    number = np.empty(len(model), np.int32)
-    number[model.order] = np.arange(len(model), dtype=np.int32)
-    lane, start = place_pairs(number[model.liquefied_i], len(layout.chunk_start) - 1)
+    lane, start = place_pairs(model.places[model.liquefied_i], len(layout.chunk_start) - 1)
     memory = layout.liquefied.memory.reshape(int(start[-1]), BOND_MEMORY, LANES)
     return np.ascontiguousarray(memory[lane // LANES, :, lane % LANES])
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.limit.limit_problem import LimitProblem
+from meshes.pore_loads import outward_normals
 
 # Residual of an equation, over the largest stress or velocity, up to which it counts as met to rounding.
 ROUNDING = 1e-9
@@ -132,11 +133,11 @@ def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -
     jumps = [0.0]
     wanted = np.zeros((len(mesh.edges), 2, 2))
     wanted[problem.jumps.edges] = problem.jumps.traction + multiplier * problem.jumps.live
-    normal = _unit_normals(problem, first, ends)
+    normal = outward_normals(problem.mesh, first, ends)
     for end in (0, 1):
         here, there = (_at_point(problem, stress, cells, ends[:, end]) for cells in (first, second))
         jumps.append(float(np.abs(_traction(here - there, normal) - wanted[interior, end]).max(initial=0.0)))
-    normal = _unit_normals(problem, outline.cells, outline.ends)
+    normal = outward_normals(problem.mesh, outline.cells, outline.ends)
     for end in (0, 1):
         here = _at_point(problem, stress, outline.cells, outline.ends[:, end])
         traction = outline.dead[:, end] + multiplier * outline.live[:, end]
@@ -146,7 +147,7 @@ def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -
         for ends in mesh.matched:
             cells = mesh.edge_cells[mesh.edge_numbers(ends), 0]
             sides.append(
-                _traction(_at_point(problem, stress, cells, ends[:, end]), _unit_normals(problem, cells, ends))
+                _traction(_at_point(problem, stress, cells, ends[:, end]), outward_normals(problem.mesh, cells, ends))
             )
         jumps.append(float(np.abs(sides[0] + sides[1]).max(initial=0.0)))
     return StressCheck(
@@ -164,14 +165,6 @@ def _at_point(problem: LimitProblem, stress: np.ndarray, cells: np.ndarray, poin
 def _traction(stress: np.ndarray, normal: np.ndarray) -> np.ndarray:
     xx, yy, xy = stress.T
     return np.column_stack([xx * normal[:, 0] + xy * normal[:, 1], xy * normal[:, 0] + yy * normal[:, 1]])
-
-
-def _unit_normals(problem: LimitProblem, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    points = problem.mesh.points
-    along = points[ends[:, 1]] - points[ends[:, 0]]
-    normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
-    outwards = points[ends[:, 0]] - points[problem.mesh.cells[cells]].mean(axis=1)
-    return normal * np.sign(np.sum(normal * outwards, axis=1))[:, None]
 
 
 def corner_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:

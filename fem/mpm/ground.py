@@ -221,9 +221,7 @@ def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> tupl
     """Return the vertical effective stress (n,) of the column above each point (Pa): with all of the surcharges, and
     with the share to which the ground has consolidated. Points below the base have the stresses at the base.
     """
-    left, right = section.extent
-    tiny = 1e-9 * (right - left)
-    at = np.column_stack([np.clip(places[:, 0], left + tiny, right - tiny), places[:, 1]])
+    at = _between_sides(section, places)
     at[:, 1] = np.maximum(at[:, 1], section.layering.interfaces(at[:, 0])[:, -1])
     water, stratum = section.water_pressure, np.maximum(owners, 0)
     stratum = np.where(owners < 0, section.layering.strata - 1, stratum)
@@ -315,12 +313,17 @@ def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.n
     return out
 
 
+def _between_sides(section: Section, points: np.ndarray) -> np.ndarray:
+    """Return points (n, 2) in m; those beyond a side are moved to it, at their height."""
+    left, right = section.extent
+    tiny = 1e-9 * (right - left)
+    return np.column_stack([np.clip(points[:, 0], left + tiny, right - tiny), points[:, 1]])
+
+
 def _pressure(section: Section, points: np.ndarray) -> np.ndarray:
     """Return the water pressure (n,) in the ground and above it (Pa). Beyond the sides and the base, the pressure is
     that at the side or the base."""
-    left, right = section.extent
-    water, tiny = section.water_pressure, 1e-9 * (right - left)
-    at = np.column_stack([np.clip(points[:, 0], left + tiny, right - tiny), points[:, 1]])
+    water, at = section.water_pressure, _between_sides(section, points)
     levels = section.layering.interfaces(at[:, 0])
     drop = np.maximum(levels[:, -1] - at[:, 1], 0.0)  # below the base it goes on as still water
     at[:, 1] += drop

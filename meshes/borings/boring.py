@@ -53,6 +53,11 @@ class Boring(Model):
         default=(), description='its cone resistances, such as [{ depth = 1.3, qc = "4 MPa", fs = "25 kPa" }, ...]'
     )
 
+    @property
+    def depths(self) -> list[float]:
+        """Return the depths of all tests (m)."""
+        return [*(test.depth for test in self.spt), *(test.depth for test in self.cpt)]
+
     @model_validator(mode="after")
     def _from_the_top_down(self) -> Self:
         if not self.spt and not self.cpt:

@@ -134,13 +134,8 @@ class CohesionField:
         if not self.varies.any():
             return self.water.kinks
         lines = [self.water.kinks, *(line[:, 0] for line in (*self.starts, *self.consolidated) if line is not None)]
-        ends, near = self.water.layers.x, self.water.layers.tolerance
         passes = [self._passes(line) for line in self.consolidated if line is not None]
-        at = np.unique(np.concatenate([ends, *lines, *passes]))
-        closest = ends[np.abs(at[:, None] - ends).argmin(axis=1)]
-        at = np.unique(np.where(np.abs(at - closest) <= near, closest, at))
-        at = at[np.diff(at, prepend=-np.inf) > near]
-        return at[(at > ends[0]) & (at < ends[-1])]
+        return self.water.layers.places_between(np.concatenate([self.water.layers.x, *lines, *passes]))
 
     def _passes(self, line: np.ndarray) -> np.ndarray:
         """Return the x (n,) in m where a line, above which ground does not count, crosses the ground surface, a layer

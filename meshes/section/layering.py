@@ -77,6 +77,14 @@ class Layering:
         share = ((x - self.x[i]) / self.width[i])[:, None]
         return (1.0 - share) * self.left[i] + share * self.right[i]
 
+    def places_between(self, x: np.ndarray) -> np.ndarray:
+        """Return places x (m) between the sides, rising and each once; those at a breakpoint are moved to it."""
+        at = np.unique(x)
+        closest = self.x[np.abs(at[:, None] - self.x).argmin(axis=1)]
+        at = np.unique(np.where(np.abs(at - closest) <= self.tolerance, closest, at))
+        at = at[np.diff(at, prepend=-np.inf) > self.tolerance]
+        return at[(at > self.x[0]) & (at < self.x[-1])]
+
     def stratum_at(self, x: np.ndarray, z: np.ndarray) -> np.ndarray:
         """Return the index of the stratum at each point, -1 outside the section."""
         x, z = np.asarray(x, dtype=float), np.asarray(z, dtype=float)

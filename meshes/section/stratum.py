@@ -1,6 +1,6 @@
 """Describes a layer of one soil: its name, its bottom, its parameters, and its pore water."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, Any, Self
 
 from pydantic import (
@@ -306,3 +306,13 @@ class Stratum(Model):
         if self.density_saturated is not None and self.density_saturated < self.density_seismic:
             return ["density_saturated below density: expected the saturated density to be the larger one"]
         return []
+
+
+def liquefying_strata(strata: Sequence[Stratum], case: int) -> list[int]:
+    """Return the indices of the strata that liquefy in a case."""
+    return [k for k, stratum in enumerate(strata) if case in stratum.liquefies_in]
+
+
+def cases_of(strata: Iterable[Stratum]) -> list[int]:
+    """Return the numbers of the cases in which any of the strata liquefies."""
+    return sorted({case for stratum in strata for case in stratum.liquefies_in})

@@ -159,11 +159,7 @@ class WaterPressure:
         by_weight = any(s.pore_pressure_ratio or s.excess_pore_pressure_ratio or s.strength_ratio for s in self.strata)
         if by_weight or self.after is not self.before:
             kinks.append(ends)
-        at = np.unique(np.concatenate(kinks)) if kinks else np.empty(0)
-        closest = ends[np.abs(at[:, None] - ends).argmin(axis=1)]
-        at = np.unique(np.where(np.abs(at - closest) <= near, closest, at))
-        at = at[np.diff(at, prepend=-np.inf) > near]
-        return at[(at > ends[0]) & (at < ends[-1])]
+        return self.layers.places_between(np.concatenate(kinks) if kinks else np.empty(0))
 
     def overburden(self, points: np.ndarray, near: np.ndarray, top: np.ndarray | None = None) -> np.ndarray:
         """Return the weight (n,) of the column of soil above each point, up to the line ``top`` (k, 2), per area

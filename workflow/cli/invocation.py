@@ -11,6 +11,7 @@ from typing import Any
 from fem.continuum.repetition import refuse_other_sides
 from meshes.errors import InputError
 from meshes.section.section import read_toml
+from meshes.section.stratum import cases_of
 from workflow.cli.unread import keys_of, unread
 from workflow.config import Config, merged, renamed
 from workflow.config.after_triggering import load_config
@@ -78,7 +79,7 @@ class Invocation:
         if not self.config.section.liquefies:
             wanted = 'expected liquefies_in = [1] in one that liquefies, or "triggered" with blow counts'
             raise InputError(str(self.section), [f"strata: no layer liquefies, so no slide can be computed; {wanted}"])
-        possible = sorted({number for stratum in self.config.section.strata for number in stratum.liquefies_in})
+        possible = cases_of(self.config.section.strata)
         if unknown := sorted(set(cases) - set(possible)):
             message = f"expected cases in which a stratum liquefies, of {', '.join(map(str, possible))}"
             raise InputError("--case", [f"{', '.join(map(str, unknown))}: {message}"])

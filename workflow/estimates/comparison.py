@@ -9,6 +9,7 @@ import numpy as np
 
 from dem.slides.drive import cyclic_acceleration
 from meshes.section.section import Section
+from meshes.section.stratum import cases_of
 from workflow.config.tables import Tables
 from workflow.estimates.empirical import empirical
 from workflow.estimates.estimate import Estimate, EstimateKind, flow_words, mean_inclination
@@ -164,9 +165,8 @@ def _smooth(section: Section) -> Estimate:
 
 
 def _regressions(section: Section) -> Iterator[Estimate]:
-    numbers = sorted({case for stratum in section.strata for case in stratum.liquefies_in})
     by_ground: dict[Any, list[int]] = {}
-    for case in numbers:
+    for case in cases_of(section.strata):
         ground = liquefied(section, case)
         if ground is not None:
             by_ground.setdefault(ground, []).append(case)

@@ -10,10 +10,12 @@ from meshes.borings.boring import Sample
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
+from meshes.section.stratum import cases_of
 from workflow.config.tables import Tables
 from workflow.earthquake.attenuation import PeakMotion
 from workflow.earthquake.column import MAKDISI, column_of
 from workflow.earthquake.triggering.assessment import Judged, assess, normalised_counts
+from workflow.earthquake.triggering.consequences import mean_of_tests
 from workflow.estimates import truss
 from workflow.estimates.estimate import Estimate, depth_below_ground, flow_words, mean_inclination
 from workflow.estimates.lateral_spread import (
@@ -96,7 +98,7 @@ def empirical(section: Section, settings: Tables, kc: float | None, slip_surface
     elif settings.earthquake.magnitude is not None:
         for title, source, validity in ((YOUD_TITLE, YOUD, YOUD_RANGE), (ZHANG_TITLE, ZHANG, ZHANG_RANGE)):
             yield Estimate("spread", title, None, "not computed: there are no borings", source, validity)
-    for case in sorted({case for stratum in section.strata for case in stratum.liquefies_in})[:1]:
+    for case in cases_of(section.strata)[:1]:
         bar = truss.truss_of(section, case)
         if bar is not None and bar.inclination > 0.0:
             words = (
@@ -187,8 +189,8 @@ def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> I
         distance / 1000.0,
         _slope(section, settings),
         _mean_of_borings(tests, lambda tests_of_boring: sum(t.bottom - t.top for t in tests_of_boring if t in loose)),
-        _weighted([test for test, _ in known], [float(soil.fines or 0.0) for _, soil in known]),
-        _weighted([test for test, _ in known], [1000.0 * float(soil.d50 or 0.0) for _, soil in known]),
+        mean_of_tests([test for test, _ in known], [float(soil.fines or 0.0) for _, soil in known]),
+        mean_of_tests([test for test, _ in known], [1000.0 * float(soil.d50 or 0.0) for _, soil in known]),
         bool(settings.free_face),
     )
     outside = why_not_youd(site)
@@ -243,7 +245,3 @@ def _mean_of_borings(tests: Sequence[Judged], of_one: Callable[[Sequence[Judged]
     return sum(
         length * of_one(tests_of_boring) for length, tests_of_boring in zip(lengths, borings.values(), strict=True)
     ) / sum(lengths)
-
-
-def _weighted(tests: Sequence[Judged], values: Sequence[float]) -> float:
-    return sum(test.area * value for test, value in zip(tests, values, strict=True)) / sum(test.area for test in tests)

@@ -6,6 +6,7 @@ import numpy as np
 
 from meshes.section.layering import middles
 from meshes.section.section import Section
+from meshes.section.stratum import liquefying_strata
 
 
 def hamada(thickness: float, gradient: float) -> float:
@@ -48,7 +49,7 @@ def liquefied(section: Section, case: int, columns: int = 400) -> LiquefiedLayer
     The gradient is the slope of a straight line fitted, over the same part of the section, to the ground or to the
     lowest boundary of the layers, whichever is steeper.
     """
-    which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
+    which = liquefying_strata(section.strata, case)
     left, right = section.extent
     x = middles(left, right, columns)
     levels = section.layering.interfaces(x)

@@ -8,6 +8,7 @@ import numpy as np
 from meshes.section.layering import middles
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
+from meshes.section.stratum import liquefying_strata
 
 SOURCE = "I. Towhata (1987), as described in Sec. 5 of the paper on section S-13"
 VALIDITY = "no strength in the liquefied layer; the layer above is elastic, one end free and the other held"
@@ -52,7 +53,7 @@ def truss_of(section: Section, case: int) -> Truss | None:
     The bar is as long as the part of the section with liquefying layers; density and modulus are means over the area of
     the strata; the inclination of the bar is the mean inclination of its lower boundary.
     """
-    which = [k for k, stratum in enumerate(section.strata) if case in stratum.liquefies_in]
+    which = liquefying_strata(section.strata, case)
     left, right = section.given_extent
     x = middles(left, right, COLUMNS)
     levels = section.layering.interfaces(x)

@@ -92,11 +92,10 @@ def _others(results: Results) -> Iterator[MethodRow]:
 def slides(results: Results) -> Iterator[MethodRow]:
     """Return the slide of every case by discs, by material points, by discs with the law "paper", and as the paper
     printed it."""
-    first, cases = results.case_set()
+    _, cases = results.case_set()
     yield from _of_cases(results, cases, "discs", SLIDES)
     yield from _of_cases(results, results.mpm.cases if results.mpm is not None else {}, "material points", POINTS)
-    printed = results.cases.sets.get("table2", {}) if results.cases is not None and first != "table2" else {}
-    for numbers, case in alike(printed).items():
+    for numbers, case in alike(results.printed_cases).items():
         yield MethodRow(f"the paper's discs, {results.config.called(*numbers)}", PRINTED, case.slide_max_m)
     if is_s13(results.config.section):
         for words, value in PAPER:

@@ -35,7 +35,7 @@ def front(results: Results) -> Sheet | None:
     if case is not None:
         numbers = next(group for group in alike(slides[0].cases) if number in group)
         called = f"case{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
-        after, by = np.array(case.surface_after), "material points"
+        after, by = case.surfaces[1], "material points"
         if isinstance(case, CaseAnswer) and results.dem is not None:
             after, by = smoothed(after, 2.0 * results.dem.model.radius_m), "discs"
         elif results.mpm is not None:

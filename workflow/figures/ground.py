@@ -79,10 +79,7 @@ def mark_borings(axes: Axes, section: Section, borings: Iterable[tuple[str, floa
 
 def sheet_with_borings(config: Config) -> Sheet:
     """Draw the section with the borings of its table [triggering]."""
-    borings = [
-        (boring.name, boring.x, max([*(t.depth for t in boring.spt), *(t.depth for t in boring.cpt)]))
-        for boring in config.triggering.borings
-    ]
+    borings = [(boring.name, boring.x, max(boring.depths)) for boring in config.triggering.borings]
     return section_sheet(config.section, decorate=lambda axes: mark_borings(axes, config.section, borings))
 
 

@@ -114,7 +114,7 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     of the case.
     """
     frame = Frame.read(path)
-    before, after = np.array(case.surface_before), np.array(case.surface_after)
+    before, after = case.surfaces
     window, norm = shown_window([frame], springs, before), frame.scale()
 
     colours = soil_colours([stratum.name for stratum in config.section.strata])
@@ -266,14 +266,14 @@ def point_profiles(config: Config, answer: PointSlidesAnswer) -> Sheet:
     title = f"{config.section.heading}: slides by the material point method, cells of {answer.cell_m:.2g} m"
     groups = alike(answer.cases)
     sheet = Sheet(title, [0.16] * len(groups), "", 1)
-    heights = np.concatenate([np.array(case.surface_before)[:, 1] for case in answer.cases.values()])
+    heights = np.concatenate([case.surfaces[0][:, 1] for case in answer.cases.values()])
     margin = ROOM * (heights.max() - heights.min()) + answer.cell_m
     lines: list[Line2D] = []
     for view, (numbers, case) in enumerate(groups.items()):
         last = view == len(groups) - 1
         name = f"{config.called(*numbers)}: largest slide {metres(case.slide_max_m)}; {case.reason}"
         axes = sheet.plot(view, "distance x (m)" if last else "", "elevation (m)", name)
-        before, after = np.array(case.surface_before), seen_from_above(np.array(case.surface_after), answer.cell_m)
+        before, after = case.surfaces[0], seen_from_above(case.surfaces[1], answer.cell_m)
         moved = axes.plot(*after.T, color=CONTINUUM, linewidth=1.3, label="surface after")
         lines = axes.plot(*before.T, color=INK, linewidth=0.9, linestyle=(0, (4, 2)), label="surface before") + moved
         axes.set_xlim(before[0, 0], before[-1, 0])

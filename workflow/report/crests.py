@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from meshes.errors import InputError
+from meshes.section.stratum import liquefying_strata
 from workflow.config import Config
 from workflow.earthquake.triggering.assessment import assess
 from workflow.earthquake.triggering.consequences import left
@@ -29,15 +30,14 @@ def crest_parts(
     for structure in structures_of(config.section):
         if cases is not None and cases.first_set:
             for number, case in sorted(cases.sets[cases.first_set].items()):
-                lines = np.array(case.surface_before), np.array(case.surface_after)
-                value = crest_settlement(*lines, structure.crest)
+                value = crest_settlement(*case.surfaces, structure.crest)
                 random = cases.random.cases.get(number) if cases.random is not None else None
                 values = _over_packings(value, None if random is None else random.profile, structure.crest)
                 if values is not None:
                     of = f"discs, {config.called(number)}"
                     yield _part(config, structure, of, number, values, at_rest(case))
         for number, point in sorted(points.cases.items()) if points is not None else ():
-            value = crest_settlement(np.array(point.surface_before), np.array(point.surface_after), structure.crest)
+            value = crest_settlement(*point.surfaces, structure.crest)
             if value is not None:
                 of = f"material points, {config.called(number)}"
                 yield _part(config, structure, of, number, (value, value, value), at_rest(point))
@@ -87,7 +87,7 @@ def reconsolidation_below(config: Config, crest: Crest, case: int) -> float | No
     The volumetric strain is given in the case or, if it is not, follows from the blow counts of each stratum.
     """
     levels = config.section.layering.interfaces(np.array([0.5 * (crest.left + crest.right)]))[0]
-    strata = [k for k, stratum in enumerate(config.section.strata) if case in stratum.liquefies_in]
+    strata = liquefying_strata(config.section.strata, case)
     strain = config.cases[case - 1].volumetric_strain
     known = dict.fromkeys(strata, strain) if strain > 0.0 else _strains_of_borings(config)
     if not any(k in known for k in strata):

@@ -181,8 +181,7 @@ def _slides(results: Results, row: FaceRow) -> Iterator[str]:
     for method, cases in _moved(results):
         values = []
         for case in cases:
-            points = np.array(case.slide_along).reshape(-1, 2)
-            inside = points[(points[:, 0] >= start) & (points[:, 0] <= end), 1]
+            inside = case.slides_between(start, end)
             values += [max(float((sign * inside).max()), 0.0)] if len(inside) else []
         if values:
             yield f"{_spread(values)} {method}"
@@ -200,7 +199,7 @@ def _settlements(results: Results, row: FaceRow) -> Iterator[str]:
     for method, cases in _moved(results):
         values = []
         for case in cases:
-            before, after = (np.array(line).reshape(-1, 2) for line in (case.surface_before, case.surface_after))
+            before, after = case.surfaces
             if len(before) and len(after):
                 values.append(float(np.mean(np.interp(x, *before.T) - np.interp(x, *_sorted(after).T))))
         if values:

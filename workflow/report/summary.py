@@ -38,7 +38,6 @@ def summary(results: Results, report_seconds: float) -> Summary:
     """Gather the summary; ``report_seconds`` is the computing time of the report so far (s)."""
     config = results.config
     springs, cases = results.case_set()
-    printed = results.cases.sets.get("table2", {}) if results.cases is not None and springs != "table2" else {}
     paper = tuple(rows(results))
     judged, opinions = verdicts(results), second_opinions(results.cases, results.mpm)
     texts = Texts(config.report.language)
@@ -61,8 +60,8 @@ def summary(results: Results, report_seconds: float) -> Summary:
         dem=_dem(results),
         cases=_summaries(results, cases) or None,
         cases_springs=springs if cases else None,
-        cases_table2=_numbers(printed) or None,
-        paper_model=_paper_model(results, printed),
+        cases_table2=_numbers(results.printed_cases) or None,
+        paper_model=_paper_model(results, results.printed_cases),
         cases_random=results.cases.random if results.cases is not None else None,
         cases_mpm=results.mpm.cases if results.mpm is not None else None,
         triggering=results.triggering.strata if results.triggering is not None else None,

@@ -7,6 +7,7 @@ from typing import Any
 
 from dem.slides.slide import stopped_at
 from meshes.section.cutting import shown_name
+from meshes.section.stratum import cases_of
 from workflow.config import Config
 from workflow.report.contradictions import is_weaker, liquefied_strata
 from workflow.report.flow_rule import WHEN
@@ -238,7 +239,7 @@ APART = {
 
 def _cases_are(config: Config) -> Iterator[str]:
     """Yield the first sentence on the cases: the strength and stiffness of the layers that liquefy in each case."""
-    numbers = sorted({number for stratum in config.section.strata for number in stratum.liquefies_in})
+    numbers = cases_of(config.section.strata)
     cases = [{**dict(assumed := config.cases[number - 1]), "damping": assumed.damping_left} for number in numbers]
     liquefied = [stratum.name for stratum in config.section.strata if stratum.liquefies_in]
     layers = list(dict.fromkeys(shown_name(name, quoted=False) for name in liquefied))

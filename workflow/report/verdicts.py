@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from meshes.section.stratum import cases_of
 from workflow.criteria.settings import judge, together
 from workflow.estimates.crest_settlement import freeboard
 from workflow.estimates.structures import structures_of
@@ -232,8 +233,7 @@ def _why(at_rest: bool) -> str:
 def _not_computed(results: Results) -> Iterator[Interval]:
     """Yield the cases of liquefaction of which no slide was computed."""
     computed = {*results.case_set()[1], *(results.mpm.cases if results.mpm is not None else ())}
-    expected = {number for stratum in results.config.section.strata for number in stratum.liquefies_in}
-    for number in sorted(expected - computed):
+    for number in sorted({*cases_of(results.config.section.strata)} - computed):
         yield f"after liquefaction, {results.config.called(number)}", None, None, "no slide was computed"
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from meshes.section.section import Section
+from meshes.section.stratum import cases_of
 from workflow.config import notice_lines
 from workflow.report.contradictions import contradictions
 from workflow.report.numbers import coefficient, listed, of_cases, span
@@ -123,7 +124,7 @@ def _residual_strength(results: Results) -> Iterator[str]:
         return
     liquefies = [stratum for stratum in results.config.section.strata if stratum.liquefies_in]
     none, without_strain = [], []
-    for number in sorted({number for stratum in liquefies for number in stratum.liquefies_in}):
+    for number in cases_of(liquefies):
         case = results.config.cases[number - 1]
         if any(case.residual_of(stratum.name) or case.strength_of(stratum.name) for stratum in liquefies):
             sand = [stratum.name for stratum in liquefies if stratum.friction_angle > 0.0]

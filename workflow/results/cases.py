@@ -80,12 +80,22 @@ class MovedSurface(Part):
     surface_after: Line = Field(description="points [x, elevation] of the surface after the slide (m)")
     slide_along: Line = Field(default=(), description="slide along the surface: points [x before the slide, slide] (m)")
 
+    @property
+    def surfaces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the points (n, 2) of the surface before and after the slide (m)."""
+        return np.array(self.surface_before).reshape(-1, 2), np.array(self.surface_after).reshape(-1, 2)
+
     def slide_at(self, x: float) -> float | None:
         """Return the slide (m) of the surface that was at x (m) before the slide; None beyond the ends of the surface,
         or if it is not stored."""
         if not self.slide_along or not self.slide_along[0][0] <= x <= self.slide_along[-1][0]:
             return None
         return float(np.interp(x, *np.array(self.slide_along).T))
+
+    def slides_between(self, start: float, end: float) -> np.ndarray:
+        """Return the slides (n,) in m of the points of the surface between two x (m)."""
+        points = np.array(self.slide_along).reshape(-1, 2)
+        return points[(points[:, 0] >= start) & (points[:, 0] <= end), 1]
 
     @property
     def largest_fall(self) -> tuple[float, float]:
@@ -95,7 +105,7 @@ class MovedSurface(Part):
         outermost points lie on the sides of the model, where a single disc that remains or is missing does not show the
         settlement of the ground. The two outermost points are therefore left out.
         """
-        before, after = (np.array(line).reshape(-1, 2) for line in (self.surface_before, self.surface_after))
+        before, after = self.surfaces
         if not len(before) or not len(after):
             return 0.0, 0.0
         by_x = [line[np.argsort(line[:, 0], kind="stable")] for line in (before, after)]

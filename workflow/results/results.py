@@ -210,6 +210,11 @@ class Results:
         name = self.cases.first_set
         return name, self.cases.sets.get(name, {})
 
+    @property
+    def printed_cases(self) -> dict[int, CaseAnswer]:
+        """Return the cases with the springs printed in the paper, by number, if they were computed beside others."""
+        return self.cases.sets.get("table2", {}) if self.cases is not None and self.case_set()[0] != "table2" else {}
+
     def slides_at(self, x: float | None) -> dict[int, float] | None:
         """Return the slide of the discs in each case at the place x (m) of the surface; None if it is not known."""
         _, cases = self.case_set()

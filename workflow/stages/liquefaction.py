@@ -3,7 +3,10 @@
 from collections.abc import Collection, Hashable, Mapping
 from typing import Any, TypeVar
 
+from meshes.errors import InputError
 from meshes.section.liquefies import Remains
+from meshes.section.section import Section
+from meshes.section.stratum import cases_of, liquefying_strata
 from workflow.config import Config
 from workflow.earthquake.triggering.assessment import assess
 
@@ -15,11 +18,16 @@ LOST = ("cohesion", "friction", "residual", "residual_strength")  # of a case, w
 def liquefying(config: Config) -> dict[int, list[int]]:
     """For every case, return the indices of the strata that liquefy in it. Cases in which no stratum liquefies are left
     out."""
-    numbers = range(1, len(config.cases) + 1)
-    numbers_of_strata = {
-        n: [k for k, stratum in enumerate(config.section.strata) if n in stratum.liquefies_in] for n in numbers
-    }
-    return {n: strata for n, strata in numbers_of_strata.items() if strata}
+    strata = config.section.strata
+    return {n: liquefying_strata(strata, n) for n in cases_of(strata) if n <= len(config.cases)}
+
+
+def refuse_unless_liquefying(section: Section) -> None:
+    """Raise InputError if no stratum of a section liquefies."""
+    if not section.liquefies:
+        raise InputError(
+            section.name, ["no stratum liquefies in any case; expected liquefies_in in at least one stratum"]
+        )
 
 
 def remaining(config: Config) -> dict[int, dict[int, Remains]]:

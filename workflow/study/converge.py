@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from meshes.errors import InputError, NoAnswerError
+from meshes.errors import NoAnswerError
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.study import ConvergenceAnswer, Series
 from workflow.run.store import Store
+from workflow.stages.liquefaction import refuse_unless_liquefying
 from workflow.study.ensemble import Ensemble, OnRow, TaskOutcome
 from workflow.study.parts import PARTS
 from workflow.study.study import task_of
@@ -92,10 +93,7 @@ def run(
     converged number (%); ``ensemble``: computes the rows; ``on_row``: called with each row. Raises InputError if
     nothing liquefies, NoAnswerError if fewer than three runs of a kind have an answer.
     """
-    if not config.section.liquefies:
-        raise InputError(
-            config.section.name, ["no stratum liquefies in any case; expected liquefies_in in at least one stratum"]
-        )
+    refuse_unless_liquefying(config.section)
     store.write_text("section.toml", config.to_toml())
     radius, step = config.dem.mean_radius(config.section), config.slide.step_of(config.dem.model)
     finer = [config.with_settings("dem", radius=radius * share).with_settings("slide", step=step) for share in RADII]

@@ -3,7 +3,6 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from meshes.errors import InputError
 from workflow.config import Config
 from workflow.config.after_triggering import config_after_triggering
 from workflow.results.cases import QUANTITIES, CasesAnswer
@@ -14,6 +13,7 @@ from workflow.run.record import Entry
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.stages import calibrate, fem, mesh, slide
+from workflow.stages.liquefaction import refuse_unless_liquefying
 from workflow.study.task import Numbers, StudySample
 
 STAGES = (mesh.STAGE, fem.STAGE, calibrate.STAGE, slide.STAGE)
@@ -25,10 +25,7 @@ def discs(sample: StudySample) -> Numbers:
     Raises NoAnswerError if the discs cannot be calibrated.
     """
     config = config_after_triggering(Config.parse(sample.data))
-    if not config.section.liquefies:
-        raise InputError(
-            config.section.name, ["no stratum liquefies in any case; expected liquefies_in in at least one stratum"]
-        )
+    refuse_unless_liquefying(config.section)
     with TemporaryDirectory(prefix="noshiro-") as folder:
         store = Store(Path(sample.folder or folder))
         job = Job(config, store, STAGES)

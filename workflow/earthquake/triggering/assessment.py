@@ -214,14 +214,12 @@ def below_loads(section: Section, settings: TriggeringSettings) -> list[str]:
 
 
 def _feels_loads(section: Section, boring: Boring) -> bool:
-    depths = [*(test.depth for test in boring.spt), *(test.depth for test in boring.cpt)]
-    stresses = [overburden(section, boring.x, z) for z in depths if not outside(section, boring.x, z)]
+    stresses = [overburden(section, boring.x, z) for z in boring.depths if not outside(section, boring.x, z)]
     return any(max(stress.loads) > LEAST_LOAD * stress.total for stress in stresses)
 
 
 def _outside(section: Section, boring: Boring) -> list[str]:
-    depths = [*(test.depth for test in boring.spt), *(test.depth for test in boring.cpt)]
-    messages = {outside(section, boring.x, depth): None for depth in depths}
+    messages = {outside(section, boring.x, depth): None for depth in boring.depths}
     return [f"triggering, boring {boring.name}: {text}" for text in messages if text]
 
 

@@ -121,7 +121,7 @@ def pore_pressures(assessment: TriggeringAssessment, strata: int) -> list[float]
     for k in range(strata):
         here = judged_in_stratum([stratum.name for stratum in assessment.strata], k, assessment.tests)
         pressures = [0.0 if test.factor is None else pore_pressure_ratio(test.factor) for test in here]
-        ratios.append(_mean(here, pressures))
+        ratios.append(mean_of_tests(here, pressures))
     return ratios
 
 
@@ -136,18 +136,18 @@ def _of_stratum(number: int, assessment: TriggeringAssessment, settings: Trigger
     holding = [relation for relation in RELATIONS if any(relation.ratio(soil) is not None for soil in soils)]
     for relation in holding or RELATIONS:
         least = [relation.least_ratio(soil) for soil in soils]
-        ratios[relation.title] = _mean(tests, least)
+        ratios[relation.title] = mean_of_tests(tests, least)
         residuals = [KPA * soil.effective * ratio for soil, ratio in zip(soils, least, strict=True)]
-        strengths[relation.title] = _mean(tests, residuals)
+        strengths[relation.title] = mean_of_tests(tests, residuals)
     pairs = [(test.factor, clean) for test, (_, clean) in zip(tests, counts, strict=True)]
     drained, sheared = (
-        _mean(tests, [0.0 if factor is None else strain(factor, clean) for factor, clean in pairs])
+        mean_of_tests(tests, [0.0 if factor is None else strain(factor, clean) for factor, clean in pairs])
         for strain in (volumetric_strain, shear_strain)
     )
     return Left(number, ratios, strengths, drained, sheared)
 
 
-def _mean(tests: Sequence[Judged], values: Sequence[float]) -> float:
+def mean_of_tests(tests: Sequence[Judged], values: Sequence[float]) -> float:
     """Return the mean over the area that tests represent; 0 without any."""
     total = sum(test.area for test in tests)
     return sum(test.area * value for test, value in zip(tests, values, strict=True)) / total if total > 0.0 else 0.0
