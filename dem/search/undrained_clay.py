@@ -41,11 +41,6 @@ STEPS = 20  # in which contacts fade out
 SHARE = 0.5  # of the stable step
 
 
-def clay_of(layers: Sequence[LayerSprings]) -> list[int]:
-    """Return the numbers of the layers of undrained clay."""
-    return [k for k, layer in enumerate(layers) if layer.undrained_strength > 0.0]
-
-
 def replace_contacts_of_clay(model: DiscModel, seconds: float, ground: Ground | None = None) -> bool:
     """Replace the contacts of clay by pore pressure and bonds of its undrained strength; other layers keep theirs.
 
@@ -65,7 +60,7 @@ def replace_contacts_of_clay(model: DiscModel, seconds: float, ground: Ground | 
     DemError : if a run of the engine stops
     """
     layers = list(model.springs.layers)
-    clay = clay_of(layers)
+    clay = [k for k, layer in enumerate(layers) if layer.undrained_strength > 0.0]
     if not clay:
         return False
     discs = np.isin(model.layer, clay) & ~model.fixed

@@ -147,7 +147,7 @@ class PointSlider:
         saved_at = time.monotonic()
         while not slide.reason:
             self._liquefy(programme, shares)
-            under_way = self._under_way(programme, self.engine.time)
+            under_way = any(-1e-9 <= self.engine.time - start < programme.onset for start in programme.starts.values())
             seconds = min(LOOK, programme.onset / ONSET_STEPS) if under_way else LOOK
             self.engine.run(seconds, lambda times: self.sign * programme.shaking(times))
             self._look(slide)
@@ -281,10 +281,6 @@ class PointSlider:
         original, points, grid = self.engine.original, self.ground.points, self.ground.grid
         height = original(points.state[:, kernel.VOLUME]) / (0.5 * grid.cell)
         return grid.level(original(points.x)), height, original(points.mass)
-
-    def _under_way(self, programme: SlideProgramme, time: float) -> bool:
-        """Return whether a stratum is liquefying at this time."""
-        return any(-1e-9 <= time - start < programme.onset for start in programme.starts.values())
 
     def _liquefy(self, programme: SlideProgramme, shares: dict[int, float]) -> None:
         """Set strength, stiffness and the drained volume of the current time."""

@@ -104,7 +104,7 @@ class Layering:
                 pieces[-1].append(i)
             else:
                 pieces.append([i])
-        return [self._outline(piece, stratum) for piece in pieces]
+        return [self._chain(piece, stratum + 1, stratum) for piece in pieces]
 
     def outline(self) -> np.ndarray:
         """Return the outline (n, 2) of the whole section, counter-clockwise."""
@@ -125,9 +125,6 @@ class Layering:
         top = min(self.right[i - 1, stratum], self.left[i, stratum])
         bottom = max(self.right[i - 1, stratum + 1], self.left[i, stratum + 1])
         return bool(top > bottom)
-
-    def _outline(self, piece: list[int], stratum: int) -> np.ndarray:
-        return self._chain(piece, stratum + 1, stratum)
 
     def _chain(self, piece: list[int], lower: int, upper: int) -> np.ndarray:
         def along(interface: int) -> list[tuple[float, float]]:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, get_type_hints
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from meshes.section.cutting import BELOW_WATER, DividedStratum, divided_by_water, key_in_file
+from meshes.section.cutting import BELOW_WATER, divided_by_water, key_in_file
 from meshes.section.layering import Layering
 from meshes.section.model import Model
 from meshes.section.polyline import level_at
@@ -154,7 +154,8 @@ def against_the_water(
         return
     yield from _away_from_the_ground(layers, level)
     for k, s in enumerate(strata):
-        above, below = (_area(divided_by_water(layers, k, level), part) for part in (0, 1))
+        parts = divided_by_water(layers, k, level)
+        above, below = (float(0.5 * np.diff(parts.x) @ thick.sum(axis=1)) for thick in parts.thickness)
         where = key_in_file(strata, k)
         whole = max(above + below, 1e-300)
         if drawn is not None and s.buoyant and above > WRONG_SIDE * whole:
@@ -199,11 +200,6 @@ def _away_from_the_ground(layers: Layering, level: np.ndarray) -> Iterator[str]:
         yield f"water: all of the ground lies below water, at most {float((here - top).max()):.4g} m deep"
     elif (here < base).all():
         yield "water: the water table lies below the base of the section, so that all of the ground is dry"
-
-
-def _area(parts: DividedStratum, part: int) -> float:
-    """Return the area (m²) above (0) or below (1) the water."""
-    return float(0.5 * np.diff(parts.x) @ parts.thickness[part].sum(axis=1))
 
 
 def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:

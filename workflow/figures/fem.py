@@ -14,7 +14,7 @@ from workflow.config import Config
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
 from workflow.figures.ground import Overlay, foot, section_sheet
 from workflow.results.answer import FORCE
-from workflow.results.continuum import FactorOfSafety, FemAnswer
+from workflow.results.continuum import FemAnswer
 from workflow.results.fem_states import FemResults
 from workflow.results.mesh_grids import unstructured
 from workflow.run.store import Store
@@ -51,13 +51,14 @@ def _slips(answer: FemAnswer) -> list[Overlay]:
     """Return the slip surface of the ground with its strength divided by each factor of safety."""
     factors = [factor for factor in answer.safety_factors if factor.slip_surface]
     return [
-        Overlay(np.array(result.slip_surface), CONTINUUM, DASHES[number % len(DASHES)], _named(result))
+        Overlay(
+            np.array(result.slip_surface),
+            CONTINUUM,
+            DASHES[number % len(DASHES)],
+            f"slip surface, F_s = {result.factor:.2f} at Kh = {result.kh:g}",
+        )
         for number, result in enumerate(factors)
     ]
-
-
-def _named(factor: FactorOfSafety) -> str:
-    return f"slip surface, F_s = {factor.factor:.2f} at Kh = {factor.kh:g}"
 
 
 def picture_of(state: FieldState) -> str:

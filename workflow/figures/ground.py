@@ -104,7 +104,7 @@ def section_sheet(
         Line2D([], [], color=line.colour, linewidth=2.0, linestyle=line.dashes, label=line.label) for line in lines
     ]
     sheet = _sheet(section, f"{section.heading}: {title}", window, handles)
-    line_width = _line_width(section)
+    line_width = float(np.clip(30.0 / len(section.strata), 0.05, 0.6))  # many lines would hide the colours
     for view, much in enumerate(window.exaggerations()):
         axes = sheet.frame(view, window, heights_in_words(much), much)
         for k, (stratum, colour) in enumerate(zip(section.strata, _colours(section), strict=True)):
@@ -269,12 +269,6 @@ def _fill_water(axes: Axes, section: Section, table: np.ndarray) -> None:
 def heights_in_words(much: int) -> str:
     """Return how many times the heights of a view are exaggerated."""
     return "true proportions" if much == 1 else f"heights exaggerated {much} times"
-
-
-def _line_width(section: Section) -> float:
-    """Return the width (points) of the lines between strata, which is smaller where many lines would hide the
-    colours."""
-    return float(np.clip(30.0 / len(section.strata), 0.05, 0.6))
 
 
 def _legend_of(section: Section, water: bool = True) -> list[Artist]:

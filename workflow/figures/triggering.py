@@ -1,5 +1,7 @@
 """Draws the borings of a section side by side: strata, blow counts or cone resistances, and F_L with depth."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
@@ -35,7 +37,13 @@ def draw(section: Section, answer: TriggeringAnswer) -> Frames:
                 axes.set_axis_off()
             continue
         _boring(section, [test for test in answer.tests if test.boring == names[number]], answer, pair, deepest)
-    picture.figure.legend(handles=_handles(), loc="outside lower center", ncols=4, fontsize=7.5, frameon=False)
+    style: dict[str, Any] = {"marker": "o", "markersize": 3.5, "linewidth": 1.0}
+    handles = [
+        Line2D([], [], color=CONTINUUM, label="measured, and F_L of 1 or more", **style),
+        Line2D([], [], color=CRITICAL, label="F_L below 1", **style),
+        Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"),
+    ]
+    picture.figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=7.5, frameon=False)
     if note := foot(section):
         picture.figure.supxlabel(note, fontsize=7, color=INK, x=0.02, ha="left")
     return picture
@@ -92,13 +100,3 @@ def _name_strata(section: Section, depths: np.ndarray, deepest: float, axes: Axe
                 fontsize=6, va="top", ha="right", color=INK, parse_math=False, annotation_clip=False,
                 bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none"}, zorder=4.0,
             )  # fmt: skip
-
-
-def _handles() -> list[Line2D]:
-    return [
-        Line2D(
-            [], [], color=CONTINUUM, marker="o", markersize=3.5, linewidth=1.0, label="measured, and F_L of 1 or more"
-        ),
-        Line2D([], [], color=CRITICAL, marker="o", markersize=3.5, linewidth=1.0, label="F_L below 1"),
-        Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"),
-    ]

@@ -201,13 +201,10 @@ def _settlements(results: Results, row: FaceRow) -> Iterator[str]:
         for case in cases:
             before, after = case.surfaces
             if len(before) and len(after):
-                values.append(float(np.mean(np.interp(x, *before.T) - np.interp(x, *_sorted(after).T))))
+                after = after[np.argsort(after[:, 0], kind="stable")]
+                values.append(float(np.mean(np.interp(x, *before.T) - np.interp(x, *after.T))))
         if values:
             yield f"{_spread(values)} {method}"
-
-
-def _sorted(points: np.ndarray) -> np.ndarray:
-    return points[np.argsort(points[:, 0], kind="stable")]
 
 
 def _spread(values: list[float]) -> str:

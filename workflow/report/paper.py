@@ -48,7 +48,7 @@ def rows(results: Results) -> list[PaperRow]:
     table = [*_fem(results)]
     for which in _disc_sets(results):
         table += _dem(results, which)
-    for name in _sets(results):
+    for name in results.cases.sets if results.cases is not None else ("",):
         table += _slides(results, name)
     table += [_measured(results), _smooth()]
     return [row if row.agrees is False else replace(row, why="") for row in table]
@@ -154,10 +154,6 @@ def _broken(row: PaperRow, cracked: dict[str, float]) -> PaperRow:
     why = f"more break elsewhere: {_shares(others)}" if others else f"fewer than {100 * AT_FAILURE:.0f} % in each"
     agrees = most >= AT_FAILURE and not others
     return replace(row, ours=_shares(shares) + " broken", agrees=agrees, why=f"{why}; {SECTION}")
-
-
-def _sets(results: Results) -> list[str]:
-    return list(results.cases.sets) if results.cases is not None else [""]
 
 
 def _slides(results: Results, name: str) -> Iterator[PaperRow]:

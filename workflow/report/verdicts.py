@@ -245,7 +245,8 @@ def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None) -> I
         verdict = together(tuple(part.verdict for part in parts_of_criterion))
         deciding = [part for part in parts_of_criterion if part.verdict == verdict]
         worst = deciding[:3] if verdict != "satisfied" else []
-        why = "" if not worst else f" ({_.listed([_words(part, _) for part in worst])})"
+        reasons = [f"{_.sentence(part.of)}: {_.sentence(part.reason) or interval_words(part)}" for part in worst]
+        why = f" ({_.listed(reasons)})" if reasons else ""
         limit = _number(criterion, parts_of_criterion[0].limit)
         limit = _("at least {limit}", limit=limit) if criterion in AT_LEAST else _("at most {limit}", limit=limit)
         limit += _at(parts_of_criterion[0], _)
@@ -255,10 +256,6 @@ def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None) -> I
         phrases.append(f"{_.sentence(name)} {limit}{source}: {_.sentence(verdict)}{why}")
     if phrases:
         yield _("Criteria: {each}.").format(each="; ".join(phrases))
-
-
-def _words(part: VerdictPart, _: Texts) -> str:
-    return f"{_.sentence(part.of)}: {_.sentence(part.reason) or interval_words(part)}"
 
 
 def limit_words(part: VerdictPart, texts: Texts) -> str:

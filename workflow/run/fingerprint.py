@@ -24,7 +24,7 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
     ``ignored`` are settings without effect on the results of the stage.
     """
     ignored = ignored.union(stage.ignores(job.config))
-    prints = {"section": fingerprint_of(section_data(job.config.section)), PROGRAM: program()}
+    prints = {"section": fingerprint_of(job.config.section.model_dump(mode="json", exclude=NAMES)), PROGRAM: program()}
     for name in stage.reads:
         if name not in ignored:
             prints[name if "." in name else f"[{name}]"] = fingerprint_of(_settings(name, job.config, ignored))
@@ -58,11 +58,6 @@ def program() -> str:
         for path in sorted(path for path in folder.rglob("*") if path.suffix in SOURCES):
             total.update(f"{package}/{path.relative_to(folder).as_posix()}\n".encode() + path.read_bytes())
     return total.hexdigest()
-
-
-def section_data(section: Section) -> dict[str, Any]:
-    """Return the section as it was written, without its title and structures."""
-    return section.model_dump(mode="json", exclude=NAMES)
 
 
 def _settings(name: str, config: Config, ignored: frozenset[str]) -> dict[str, Any]:

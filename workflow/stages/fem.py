@@ -133,7 +133,7 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
         gravity=Gravity(iterations=result.gravity_iterations, plastic_share=result.gravity_plastic_share),
         linear_solves=result.solves,
         curve=tuple(result.steps),
-        states=tuple(_stored_state(mesh, state, surface if _fails(state, result) else ()) for state in result.states),
+        states=tuple(_stored_state(mesh, state, result, surface) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in assessment.safety),
     )
 
@@ -150,17 +150,16 @@ def _at_sides(adapted: "AdaptiveResult[Any]") -> tuple[str, ...]:
     return adapted.at_sides if adapted.result.verdict in ("plateau", "peak") else ()
 
 
-def _fails(state: "FieldState", result: "CriticalResult") -> bool:
-    """Return whether the ground slips in a state; before failure it only deforms."""
-    return state.past_equilibrium or state.kh >= result.lower
-
-
-def _stored_state(mesh: "QuadMesh", state: "FieldState", surface: Line) -> StoredState:
+def _stored_state(mesh: "QuadMesh", state: "FieldState", result: "CriticalResult", surface: Line) -> StoredState:
+    """Return a state without its fields, and with the slip surface if the ground slips: before failure the ground only
+    deforms."""
     return StoredState.taken(
         state,
         largest_displacement_m=float(np.hypot(*state.displacement.T).max()),
-        failed_share_by_stratum=failed_shares(mesh, state),
-        slip_surface=surface,
+        failed_share_by_stratum={
+            name: float(np.mean(state.failed[mesh.stratum == k])) for k, name in enumerate(mesh.strata)
+        },
+        slip_surface=surface if state.past_equilibrium or state.kh >= result.lower else (),
     )
 
 
@@ -174,11 +173,6 @@ def _factor_of_safety(adapted: "AdaptiveResult[SafetyFactor]", flow: Flow) -> Fa
         rest=float(rest) if np.isfinite(rest) else None,
         slip_surface=_slip_line(adapted.mesh, result.mechanism) if result.mechanism is not None else (),
     )
-
-
-def failed_shares(mesh: "QuadMesh", state: "FieldState") -> dict[str, float]:
-    """Return the share of the cells of each stratum that are at failure."""
-    return {name: float(np.mean(state.failed[mesh.stratum == k])) for k, name in enumerate(mesh.strata)}
 
 
 def write_fields(section: Section, mesh: "QuadMesh", states: list["FieldState"], store: Store) -> None:

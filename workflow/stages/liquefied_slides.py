@@ -32,7 +32,7 @@ USUAL, ALMOST = 0.4, 0.9  # of the time that a slide may last, when it is at res
 def slide_stage(job: Job) -> None:
     """Compute the slides of the requested cases, or of all."""
     config, store = job.config, job.store
-    wanted = _wanted(config, job.cases)
+    wanted = [number for number in liquefying(config) if job.cases is None or number in job.cases]
     starts = _starts(config, store)
     tasks = _tasks(config, starts, wanted)
     others: RandomPackingsWanted | None = None
@@ -69,11 +69,6 @@ def slide_stage(job: Job) -> None:
 def _computed(piece: SlideTask | PackingTask, tell: Tell) -> Any:
     """Compute one slide, or one random packing with all of its slides."""
     return packed(piece, tell) if isinstance(piece, PackingTask) else slid(piece, tell)
-
-
-def _wanted(config: Config, cases: tuple[int, ...] | None) -> list[int]:
-    """Return the numbers of the cases to compute."""
-    return [number for number in liquefying(config) if cases is None or number in cases]
 
 
 def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]:

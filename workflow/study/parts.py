@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from fem.settings import WITHOUT_EFFECT
-from workflow.run.stage import Stage
 from workflow.study.continuum import bounds, continuum
 from workflow.study.discs import STAGES, discs
 from workflow.study.task import Numbers, StudySample
@@ -30,15 +29,12 @@ class StudyPart:
     keeps: bool = False
 
 
-def _read_by(stages: Sequence[Stage]) -> tuple[str, ...]:
-    """Return the tables of settings that some stages read."""
-    return tuple(dict.fromkeys(name.split(".")[0] for stage in stages for name in stage.reads))
-
-
+# What the stages of slides read, and what decides on their cases.
+OF_SLIDES = (*dict.fromkeys(name.split(".")[0] for stage in STAGES for name in stage.reads), "earthquake", "triggering")
 PARTS = (
     StudyPart("fem", continuum, ("mesh", "fem"), (*WITHOUT_EFFECT, "fem.rigid_box")),
     StudyPart("bounds", bounds, ("fem", "bounds"), (*WITHOUT_EFFECT, "fem.rigid_box", "bounds.safety_factor")),
-    StudyPart("slide", discs, (*_read_by(STAGES), "earthquake", "triggering"), keeps=True),
+    StudyPart("slide", discs, OF_SLIDES, keeps=True),
 )
 
 # What the sliding block of a sample reads, which needs no part of its own.
