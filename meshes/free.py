@@ -306,11 +306,11 @@ def _size_field(
         numbers.append(inside)
     for name, wanted in sizes.towards.items():
         far = max(sizes.ordinary, wanted)
-        numbers.append(_near_field(curves[name], wanted, far, GROWTH_REACH * far, stop=True))
+        numbers.append(_near_field(curves[name], wanted, far, GROWTH_REACH * far))
     for curve, height in (steps or {}).items():
         near = STEP_CELLS * height
         if near < sizes.ordinary:
-            numbers.append(_near_field([curve], near, sizes.ordinary, (sizes.ordinary - near) / STEP_GROWTH, stop=True))
+            numbers.append(_near_field([curve], near, sizes.ordinary, (sizes.ordinary - near) / STEP_GROWTH))
     if len(sizes.corners):
         numbers.append(_view_field(sizes))
     if sizes.far > 1.0:
@@ -320,11 +320,9 @@ def _size_field(
     fields.setAsBackgroundMesh(smallest)
 
 
-def _near_field(curves: list[int], near: float, far: float, reach: float, stop: bool) -> int:
+def _near_field(curves: list[int], near: float, far: float, reach: float) -> int:
     """Return gmsh's size field that is ``near`` at some curves up to a distance ``near``, and grows to ``far`` at the
-    distance ``reach`` (all in m).
-
-    Beyond ``reach`` the field has no effect if ``stop``; otherwise it remains ``far``.
+    distance ``reach`` (all in m); beyond it has no effect.
     """
     fields = gmsh.model.mesh.field
     distance = fields.add("Distance")
@@ -334,7 +332,7 @@ def _near_field(curves: list[int], near: float, far: float, reach: float, stop: 
     fields.setNumber(number, "InField", distance)
     fields.setNumber(number, "SizeMin", near)
     fields.setNumber(number, "SizeMax", far)
-    fields.setNumber(number, "StopAtDistMax", int(stop))
+    fields.setNumber(number, "StopAtDistMax", 1)
     fields.setNumber(number, "DistMin", near)
     fields.setNumber(number, "DistMax", reach)
     return number

@@ -14,6 +14,14 @@ from fem.continuum.plane_strain import PlaneStrain
 from fem.path.newton import Constraint, Loading, NewtonResult, NewtonSettings, find_equilibrium, residual_of
 from fem.path.path_step import PathStep
 
+# The smallest step, and the factors of the step size after a step with few or with many iterations.
+SMALLEST, GROWTH, FEW, SHRINK, MANY = 1e-5, 1.5, 6, 0.7, 12
+# The length of a relaxation over that in which the overstress decays, the largest number of relaxations until there is
+# equilibrium without overstress, and the norm of the force that is then unbalanced, over that of the weight.
+RELAXATION_SPAN, MOST_RELAXATIONS, RELAXED_TOLERANCE = 30.0, 6, 2e-3
+# Shares by which the multiplier is reduced, one after the other, until there is equilibrium without overstress.
+REDUCTIONS = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.04)
+
 
 @dataclass(frozen=True)
 class PathSettings:
@@ -22,32 +30,14 @@ class PathSettings:
     Attributes
     ----------
     newton : settings of Newton's method within a step
-    first, largest, smallest : first, largest and smallest step (-)
-    growth, shrink : factors of the step size after a step with at most ``few``, or more than ``many``, iterations (-)
-    few, many : numbers of iterations of Newton's method below which the step grows, and above which it shrinks
+    first, largest : first and largest step (-)
     relaxation : arc length over which the overstress decays (-); 0 for no overstress
-    relaxation_span : length of a relaxation over ``relaxation`` (-)
-    most_relaxations : largest number of relaxations until equilibrium without overstress
-    relaxed_tolerance : norm of the unbalanced force after relaxation, over that of the weight (-)
-    reductions : shares by which the multiplier is reduced, one after the other, until a state is in equilibrium without
-        overstress (-)
-    most_steps : steps after which the path ends
     """
 
     newton: NewtonSettings = field(default_factory=NewtonSettings)
     first: float = 0.08
     largest: float = 0.3
-    smallest: float = 1e-5
-    growth: float = 1.5
-    shrink: float = 0.7
-    few: int = 6
-    many: int = 12
     relaxation: float = 0.0
-    relaxation_span: float = 30.0
-    most_relaxations: int = 6
-    relaxed_tolerance: float = 2e-3
-    reductions: tuple[float, ...] = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.04)
-    most_steps: int = 400
 
 
 @dataclass
@@ -96,7 +86,7 @@ class EquilibriumPath:
         converges."""
         cutbacks = 0
         while True:
-            if self._step < self.settings.smallest:
+            if self._step < SMALLEST:
                 self.reason = "no equilibrium was found even with the smallest step"
                 return False
             result = self._try(self._step)
@@ -106,10 +96,10 @@ class EquilibriumPath:
             self._step *= 0.5
         taken = self._step
         self._accept(result, taken, cutbacks, at_rest=False)
-        if result.iterations <= self.settings.few:
-            self._step = min(self._step * self.settings.growth, self.settings.largest)
-        elif result.iterations > self.settings.many:
-            self._step *= self.settings.shrink
+        if result.iterations <= FEW:
+            self._step = min(self._step * GROWTH, self.settings.largest)
+        elif result.iterations > MANY:
+            self._step *= SHRINK
         return True
 
     def relax(self) -> bool:
@@ -122,7 +112,7 @@ class EquilibriumPath:
         if self.settings.relaxation <= 0.0:
             return True
         if self.beta > 0.0:
-            return any(self.reach(self.factor * (1.0 - less)) for less in self.settings.reductions)
+            return any(self.reach(self.factor * (1.0 - less)) for less in REDUCTIONS)
         return self._relax(Constraint(self.control / self.reference, 0.0, 0.0))
 
     def reach(self, factor: float) -> bool:
@@ -151,14 +141,14 @@ class EquilibriumPath:
 
         The load multiplier is constant, unless a ``constraint`` prescribes the control displacement.
         """
-        for _ in range(self.settings.most_relaxations):
-            self.problem.overstress = 1.0 / (1.0 + self.settings.relaxation_span)
+        for _ in range(MOST_RELAXATIONS):
+            self.problem.overstress = 1.0 / (1.0 + RELAXATION_SPAN)
             result = self._newton(self.factor, np.zeros_like(self.control), constraint)
             if not result.converged:
                 return False
             length = 0.0 if constraint else self._length_of(result)
             self._accept(result, length, 0, at_rest=True)
-            if self._unbalanced_without_overstress() <= self.settings.relaxed_tolerance:
+            if self._unbalanced_without_overstress() <= RELAXED_TOLERANCE:
                 self.steps[-1] = replace(self.steps[-1], balanced=True)
                 return True
         return False

@@ -7,10 +7,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.errors import NoEquilibriumError
-from fem.path.equilibrium_path import EquilibriumPath
+from fem.path.equilibrium_path import REDUCTIONS, EquilibriumPath
 from fem.settings import PathVerdict
 
 PathListener = Callable[[EquilibriumPath], None]
+
+# The smallest ductility at which a rule applies.
+EARLIEST = 3.0
+# The fall of the multiplier below its maximum from which the verdict is "peak" and not "plateau", and the growth that
+# still counts as a plateau at the end of the path.
+FALL, TOLERATED_GROWTH = 0.05, 0.04
+# Where the largest multiplier in equilibrium without overstress is lower than the maximum of the path by more than this
+# share, equilibrium is searched for again just below this maximum.
+SHORTFALL = 0.025
+# The ductility at the first relaxation of the overstress, and its ratio from one relaxation to the next.
+RELAXATIONS = 1.3
+MOST_STEPS = 400  # of a path
 
 
 class StopReason(NamedTuple):
@@ -33,24 +45,15 @@ class PlateauRule:
     ----------
     growth : relative growth of the multiplier over the second half of the displacement, below which the path has a
         plateau
-    earliest : smallest ductility at which the rule applies
     latest : ductility at which the path ends in any case
-    fall : relative fall of the multiplier below its maximum from which the verdict is "peak" and not "plateau"
-    tolerated_growth : growth that still counts as a plateau where the path ends at ``latest``
-    shortfall : if the largest multiplier in equilibrium without overstress is lower than the maximum of the path by
-        more than this share, equilibrium is searched for again just below this maximum
-    first_relaxation : ductility at the first relaxation of the overstress
-    next_relaxation : ratio of the ductilities at two successive relaxations of the overstress
     """
 
     growth: float = 0.01
-    earliest: float = 3.0
     latest: float = 12.0
-    fall: float = 0.05
-    tolerated_growth: float = 0.04
-    shortfall: float = 0.025
-    first_relaxation: float = 1.3
-    next_relaxation: float = 1.3
+
+
+# Where the flow is associated the path is followed until hardly anything is left to gain: long steps make it cheap.
+ASSOCIATED_RULE = PlateauRule(growth=0.002, latest=60.0)
 
 
 @dataclass(frozen=True)
@@ -77,16 +80,17 @@ def find_limit_load(
     path: EquilibriumPath,
     ductility: Callable[[EquilibriumPath], float],
     limit: float,
-    rule: PlateauRule,
+    rule: PlateauRule | None = None,
     listener: PathListener | None = None,
 ) -> LimitLoad:
     """Follow a path until the load multiplier no longer grows or exceeds ``limit``.
 
     If there is overstress, only relaxed states count as in equilibrium. Raises NoEquilibriumError if there is no such
     state. ``path`` is the path at its start; ``ductility`` is the displacement over the elastic displacement (-);
-    ``rule`` ends the path; ``listener`` is called after every step.
+    ``rule`` ends the path, by default that of the flow; ``listener`` is called after every step.
     """
-    in_equilibrium, next_relaxation = -np.inf, rule.first_relaxation
+    rule = rule or (ASSOCIATED_RULE if path.problem.associated else PlateauRule())
+    in_equilibrium, next_relaxation = -np.inf, RELAXATIONS
     highest, summit = path.factor, path.mark()
     while True:
         if not path.advance():
@@ -98,14 +102,14 @@ def find_limit_load(
         if path.settings.relaxation <= 0.0 or (now >= next_relaxation and path.relax()):
             in_equilibrium = max(in_equilibrium, path.factor)
         if now >= next_relaxation:
-            next_relaxation = rule.next_relaxation * now
+            next_relaxation = RELAXATIONS * now
         if listener is not None:
             listener(path)
         stop = _stop_reason(path, now, limit, rule)
         if stop is not None:
             verdict, reason, remedy = stop
             break
-    if in_equilibrium < (1.0 - rule.shortfall) * highest:
+    if in_equilibrium < (1.0 - SHORTFALL) * highest:
         in_equilibrium = max(in_equilibrium, _equilibrium_below(path, highest, summit))
     if not np.isfinite(in_equilibrium):
         raise NoEquilibriumError(
@@ -123,7 +127,7 @@ def _equilibrium_below(path: EquilibriumPath, highest: float, summit: tuple[Any,
     multipliers are lower.
     """
     end, steps, in_equilibrium = path.mark(), list(path.steps), -np.inf
-    for less in path.settings.reductions:
+    for less in REDUCTIONS:
         path.back(summit)
         if path.reach(highest * (1.0 - less)):
             in_equilibrium = path.factor
@@ -137,7 +141,7 @@ def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], fl
     """Return the stop reason of a path on which no further step converged: a plateau if its load hardly rose any
     more."""
     growth = growth_per_doubling(path)
-    if path.steps and ductility(path) >= rule.earliest and 0.0 <= growth < rule.growth:
+    if path.steps and ductility(path) >= EARLIEST and 0.0 <= growth < rule.growth:
         reason = f"the load changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"
         return StopReason("plateau", reason, "")
     return StopReason("undecided", path.reason, "try another mesh or element, or a smaller first_step")
@@ -151,12 +155,12 @@ def _stop_reason(path: EquilibriumPath, ductility: float, limit: float, rule: Pl
     doubled = f"changed by {100 * growth:.1f} % while the displacement doubled"
     if path.factor > limit:
         return StopReason("no failure", f"no failure up to {limit:g}", "raise the limit to search for larger values")
-    if ductility >= rule.earliest and last < (1.0 - rule.fall) * highest:
+    if ductility >= EARLIEST and last < (1.0 - FALL) * highest:
         return StopReason("peak", f"the load fell by {100 * (1.0 - last / highest):.0f} % from its peak", "")
-    if ductility >= rule.earliest and growth < rule.growth:
+    if ductility >= EARLIEST and growth < rule.growth:
         return StopReason("plateau", f"the load {doubled}", "")
-    if ductility >= rule.latest or len(path.steps) >= path.settings.most_steps:
-        verdict: PathVerdict = "plateau" if growth < rule.tolerated_growth else "undecided"
+    if ductility >= rule.latest or len(path.steps) >= MOST_STEPS:
+        verdict: PathVerdict = "plateau" if growth < TOLERATED_GROWTH else "undecided"
         remedy = "" if verdict == "plateau" else 'refine the mesh, or use the reduced element with flow = "davis"'
         return StopReason(verdict, f"at the end of the path the load {doubled}", remedy)
     return None

@@ -25,7 +25,7 @@ from fem.path.gravity import bring_to_rest, path_settings
 from fem.path.load_stepping import step_to_limit
 from fem.path.newton import ProportionalLoad
 from fem.path.path_step import PathStep
-from fem.path.plateau import LimitLoad, PathListener, PlateauRule, find_limit_load
+from fem.path.plateau import LimitLoad, PathListener, find_limit_load
 from fem.settings import Element, FemSettings, PathVerdict
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
@@ -37,8 +37,6 @@ REFERENCE_KH = 0.25
 FRACTIONS = (0.5, 0.8)
 # Beyond this multiple of the critical Kh in one direction, the other direction cannot matter and is not followed.
 OTHER_LIMIT = 2.0
-# Where the flow is associated the path is followed until hardly anything is left to gain: long steps make it cheap.
-ASSOCIATED_RULE = PlateauRule(growth=0.002, latest=60.0)
 
 
 @dataclass(frozen=True)
@@ -225,8 +223,7 @@ def _followed(
         in_equilibrium, relaxed = limit.in_equilibrium, True
         kc = known.multiplier if limit.verdict == "plateau" else in_equilibrium
     else:
-        rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
-        limit = find_limit_load(path, _ductility, settings.kh_limit, rule, listener)
+        limit = find_limit_load(path, _ductility, settings.kh_limit, listener=listener)
         relaxed = path.relax()
         in_equilibrium = kc = max(limit.in_equilibrium, path.factor) if relaxed else limit.in_equilibrium
     last = state_of(problem, mesh, _label_of_last(limit, path.factor, relaxed), path.factor)

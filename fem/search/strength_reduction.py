@@ -30,8 +30,7 @@ from fem.path.gravity import (
 )
 from fem.path.newton import StrengthReduction
 from fem.path.path_step import PathStep
-from fem.path.plateau import PathListener, PlateauRule, find_limit_load
-from fem.search.critical import ASSOCIATED_RULE
+from fem.path.plateau import PathListener, find_limit_load
 from fem.settings import FemSettings, PathVerdict
 from meshes.quad_mesh import QuadMesh
 from meshes.section.quantity import GRAVITY
@@ -205,8 +204,7 @@ def safety_factor(
     def ductility(path: EquilibriumPath) -> float:
         return path.displacement / path.reference
 
-    rule = ASSOCIATED_RULE if problem.associated else PlateauRule()
-    limit = find_limit_load(path, ductility, LARGEST_FACTOR, rule, listener)
+    limit = find_limit_load(path, ductility, LARGEST_FACTOR, listener=listener)
     shallow = least_rolling_factor(section, faces, kh, _friction(section, settings))
     return SafetyFactor(
         kh, limit.in_equilibrium, limit.upper, limit.verdict, limit.reason, limit.remedy, path.steps, shallow

@@ -6,6 +6,8 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from scipy.special import ndtr, ndtri
+from scipy.stats import qmc
 
 from workflow.uncertain.limits import Reach
 from workflow.uncertain.settings import SamplingMethod, StudySettings, UncertainSettings
@@ -21,8 +23,6 @@ def chances(dimensions: int, count: int, method: SamplingMethod, seed: int) -> n
     points B, and for each dimension A with that column taken from B (Saltelli et al. 2010). ``method``: one of these
     methods; ``seed``: seed of the random numbers.
     """
-    from scipy.stats import qmc
-
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of counts that are no power of two
         if method == "latin":
@@ -39,8 +39,6 @@ def chances(dimensions: int, count: int, method: SamplingMethod, seed: int) -> n
 
 def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
     """Return the correlated probabilities (n, d) by a Gaussian copula; each stays uniform."""
-    from scipy.special import ndtr, ndtri
-
     if np.array_equal(correlation, np.eye(len(correlation))):
         return points
     normal = ndtri(points) @ np.linalg.cholesky(correlation).T
