@@ -23,6 +23,7 @@ MOST_STALLED, PROGRESS = 8, 0.9
 # Where there is a potential: the part of a correction below which a few cells are solved by themselves (nonlinear
 # elimination).
 SHORT = 0.5
+DIFFERENCE = 1e-4  # of the divisor of the strength, by which the derivative is taken
 
 
 @dataclass(frozen=True)
@@ -73,12 +74,9 @@ class ProportionalLoad:
 class StrengthReduction:
     """Reduces the strength: constant nodal forces (dofs,) in N/m act on ground whose cohesion and tan φ are divided by
     λ.
-
-    The derivative with respect to λ is taken by a finite ``difference`` of λ.
     """
 
     constant: np.ndarray
-    difference: float = 1e-4
 
     def unbalanced(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
         if multiplier <= 0.0:  # a correction of Newton's method that is too long: the line search shortens it
@@ -88,10 +86,10 @@ class StrengthReduction:
 
     def derivative(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
         """Return the derivative by a finite difference; the tangent of the problem is unchanged."""
-        problem.use_strength(multiplier + self.difference)
+        problem.use_strength(multiplier + DIFFERENCE)
         weaker = problem.internal_force(increment, tangent=False)
         problem.use_strength(multiplier)
-        return (problem.internal_force(increment, tangent=False) - weaker) / self.difference
+        return (problem.internal_force(increment, tangent=False) - weaker) / DIFFERENCE
 
 
 @dataclass(frozen=True)

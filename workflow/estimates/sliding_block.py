@@ -110,16 +110,14 @@ def rectangular_pulse(kc: float, k: float, duration: float) -> float:
 
 @dataclass(frozen=True)
 class SmoothPlane:
-    """Describes a block without friction on a plane, as in Sec. 5 of the paper: ``slope`` (rad), seismic coefficient
-    ``kh``."""
+    """Describes a block without friction on a plane with a ``slope`` (rad), as in Sec. 5 of the paper."""
 
     slope: float
-    kh: float = 0.0
 
     @property
     def acceleration(self) -> float:
-        """Return the acceleration along the plane (m/s²): g (sin β + Kh cos β)."""
-        return GRAVITY * float(np.sin(self.slope) + self.kh * np.cos(self.slope))
+        """Return the acceleration along the plane (m/s²): g sin β."""
+        return GRAVITY * float(np.sin(self.slope))
 
     def speed(self, seconds: float) -> float:
         """Return the speed (m/s) after a time from rest."""

@@ -112,4 +112,3 @@ def test_the_smooth_block_of_the_papers_section_5() -> None:
     assert plane.speed(9.0) == pytest.approx(4.0, abs=0.01)
     assert plane.distance(9.0) == pytest.approx(18.0, abs=0.05)
     assert plane.time_for(3.0) == pytest.approx(3.67, abs=0.01)
-    assert SmoothPlane(0.0, kh=0.1).acceleration == pytest.approx(0.1 * GRAVITY)
