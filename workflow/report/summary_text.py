@@ -276,11 +276,11 @@ def _interval(results: Results) -> str:
     """Return a clause on the spread of the largest slide (m) over random packings, if there are several packings."""
     random = results.cases.random if results.cases is not None else None
     spreads = {number: case.slide_max_m for number, case in random.cases.items()} if random is not None else {}
-    cases_of: dict[str, list[int]] = {}
+    alike: dict[str, list[int]] = {}
     for number, spread in spreads.items():
         if spread.mean is not None and len(spread.values) > 1:
-            cases_of.setdefault(_spread(spread.mean, spread.values, spread.mean_ci95), []).append(number)
-    phrases = [f"{phrase} in {of_cases(numbers)}" for phrase, numbers in cases_of.items()]
+            alike.setdefault(_spread(spread.mean, spread.values, spread.mean_ci95), []).append(number)
+    phrases = [f"{phrase} in {of_cases(numbers)}" for phrase, numbers in alike.items()]
     if not phrases:
         return "One packing of discs was computed, so no interval is known; slide.seeds = [1, 2] gives one."
     count = max(len(spread.values) for spread in spreads.values())
