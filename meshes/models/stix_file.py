@@ -27,6 +27,7 @@ EXPECTED = "expected a model of D-Stability, as it writes it since 2022"
 ON_LINE = 0.05  # m: how far a corner of a layer may lie from a state line or a reference line on its edge
 ABOVE, BELOW = "ShearStrengthModelTypeAbovePhreaticLevel", "ShearStrengthModelTypeBelowPhreaticLevel"
 Json = Mapping[str, Any]
+State = tuple[str, Json, Sequence[Json]]  # of a stage: its label, its states, and the outlines of its layers
 
 
 def read_stix(path: Path, name: str, scenario: str | None = None) -> ImportedSection:
@@ -82,24 +83,11 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
             "this stage"
         )
     table = _table(water)
-    layers: list[ForeignLayer] = []
     outlines = part("geometries", "GeometryId")["Layers"]
     if not outlines:
         raise InputError(str(path), [f"{where}: the stage has no layers; expected at least one"])
-    for item in outlines:
-        points, soil = corners(_pairs(item["Points"])), of_layer[item["Id"]]
-        level, of_level = _head(water, points, table)
-        notices += [f'"{soil["Name"]}": {text}' for text in of_level]
-        models = soil[ABOVE], soil[BELOW]
-        state = _latest_state(states, points, soil["Name"], notices) if "Su" in models else {}
-        dry, wet = (
-            _strength(soil, model, notices) | (_preconsolidation(state) if model == "Su" else {}) for model in models
-        )
-        stress = None
-        if state.get("StateType") == "YieldStress":
-            x, z = corners(_pairs([state["At"]]))[0]
-            stress = YieldStress(x, z, 1e3 * float(state["YieldStress"]))
-        layers.append(ForeignLayer(soil["Name"], points, {**_weights(soil), **level}, dry, wet, stress))
+    layers = [_layer(corners(_pairs(item["Points"])), of_layer[item["Id"]], water, table, states, notices)
+              for item in outlines]  # fmt: skip
     loads = part("loads", "LoadsId")
     undrained = {number for number, soil in of_layer.items() if "Su" in (soil[ABOVE], soil[BELOW])}
     surcharges = [
@@ -114,6 +102,24 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
         surcharges,
         list(dict.fromkeys(notices)),
     )
+
+
+def _layer(
+    points: np.ndarray, soil: Json, water: Json, table: np.ndarray | None, states: Sequence[State], notices: list[str]
+) -> ForeignLayer:
+    """Return a layer with an outline (n, 2) in m. Properties that a stratum cannot have are added to ``notices``."""
+    level, of_level = _head(water, points, table)
+    notices += [f'"{soil["Name"]}": {text}' for text in of_level]
+    models = soil[ABOVE], soil[BELOW]
+    state = _latest_state(states, points, soil["Name"], notices) if "Su" in models else {}
+    dry, wet = (
+        _strength(soil, model, notices) | (_preconsolidation(state) if model == "Su" else {}) for model in models
+    )
+    stress = None
+    if state.get("StateType") == "YieldStress":
+        x, z = corners(_pairs([state["At"]]))[0]
+        stress = YieldStress(x, z, 1e3 * float(state["YieldStress"]))
+    return ForeignLayer(soil["Name"], points, {**_weights(soil), **level}, dry, wet, stress)
 
 
 def _pairs(points: Sequence[Json]) -> list[tuple[float, float]]:
@@ -187,9 +193,7 @@ def _head(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[di
     return {"piezometric_level": heads[chosen].tolist()}, notices
 
 
-def _latest_state(
-    states: Sequence[tuple[str, Json, Sequence[Json]]], points: np.ndarray, soil: str, notices: list[str]
-) -> dict[str, Any]:
+def _latest_state(states: Sequence[State], points: np.ndarray, soil: str, notices: list[str]) -> dict[str, Any]:
     """Return the preconsolidation of a layer in the last stage that states it; ``stages`` has the last stage first.
 
     D-Stability keeps the yield stress of a stage in later stages; a layer is identified by the place of its middle.

@@ -16,7 +16,7 @@ from workflow.figures.displacements import displacements
 from workflow.figures.front import FRONT, front
 from workflow.figures.ground import Overlay, foot, section_sheet
 from workflow.results.calibration import CalibrationAnswer
-from workflow.results.discs import DiscSearch
+from workflow.results.discs import DiscsAnswer, DiscSearch
 from workflow.results.results import Results
 
 CURVES, SURFACES = "figures/curves.png", "figures/slip_surfaces.png"
@@ -79,19 +79,9 @@ def _curves(results: Results) -> Sheet | None:
     elif results.kc is not None:
         axes.axhspan(answer.kc_lower, answer.kc_upper, color=CONTINUUM, alpha=0.15, linewidth=0)
     if discs is not None:
-        soil = discs.model.discs == "soil"
-        for key, search, look in (
-            ("before", discs.before, {"color": PALE, "marker": "x", "linestyle": DOTTED}),
-            ("after", discs.after, {"color": DISCS, "marker": "D", "linestyle": SOLID}),
-        ):
-            if key == "before" and search.curve == discs.after.curve:
-                continue  # calibration changed nothing, and the other curve would cover it
-            widest = max(widest, _discs(axes, search, look, soil))
-            handles.append(Line2D([], [], **look, markersize=4, linewidth=1.2, label=f"discs, {key} calibration"))
-        after = discs.after
-        if after.kc is not None and after.kc_upper is not None:
-            axes.axhspan(after.kc_lower, after.kc_upper, color=DISCS, alpha=0.15, linewidth=0)
-        if soil and like is not None:
+        farthest, of_discs = _disc_curves(axes, discs)
+        widest, handles = max(widest, farthest), handles + of_discs
+        if discs.model.discs == "soil" and like is not None:
             far = results.config.dem.ductility * like.yielding_m
             widest = max(widest, far)
             label = (
@@ -103,6 +93,24 @@ def _curves(results: Results) -> Sheet | None:
     axes.set_title(_brackets(results), fontsize=9, loc="left", color=INK, pad=4)
     sheet.legend(handles, 2)
     return sheet
+
+
+def _disc_curves(axes: Axes, discs: DiscsAnswer) -> tuple[float, list[Line2D]]:
+    """Draw the curves of the discs before and after calibration, and the bracket of their critical Kh. Return the
+    largest displacement drawn (m), and the entries of the legend."""
+    farthest, handles = 0.0, []
+    for key, search, look in (
+        ("before", discs.before, {"color": PALE, "marker": "x", "linestyle": DOTTED}),
+        ("after", discs.after, {"color": DISCS, "marker": "D", "linestyle": SOLID}),
+    ):
+        if key == "before" and search.curve == discs.after.curve:
+            continue  # calibration changed nothing, and the other curve would cover it
+        farthest = max(farthest, _discs(axes, search, look, discs.model.discs == "soil"))
+        handles.append(Line2D([], [], **look, markersize=4, linewidth=1.2, label=f"discs, {key} calibration"))
+    after = discs.after
+    if after.kc is not None and after.kc_upper is not None:
+        axes.axhspan(after.kc_lower, after.kc_upper, color=DISCS, alpha=0.15, linewidth=0)
+    return farthest, handles
 
 
 def _discs(axes: Any, search: DiscSearch, look: dict[str, Any], soil: bool) -> float:
