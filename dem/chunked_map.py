@@ -49,6 +49,6 @@ def pairs_near(
     """Return the first and second disc of every pair of discs that are ``near``, and its number among the ``known``
     pairs, with ``pore_lengths`` of their pore springs (m)."""
     grid = cell_grid(near)
-    found = in_ranges(lambda begin, end: find_pairs(begin, end, near, grid, known, pore_lengths), len(near.x))
-    first, second, old = found[0] if len(found) == 1 else map(np.concatenate, zip(*found, strict=True))
+    pairs = in_ranges(lambda begin, end: find_pairs(begin, end, near, grid, known, pore_lengths), len(near.x))
+    first, second, old = pairs[0] if len(pairs) == 1 else map(np.concatenate, zip(*pairs, strict=True))
     return first, second, old
