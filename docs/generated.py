@@ -104,14 +104,19 @@ def closed_forms() -> str:
 def s13() -> str:
     """S-13 beside the paper."""
     values: Mapping[str, Any] = numbers()["s13"]
+    slides = dict.fromkeys((values["slide_least_m"], values["slide_most_m"]))
     lines = [
-        ("critical Kh, finite elements (free sides, Davis's estimate, as its file asks)", values["kc"]),
+        ("critical Kh, finite elements (free-field sides, Davis reduced strength, as its file asks)", values["kc"]),
         ("critical Kh for ψ = φ", values["kc_associated"]),
         ("strict bounds for ψ = φ", f"{values['lower']} to {values['upper']}"),
-        ("critical Kh of finite elements with fixed sides, which the discs are compared with", values["kc_target"]),
+        (
+            "critical Kh of finite elements with fixed sides and the given ψ, which the discs are compared with",
+            f"{values['kc_box']} to {values['kc_box_upper']}",
+        ),
         ("critical Kh of soil discs, uncalibrated, by packing", ", ".join(map(str, values["kc_discs_of_packings"]))),
         ("critical Kh of the paper's discs", values["kc_paper_discs"]),
-        ("largest slide, cases 1 to 3 (m)", f"{values['slide_least_m']} to {values['slide_most_m']}"),
+        ("largest slide of discs, cases 1 to 3, mean of the packings (m)", " to ".join(map(str, slides))),
+        ("largest slide of material points (m)", values["slide_points_m"]),
     ]
     agrees = {True: "yes", False: "no", "": "-"}
     rows = [(entry["quantity"], entry["paper"], entry["ours"], agrees[entry["agrees"]]) for entry in values["paper"]]

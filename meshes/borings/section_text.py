@@ -112,7 +112,7 @@ def _borings(connected: Connected) -> Iterator[str]:
     if any(boring.log.cones for boring in everything):
         yield ""
         yield "# [triggering]"
-        yield '# method = "boulanger_idriss_2014"     # judges by the cones; the default by blow counts'
+        yield '# method = "boulanger_idriss_2014"     # uses the cones; the default uses blow counts'
     for boring in everything:
         if not boring.log.samples and not boring.log.cones:
             continue

@@ -18,6 +18,7 @@ from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
 from tests.support import SECTIONS
 from workflow.config.after_triggering import load_config
+from workflow.results.dem_counterpart import DemCounterpart
 from workflow.run.store import Store
 from workflow.stages.discs_at_rest import SETTLED, continuum_for, discs_at_rest
 
@@ -56,6 +57,7 @@ def rows_of(folder: Path) -> list[Row]:
     seeds = summary["cases_random"]["seeds"] if summary["cases_random"] else []
     packings = sorted(uncalibrated(folder, [seed["seed"] for seed in seeds]).values()) or [dem["kc_uncalibrated"]]
     slides = [case["slide_max_m_mean"] or case["slide_max_m"] for case in summary["cases"].values()]
+    box = DemCounterpart.read(Store(folder))
     bounds = kh_bounds(Section.read(S13), FemSettings(), BoundsSettings(gap=0.01, davis=False))
     row = {
         "kc_headline": float(summary["headlines"][0]["value"]),
@@ -66,6 +68,8 @@ def rows_of(folder: Path) -> list[Row]:
         "kc_discs": dem["kc"],
         "kc_discs_of_packings": packings,
         "kc_target": dem["kc_target"],
+        "kc_box": box.kc,
+        "kc_box_upper": box.kc_upper,
         "strength_factor": dem["strength_factor"],
         "kc_paper_discs": summary["paper_model"]["kc"],
         "slide_least_m": min(slides),

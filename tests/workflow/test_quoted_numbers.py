@@ -4,7 +4,7 @@ A page ends with ``<!-- numbers: SOURCE (0.237, 0.96), ...; definitions: 0.65 of
 not see. A source is a table of `docs/numbers.toml`, or a file of this repository: a generated page, a test that
 asserts the numbers, the module of a law. The numbers that the page takes from it stand in parentheses: of all numbers
 of a file some are always near to a wrong one. Definitions are constants of laws and numbers of examples. Counts below
-ten but of minutes and hours, years, code and titles of links are not looked at, nor are the changes, which are history.
+ten without a unit, years, code and titles of links are not looked at, nor are the changes, which are history.
 The numbers of the README are compared one by one in `test_readme.py`.
 """
 
@@ -25,6 +25,7 @@ CODE = re.compile(r"^```.*?^```|^ {4,}.*?$|`[^`]*`|\]\([^)]*\)|<!--.*?-->", re.D
 SOURCE = re.compile(r"(?P<name>[\w./-]+)\s*\((?P<quoted>[^)]*)\)")
 WORDS = ["one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"]
 TIME = re.compile(rf"\b({'|'.join(WORDS)}|\d+)(?= (?:minutes?|hours?)\b)", re.IGNORECASE)
+MEASURED = re.compile(r"(?<![\w.-])(\d)(?=(?: to \d+)? ?(?:%|°|(?:mm|cm|m|km|kPa|MPa|s|kN|g|gal|Hz)\b))")
 NAMES = re.compile(r"\b(?:1[89]|20)\d\d\b|S-13|2:1|[Ee]q(?:s?\.|uations?) \([\d) to(]+|Table \d|σ'v")
 
 
@@ -61,7 +62,8 @@ def unknown(text: str) -> list[str]:
     plain = NAMES.sub("", CODE.sub("", text))
     times = [str(WORDS.index(word.lower()) + 1) if word.lower() in WORDS else word for word in TIME.findall(plain)]
     long = [entry for entry in NUMBER.findall(plain) if "." in entry or float(entry.replace(",", "")) >= 10]
-    return [*(entry for entry in dict.fromkeys([*times, *long]) if not is_in(entry, values)), *lacking]
+    wanted = dict.fromkeys([*times, *MEASURED.findall(plain), *long])
+    return [*(entry for entry in wanted if not is_in(entry, values)), *lacking]
 
 
 @pytest.mark.parametrize(
@@ -84,3 +86,4 @@ def test_a_number_without_a_source_is_found() -> None:
     assert unknown(text.format(" (0.24)")) == ["0.77"]
     assert unknown(text.format(" (0.24, 0.77)")) == ["0.77 of s13"]
     assert unknown(text.format("")) == ["0.24", "0.77"], "a number somewhere in a file is no source"
+    assert unknown("By 4 to 7 % in 3 cases.") == ["4", "7"]

@@ -40,7 +40,7 @@ def test_its_numbers_come_from_the_file() -> None:
     expected = [
         slopes["cases"], slopes["right"], slopes["explained"], slopes["wrong"], slopes["gap_percent"],
         s13["kc_headline"], 0.25, s13["slide_points_m"], *dict.fromkeys((s13["slide_least_m"], s13["slide_most_m"])), 3,
-        packings[0], packings[-1], round(s13["kc_target"], 3),
+        packings[0], packings[-1], round(s13["kc_box"], 3), round(s13["kc_box_upper"], 3),
         slides["experiment_within_1_5"], slides["experiment_run"], 1.5, slides["field_within_1_5"], slides["field_run"],
         discs["times_lammps"],
     ]  # fmt: skip
