@@ -59,7 +59,9 @@ class BoundSearch:
     def advance(self, others: float = 0.0) -> None:
         """Find bounds on the next mesh; ``others`` is the computing work of other searches, which counts towards the
         same limit of work."""
-        best, mesh = self.bracket, self.bracket.mesh if self._seen is None else self._finer(*self._seen)
+        best, mesh = self.bracket, self.bracket.mesh
+        if self._seen is not None:
+            mesh = finer_mesh(*self._seen, self._limits.growth(best, len(self._seen[0].mesh.cells)))
         problem = limit_problem(mesh, self._body, self._units)
         left = max(self._limits.seconds - self.work - others, 0.0)
         share = share_of_lower_bound(*self._seen[1:]) if self._seen is not None else 0.5
@@ -97,13 +99,6 @@ class BoundSearch:
         self.bracket = replace(
             best, ended=ended, open_at=(float(worst[0]), float(worst[1])) if ended not in (None, "gap") else None
         )
-
-    def _finer(self, problem: LimitProblem, low: LowerBound, high: UpperBound) -> TriMesh:
-        """Return the mesh refined where the bounds on the last mesh differ."""
-        indicator = refinement_indicator(problem, low, high)
-        growth = self._limits.growth(self.bracket, len(indicator))
-        mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
-        return refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
 
 
 def share_of_lower_bound(low: LowerBound, high: UpperBound) -> float:
@@ -259,6 +254,13 @@ def singular_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
     work = np.bincount(points, weights=low.yield_work.ravel(), minlength=len(problem.mesh.points))
     singular = work > max(SINGULAR_SHARE * work.sum(), SINGULAR_TIMES * work.mean())
     return singular
+
+
+def finer_mesh(problem: LimitProblem, low: LowerBound, high: UpperBound, growth: float) -> TriMesh:
+    """Return the mesh of a problem with about ``growth`` times as many cells, refined where its bounds differ."""
+    indicator = refinement_indicator(problem, low, high)
+    mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
+    return refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
 
 
 def refined(mesh: TriMesh, indicator: np.ndarray, wanted: float) -> TriMesh:

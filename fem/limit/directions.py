@@ -7,8 +7,8 @@ proves that its critical Kh is larger.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, fields
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -75,7 +75,7 @@ class DirectionSearch(BoundSearch):
     def bounds(self) -> DirectionBounds:
         """Return the best bounds of the search so far."""
         leaves = sides_left_through(self.bracket.mechanism) if self.bracket.mechanism else ()
-        return DirectionBounds(**_values(self.bracket), direction=self.direction, towards=self.towards, leaves=leaves)
+        return DirectionBounds(**vars(self.bracket), direction=self.direction, towards=self.towards, leaves=leaves)
 
 
 def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
@@ -133,13 +133,12 @@ def search_all(
         if observer:
             observer(smaller)
         if limits.open(smaller.lower, smaller.upper) <= 1.0:
-            return SmallerKhBounds(
-                **{**_values(smaller), "ended": "gap", "open_at": None, "directions": smaller.directions}
-            )
+            return replace(smaller, ended="gap", open_at=None)
+        counting = {bounds.direction for bounds in counting_of(smaller.directions)}
         open_searches = [
             search
             for search in searches
-            if search.bracket.ended is None and search.bracket.lower < smaller.upper and _counts(search, smaller)
+            if search.bracket.ended is None and search.bracket.lower < smaller.upper and search.direction in counting
         ]
         if smaller.upper < limits.enough or not open_searches:
             return smaller
@@ -147,14 +146,5 @@ def search_all(
         search.advance(_work_of_others(search, searches))
 
 
-def _counts(search: DirectionSearch, smaller: SmallerKhBounds) -> bool:
-    return any(bounds.direction == search.direction for bounds in counting_of(smaller.directions))
-
-
 def _work_of_others(search: DirectionSearch, searches: Sequence[DirectionSearch]) -> float:
     return sum(other.work for other in searches if other is not search)
-
-
-def _values(bracket: Bracket) -> dict[str, Any]:
-    """Return the attributes of a bracket by their names."""
-    return {field.name: getattr(bracket, field.name) for field in fields(Bracket)}

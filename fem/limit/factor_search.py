@@ -4,16 +4,10 @@ import math
 
 import numpy as np
 
-from fem.limit.adaptive_bounds import (
-    NARROW_ANGLE,
-    refined,
-    refinement_indicator,
-    singular_points,
-)
+from fem.limit.adaptive_bounds import finer_mesh
 from fem.limit.bracket import COST_EXPONENT, FAILED_MESHES, GROWTH, LEAST_GROWTH, MOST_GROWTH, BoundSide
 from fem.limit.factor_trial import inside
 from fem.limit.weakened_ground import FAR, STEP, WeakenedGround
-from meshes.bisection import fan_out
 
 # The smallest and largest factor looked for.
 SMALLEST, LARGEST = 0.02, 20.0
@@ -237,16 +231,14 @@ class FactorSearch(WeakenedGround):
     def refine(self) -> None:
         """Refine the triangles where the bounds of the last trial differ."""
         assert self.seen is not None  # both bounds were tried on these triangles
-        problem, low, high = self.seen
-        indicator, growth = refinement_indicator(problem, low, high), self.growth()
-        mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
+        mesh = finer_mesh(*self.seen, self.growth())
         lower = self.root("lower")
         if math.isfinite(lower):
             rise = RISE * self.open_here if math.isfinite(self.open_here) else 0.0
             self.factor = _looked_for(lower * math.exp(rise))
         self.unborne_from = math.inf
-        self.mesh = refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
-        self.meshes.append(self.mesh)
+        self.mesh = mesh
+        self.meshes.append(mesh)
 
 
 def _looked_for(factor: float) -> float:
