@@ -241,10 +241,10 @@ def _cut_of(layers: Layering, k: int | None, tip: float, way: int, least: float)
     area, i = 0.0, start if way > 0 else start - 1
     while 0 <= i < len(thick):
         near, far = thick[i]
-        if far < near or (near <= 0.0 and area > 0.0):
-            return None
         if near >= least:  # it jumps: the step is there already
             return float(layers.x[i if way > 0 else i + 1]), area
+        if far < near or (near <= 0.0 and area > 0.0):
+            return None
         if far >= least:
             share = (least - near) / (far - near)
             area += 0.5 * (near + least) * share * layers.width[i]

@@ -44,6 +44,17 @@ def test_a_thin_wedge_ends_in_a_smaller_step_rather_than_lose_most_of_itself(
     assert f"a step of {step:.2g} m at x = {end:.4g} m" in notices[0]
 
 
+def test_a_long_tip_behind_a_jump_ends_at_the_jump_though_the_layer_thins_out_beyond() -> None:
+    """6 cm thick at x = 30 m, where it jumps to 34 cm and thins out to the left: with the tip of half a centimetre for
+    each metre gmsh made no mesh at all."""
+    above = {"depth": [[0, 4], [30, 4], [30, 4.28], [100, 4.28]]}
+    layers, notices = cut(ground({"elevation": 0}, above, {"depth": [[0, 4.1], [30, 4.34], [60, 4.28]]}, None), 0.25)
+    assert layers.areas()[1] == pytest.approx(30.0 * 0.5 * (0.1 + 0.34))
+    assert len(notices) == 1
+    assert notices[0].startswith('mesh: stratum "layer 1" thins out to nothing at x = 60 m')
+    assert notices[0].endswith("x = 30 m, without the last 0.9 m²")
+
+
 def test_a_lens_loses_both_tips_and_one_sentence_says_so() -> None:
     lens = {"depth": [[20, 4], [40, 7], [60, 4]]}
     layers, notices = cut(ground({"elevation": 0}, {"depth": 4}, lens, None), 0.6)
