@@ -172,7 +172,7 @@ def test_what_a_section_is_called_changes_no_result() -> None:
         assert stale(before, analysed({**SECTION, **changes})) == {"report"}
     named = analysed({**SECTION, "structures": [{"name": "bank", "from": 10.0, "to": 30.0}]})
     assert stale(before, named) == {"slices", "faces", "report"}
-    assert title(before.section) == title(named.section)  # pictures are not drawn again
+    assert title(before) == title(named)  # pictures are not drawn again
 
 
 def test_blow_counts_make_what_follows_run_again_only_where_they_change_what_liquefies() -> None:

@@ -28,6 +28,7 @@ from PIL import Image
 from meshes.section.cutting import soil_numbers
 from workflow.figures import fonts
 from workflow.figures.symbols import SYMBOL, in_mathtext
+from workflow.figures.translation import language_of, translated
 
 if TYPE_CHECKING:
     import pyvista as pv
@@ -160,9 +161,13 @@ class Drawing:
     figure: Figure
 
     def save(self, path: Path | str) -> None:
-        """Write the picture as a PNG, with symbols, and with names in every script for which there is a font."""
+        """Write the picture as a PNG in the language of its run, with symbols, and with names in every script for which
+        there is a font."""
+        language = language_of(Path(path))
         for text in _texts(self.figure):
-            words = text.get_text()
+            words = translated(text.get_text(), language)
+            if words != text.get_text():
+                text.set_text(words)
             if not words.isascii():
                 families = fonts.families_for(words)
                 text.set_fontfamily(families)

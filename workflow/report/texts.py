@@ -36,7 +36,7 @@ def _file(language: Language) -> dict[str, Any]:
 @cache
 def catalogue(language: Language) -> dict[str, str]:
     """Read the translations of a language, by English text; empty for English itself."""
-    return {text: translation for text, translation in _file(language).items() if text != SENTENCES}
+    return {text: translation for text, translation in _file(language).items() if isinstance(translation, str)}
 
 
 @cache

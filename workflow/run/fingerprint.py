@@ -7,7 +7,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from meshes.section.section import Section
 from workflow.config import Config
 from workflow.run.stage import Job, Stage
 
@@ -41,9 +40,10 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
     return prints
 
 
-def title(section: Section) -> str:
-    """Return a fingerprint of the title of pictures."""
-    return fingerprint_of(section.heading)
+def title(config: Config) -> str:
+    """Return a fingerprint of the title and the language of pictures."""
+    heading, language = config.section.heading, config.report.language
+    return fingerprint_of(heading if language == "en" else [heading, language])
 
 
 @cache

@@ -183,7 +183,7 @@ class Run:
         with self.one_at_a_time:
             entry = self.record.entries[stage.name]
             pictures = self._drawn(stage, before)
-            self.record.put(stage.name, replace(entry, pictures=pictures, title=title(self.job.config.section)))
+            self.record.put(stage.name, replace(entry, pictures=pictures, title=title(self.job.config)))
 
     def work_in_other_process(self, decision: Decision) -> None:
         """Run the work of a stage in another process. The outcome is recorded as soon as the work ends."""
@@ -229,7 +229,7 @@ class Run:
             datetime.now().isoformat(" ", "seconds"),
             sizes(store, results),
             [] if to_draw else self._drawn(stage, started.before),
-            "" if to_draw else title(self.job.config.section),
+            "" if to_draw else title(self.job.config),
         )
         with self.one_at_a_time:
             if failure is None:

@@ -141,8 +141,8 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
     left = record.entries[stage.name]
     if stage.drawn_after and not left.title:
         return Decision(stage, "redraw", "the stage was stopped before its pictures were drawn")
-    if stage.draw is not None and left.pictures and left.title != title(job.config.section):
-        return Decision(stage, "redraw", "the title has changed")
+    if stage.draw is not None and left.pictures and left.title != title(job.config):
+        return Decision(stage, "redraw", "the title or the language has changed")
     return Decision(stage, "reuse", "")
 
 
