@@ -103,20 +103,31 @@ def lower_bound(
     stresses = solution.stress.ravel()
     stresses = stresses + smallest_correction(balance, dead + solution.multiplier * live - balance @ stresses)
     stresses = _all_round(stresses.reshape(-1, 3), all_round).ravel()
-    stress, work = np.zeros((2, 9 * len(problem.mesh.cells)))
-    stress[free], work[free] = stresses, np.abs(balance.T @ solution.rates)
-    if solution.none != "no stress":  # else these rates are a mechanism of the dead load, whatever the stress
-        work[free] *= np.abs(stresses)
-    stress, work = stress.reshape(-1, 3, 3), work.reshape(-1, 3, 3).sum(axis=2)
-    without = ~free[::3].reshape(-1, 3)
-    turns = without.sum(axis=1) == 1  # the stress turns round a corner that has none itself
-    work[turns] = np.where(without[turns], work[turns].sum(axis=1, keepdims=True), 0.0)
+    stress = np.zeros(9 * len(problem.mesh.cells))
+    stress[free] = stresses
+    stress = stress.reshape(-1, 3, 3)
+    work = _yield_work(solution, balance, stresses, free)
     shortfall = np.zeros(work.shape)
     slack = np.where(
         all_round, margin, yield_slack(problem, stress).ravel()[free[::3]]
     )  # there is no margin on an axis
     shortfall.ravel()[free[::3]] = np.maximum(margin - slack, 0.0)
     return LowerBound(solution.multiplier, stress, work, shortfall, solution)
+
+
+def _yield_work(
+    solution: cone_program.Solution, balance: sparse.csr_matrix, stresses: np.ndarray, free: np.ndarray
+) -> np.ndarray:
+    """Return ``LowerBound.yield_work`` from the ``stresses`` of the components that are ``free``."""
+    work = np.zeros(len(free))
+    work[free] = np.abs(balance.T @ solution.rates)
+    if solution.none != "no stress":  # else these rates are a mechanism of the dead load, whatever the stress
+        work[free] *= np.abs(stresses)
+    work = work.reshape(-1, 3, 3).sum(axis=2)
+    without = ~free[::3].reshape(-1, 3)
+    turns = without.sum(axis=1) == 1  # the stress turns round a corner that has none itself
+    work[turns] = np.where(without[turns], work[turns].sum(axis=1, keepdims=True), 0.0)
+    return work
 
 
 def _all_round(stresses: np.ndarray, corners: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Brings the section to equilibrium under its weight (K0 stage), from which the seismic load starts."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -81,13 +81,9 @@ def gravity_equilibrium(
     path = apply_load(problem, np.zeros_like(weight), weight, settings)
     constant = np.where(problem.free, weight, problem.forces_of(problem.stress))
     problem.hold(fixed_components(settings))
-    if settings.vertical != 0.0:
-        lift = vertical_inertia(problem, settings)
-        apply_load(problem, constant, lift, settings)
-        constant = constant + lift
-    if excess_pressure and (excess := excess_pressure_load(problem, mesh, section)) is not None:
-        apply_load(problem, constant, excess, settings)
-        constant = constant + excess
+    for load in _loads_after_weight(section, mesh, settings, problem, excess_pressure):
+        apply_load(problem, constant, load, settings)
+        constant = constant + load
     _begin_here(problem)
     return problem, constant, path
 
@@ -112,11 +108,19 @@ def at_the_sides(
     if settings.sides == "free-field":
         constant = constant + side_force(problem, mesh, section, weight)
     problem.hold(fixed_components(settings))
-    if settings.vertical != 0.0:
-        constant = constant + vertical_inertia(problem, settings)
-    if excess_pressure and (excess := excess_pressure_load(problem, mesh, section)) is not None:
-        constant = constant + excess
+    for load in _loads_after_weight(section, mesh, settings, problem, excess_pressure):
+        constant = constant + load
     return problem, weight, constant
+
+
+def _loads_after_weight(
+    section: Section, mesh: QuadMesh, settings: FemSettings, problem: PlaneStrain, excess_pressure: bool
+) -> Iterator[np.ndarray]:
+    """Yield the other constant nodal forces (N/m): of the vertical acceleration, and of the excess pore pressure."""
+    if settings.vertical != 0.0:
+        yield vertical_inertia(problem, settings)
+    if excess_pressure and (excess := excess_pressure_load(problem, mesh, section)) is not None:
+        yield excess
 
 
 def bring_to_rest(

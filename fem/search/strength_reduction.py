@@ -5,6 +5,7 @@ For associated flow the factor of safety follows from limit analysis (``conic_sa
 of equilibria along which the factor is an unknown.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -14,7 +15,8 @@ import numpy as np
 from fem.continuum.fields import FieldState
 from fem.continuum.loads import seismic_sign
 from fem.continuum.nodal_loads import hydrostatic_load, seismic_load
-from fem.continuum.shallow_failure import faces_at, least_rolling_factor
+from fem.continuum.plane_strain import PlaneStrain
+from fem.continuum.shallow_failure import ShallowFailure, faces_at, least_rolling_factor
 from fem.continuum.strength import is_associated, strength_of
 from fem.errors import UnstableError, answer_or_none
 from fem.limit_load.conic_safety_factor import LARGEST_FACTOR, FactorStart, conic_safety_factor, too_weak
@@ -172,19 +174,7 @@ def safety_factor(
         if by_limit_load is not None:
             return by_limit_load
     faces = faces_at(section, settings, kh)
-    for start in STARTS:
-        try:
-            problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, faces, start, kh != 0.0)
-            load = kh * seismic_load(problem, mesh, section, seismic_sign(section, settings))
-            if kh == 0.0 and settings.sides != "periodic":
-                problem.hold(UNDER_GRAVITY)
-            if kh != 0.0:
-                apply_load(problem, constant, load, settings)
-            break
-        except UnstableError:
-            pass
-    else:
-        raise too_weak(kh)
+    problem, constant, load, start = _standing_ground(section, mesh, settings, kh, comm, faces)
     forces = constant + load
     norm, dot = problem.exchange.norm, problem.exchange.dot
     driving = load
@@ -209,6 +199,25 @@ def safety_factor(
     return SafetyFactor(
         kh, limit.in_equilibrium, limit.upper, limit.verdict, limit.reason, limit.remedy, path.steps, shallow
     )
+
+
+def _standing_ground(
+    section: Section, mesh: QuadMesh, settings: FemSettings, kh: float, comm: Any, faces: Sequence[ShallowFailure]
+) -> tuple[PlaneStrain, np.ndarray, np.ndarray, float]:
+    """Return the ground in equilibrium under its weight and ``kh``, its constant nodal forces and those of ``kh``
+    (N/m), and the first of ``STARTS`` by which its strength could be divided; raise UnstableError if there is none."""
+    for start in STARTS:
+        try:
+            problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, faces, start, kh != 0.0)
+            load = kh * seismic_load(problem, mesh, section, seismic_sign(section, settings))
+            if kh == 0.0 and settings.sides != "periodic":
+                problem.hold(UNDER_GRAVITY)
+            if kh != 0.0:
+                apply_load(problem, constant, load, settings)
+            return problem, constant, load, start
+        except UnstableError:
+            pass
+    raise too_weak(kh)
 
 
 def _friction(section: Section, settings: FemSettings) -> np.ndarray:
