@@ -64,7 +64,7 @@ def slide_of_points(config: Config, number: int) -> PointSlide:
 def _along_uniform_slope(case: SlideCase, wanted: UniformSlope) -> float:
     """Slide of the crust (m) along a slope whose sections repeat."""
     section = uniform_section(wanted)
-    cells = ALONG * round(float(section.layering.areas().sum()) / (ALONG * _cell(wanted) ** 2))
+    cells = ALONG * round(float(section.layering.areas().sum()) / (ALONG * cell_size(wanted) ** 2))
     slider = PointSlider(ground_of(section, cells, "periodic"), 1)
     slider.settle()
     time, acceleration = shaking_of_slope(wanted, case.folder)
@@ -80,7 +80,8 @@ def _along_uniform_slope(case: SlideCase, wanted: UniformSlope) -> float:
     return float(slide.slide[-1].mean() / np.cos(wanted.angle))
 
 
-def _cell(wanted: UniformSlope) -> float:
+def cell_size(wanted: UniformSlope) -> float:
+    """Size of the cells (m) with which points follow a slope."""
     weak, crust = wanted.thickness
     return min(weak / ACROSS, crust / CRUST)
 
@@ -98,7 +99,7 @@ def uniform_section(wanted: UniformSlope) -> Section:
     Section
         Its strata from the surface down.
     """
-    cell, upright, fall = _cell(wanted), 1.0 / np.cos(wanted.angle), np.tan(wanted.angle)
+    cell, upright, fall = cell_size(wanted), 1.0 / np.cos(wanted.angle), np.tan(wanted.angle)
     weak, crust = (thickness * upright for thickness in wanted.thickness)
     width, top = ALONG * cell, weak + crust + BELOW * cell
     soil = {

@@ -102,7 +102,7 @@ def test_clays_are_the_soil(checks: dict[str, LayerCheck]) -> None:
     for name in ("2 Ac1", "7 Ac2"):
         check = checks[name]
         assert check.E_discs_Pa == pytest.approx(check.E_soil_Pa, rel=0.25)
-        assert check.strength_discs_Pa == pytest.approx(check.strength_soil_Pa, rel=0.07)
+        assert check.strength_discs_Pa == pytest.approx(check.strength_soil_Pa, rel=0.08)
         assert check.strength_discs_Pa[-1] > 0.8 * check.peak_discs_Pa[-1]
 
 
@@ -166,10 +166,10 @@ def test_ground_that_does_not_liquefy_hardly_moves(with_shaking: Config, ground:
     assert slide.rows[-1].slide_middle_m < 0.15
 
 
-@pytest.mark.xfail(strict=True, reason="0.75 m for 1.16 m: 35 % less; material points converge to 0.85 to 0.96 m")
 def test_discs_of_half_the_radius_slide_as_far(
     run: Config, with_shaking: Config, layers: list[SoilLayer], slides: list[Slide]
 ) -> None:
+    """0.80 m for 0.95 m; material points 0.95 m."""
     dem = run.dem.model_copy(update={"radius": 0.5 * run.dem.mean_radius(run.section)})
     fine = deposit(run.section, dem, layers)
     shaking = shaking_of(with_shaking, LIQUEFIED)

@@ -1,0 +1,65 @@
+"""A slope without end as a column in shear: every layer is elastic up to its strength, and has its inertia.
+
+Newmark's block is its limit for rigid ground. Rathje & Bray (1999, Earthquake Eng. Struct. Dyn. 28, 1303) and (2000, J.
+Geotech. Geoenviron. Eng. 126, 1002) call such an analysis coupled: ground that is not rigid swings, and slides further
+under the same shaking. Shear stress is positive where it holds the ground above back.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from numba import njit
+
+from docs.verify.slides.case import UniformSlope
+from docs.verify.slides.points import BELOW, POISSON, YOUNG, cell_size
+from docs.verify.slides.shaking import shaking_of_slope
+from fem.mpm.ground import FASTEST
+from meshes.section.quantity import GRAVITY
+
+SPRINGS = 120  # in the height of the column
+RESTS = 10.0  # s after the shaking
+STRONG = 1e8  # Pa: strength of ground that does not liquefy
+
+
+def crust_slide(wanted: UniformSlope, folder: Path) -> float:
+    """Displacement of the crust along the slope (m) by the column, on firm ground as thick as that of the points.
+
+    Parameters
+    ----------
+    wanted
+        The problem; its residual strength is a share of the effective normal stress.
+    folder
+        Where its record lies.
+    """
+    firm, (weak, crust) = BELOW * cell_size(wanted) * np.cos(wanted.angle), wanted.thickness
+    height = (firm + weak + crust) / SPRINGS
+    middle = (np.arange(SPRINGS) + 0.5) * height
+    normal = wanted.density * GRAVITY * np.cos(wanted.angle) * (firm + weak + crust - middle)
+    liquefied = (middle > firm) & (middle < firm + weak)
+    strength = np.where(liquefied, wanted.left.residual * normal, STRONG)
+    waves = wanted.density * FASTEST**2 * (1.0 - 2.0 * POISSON) / (2.0 * (1.0 - POISSON))
+    shear = min(YOUNG / (2.0 * (1.0 + POISSON)), waves)
+    time, acceleration = shaking_of_slope(wanted, folder)
+    step = 0.5 * height / np.sqrt(shear / wanted.density)
+    instants = np.arange(0.0, time[-1] + RESTS, step)
+    felt = np.interp(instants, time, acceleration, right=0.0) * np.cos(wanted.angle) + GRAVITY * np.sin(wanted.angle)
+    at_rest = wanted.density * GRAVITY * np.sin(wanted.angle) * (firm + weak + crust - middle)
+    return float(_slid(felt, step, height, wanted.density, shear, strength, at_rest))
+
+
+@njit(cache=True)
+def _slid(
+    felt: np.ndarray, dt: float, height: float, density: float, shear: float, strength: np.ndarray, stress: np.ndarray
+) -> float:
+    """Displacement of the top (m) under accelerations ``felt`` (m/s²), dt apart; ``stress`` (Pa) is changed."""
+    n = len(stress)
+    speed, top = np.zeros(n + 1), 0.0
+    for driving in felt:
+        for k in range(1, n + 1):
+            above, mass = (stress[k], density * height) if k < n else (0.0, 0.5 * density * height)
+            speed[k] += dt * ((above - stress[k - 1]) / mass + driving)
+        for k in range(n):
+            trial = stress[k] + shear * dt * (speed[k + 1] - speed[k]) / height
+            stress[k] = min(max(trial, -strength[k]), strength[k])
+        top += dt * speed[n]
+    return top
