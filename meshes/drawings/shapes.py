@@ -31,7 +31,8 @@ class Shape:
     Attributes
     ----------
     layer : layer of the shape in the drawing
-    points : ndarray (n, 2), x and elevation (m); of an outline without the first one again
+    points : ndarray (n, 2), x and elevation (m), or (n, 3) in the space of the drawing; of an outline without the first
+        one again
     closed : whether the shape is an outline
     kind : kind of the entity in the drawing
     """
@@ -64,16 +65,6 @@ class Shapes:
     notices: list[str] = field(default_factory=list)
 
 
-@dataclass(frozen=True)
-class _DrawnShape:
-    """Holds a shape in the drawing's own space: points (n, 3)."""
-
-    layer: str
-    points: np.ndarray
-    closed: bool
-    kind: str
-
-
 def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes:
     """Return the shapes of a drawing.
 
@@ -99,18 +90,33 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
     if not items:
         notices += _in_paper_space(drawing)
     shapes = _in_plane(items, unused)
-    width = max((float(shape.points[:, 0].max()) for shape in shapes), default=0.0) - min(
-        (float(shape.points[:, 0].min()) for shape in shapes), default=0.0
-    )
-    if shapes and not 1.0 <= width <= WIDEST:
-        wide = f"{width:.3g}" if width < WIDEST else f"{width:,.0f}"
-        notices.append(f"the drawing is {wide} m wide, its unit {size:g} m: --unit gives another unit")
+    notices += _of_unlikely_width(shapes, size)
     shapes = _once(shapes, unused)
     joined = [item for layer in dict.fromkeys(shape.layer for shape in shapes)
               for item in _joined([shape for shape in shapes if shape.layer == layer])]  # fmt: skip
+    outlines, lines = _outlines_and_lines(_without_holes(joined, notices), unused, notices)
+    notices += [f"not used: {count} {what}" for what, count in sorted(unused.items())]
+    return Shapes(outlines, lines, frozenset(names.values()), notices)
+
+
+def _of_unlikely_width(shapes: Sequence[Shape], unit: float) -> list[str]:
+    """Return a sentence if the shapes are so wide or narrow that the ``unit`` (m) is hardly that of the drawing."""
+    x = [x for shape in shapes for x in shape.points[:, 0]]
+    width = float(max(x) - min(x)) if x else 1.0
+    if 1.0 <= width <= WIDEST:
+        return []
+    wide = f"{width:.3g}" if width < WIDEST else f"{width:,.0f}"
+    return [f"the drawing is {wide} m wide, its unit {unit:g} m: --unit gives another unit"]
+
+
+def _outlines_and_lines(
+    shapes: Sequence[Shape], unused: Counter[str], notices: list[str]
+) -> tuple[list[Shape], list[Shape]]:
+    """Return the outlines, among them lines that turn back and are closed here, and the other lines that are not
+    upright."""
     outlines: list[Shape] = []
     lines: list[Shape] = []
-    for shape in _without_holes(joined, notices):
+    for shape in shapes:
         if not shape.closed and np.ptp(shape.points[:, 0]) <= JOINED:
             unused[f"upright {shape.kind} on layer {shape.layer}"] += 1
             continue
@@ -120,8 +126,7 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
                            f"closed by a straight line of {gap:.3g} m")  # fmt: skip
             shape = replace(shape, closed=True)
         (outlines if shape.closed else lines).append(shape)
-    notices += [f"not used: {count} {what}" for what, count in sorted(unused.items())]
-    return Shapes(outlines, lines, frozenset(names.values()), notices)
+    return outlines, lines
 
 
 def _in_paper_space(drawing: Any) -> list[str]:
@@ -145,9 +150,9 @@ def _unit(drawing: Any, notices: list[str]) -> float:
     return size
 
 
-def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_DrawnShape]:
-    """Yield all shapes of the model space, including the shapes in blocks. Entities that are no shapes are counted by
-    kind and layer."""
+def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[Shape]:
+    """Yield all shapes of the model space (points (n, 3)), with the shapes in blocks. Entities that are no shapes
+    are counted by kind and layer."""
     from ezdxf import path
 
     hidden = {layer.dxf.name.casefold() for layer in drawing.layers if layer.is_off() or layer.is_frozen()}
@@ -172,7 +177,7 @@ def _flattened(drawing: Any, sagitta: float, unused: Counter[str]) -> Iterator[_
             continue
         for points, closed in chains:
             if len(points) > 1:
-                yield _DrawnShape(layer, points, bool(closed), kind)
+                yield Shape(layer, points, bool(closed), kind)
 
 
 def _unclamped(spline: Any) -> tuple[np.ndarray, bool]:
@@ -206,7 +211,7 @@ def _entities(space: Any, unused: Counter[str]) -> Iterator[Any]:
             unused[f'INSERT of block "{entity.dxf.name}"'] += 1
 
 
-def _in_plane(drawn: Sequence[_DrawnShape], unused: Counter[str]) -> list[Shape]:
+def _in_plane(drawn: Sequence[Shape], unused: Counter[str]) -> list[Shape]:
     """Return the shapes in x and elevation.
 
     The plane of the section is the xy plane of the drawing. If all shapes stand in one vertical plane instead,
