@@ -64,8 +64,8 @@ def test_the_target_has_the_sides_of_the_box(whole: Path) -> None:
     assert calibration["continuum_kc"] == [continuum["kc"], continuum["kc_upper"]]
     nearest = np.clip(calibration["predicted_kc"], continuum["kc"], continuum["kc_upper"])
     assert calibration["target_kc"] == pytest.approx(nearest, abs=1e-3)
-    assert (continuum["flow"] == "section") == (continuum["instead"] == "")
-    assert continuum["flow"] in ("section", "davis")
+    assert (continuum["flow"] == "non-associated") == (continuum["instead"] == "")
+    assert continuum["flow"] in ("non-associated", "davis")
     assert calibration["parameter"] == "strength"
     assert 0.75 <= calibration["value"] <= 1.33
     assert calibration["predicted_ratio"] == pytest.approx(calibration["predicted_kc"] / continuum["kc"])
