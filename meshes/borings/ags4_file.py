@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -121,32 +121,11 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
     """
     groups, columns = read_groups(path), columns or {}
     naming = (columns["layer"],) if "layer" in columns else ("GEOL_GEOL", "GEOL_LEG")
-    problems = [f"--columns {key}={name}: the names of columns in an AGS4 file are fixed; expected only layer, which "
-                "--layers sets"
-                for key, name in columns.items() if key != "layer"]  # fmt: skip
-    if not groups.rows.get("LOCA"):
-        problems.append("group LOCA: missing; expected the list of borings")
-    if not groups.rows.get("GEOL") and not groups.rows.get("SCPT"):
-        problems.append("group GEOL: missing; expected the layers of the borings, or their cone readings in SCPT")
-    of_layers = [name for name in groups.headings.get("GEOL", ()) if name.startswith("GEOL_")]
-    if "layer" in columns and of_layers and naming[0] not in of_layers:
-        problems.append(f"--layers {naming[0]}: group GEOL has no such column; expected one of {', '.join(of_layers)}")
-    if problems:
+    if problems := _input_problems(groups, columns):
         raise InputError(str(path), problems)
     borings = groups.rows["LOCA"]
-    axes = next((axes for axes in (NATIONAL, LOCAL) if all(row.get(axes[0]) for row in borings)), NATIONAL)
-    if axes is LOCAL:
-        missing = "not all borings have" if any(row.get(NATIONAL[0]) for row in borings) else "no boring has"
-        groups.notices.append(f"{missing} national coordinates: LOCA_LOCX and LOCA_LOCY are taken")
-    known = {row.get("LOCA_ID", "") for row in borings}
-    for group in ("GEOL", "ISPT", "SCPT", "WSTG"):
-        strangers = dict.fromkeys(row.get("LOCA_ID", "") for row in groups.rows.get(group, ()))
-        if lost := [name or "without a name" for name in strangers if name not in known]:
-            more = f" and {len(lost) - 3} more" if len(lost) > 3 else ""
-            groups.notices.append(
-                f"group {group}, borings {', '.join(lost[:3])}{more}: not used, since group LOCA does not list "
-                "these borings"
-            )
+    axes = _axes(borings, groups.notices)
+    groups.notices.extend(_on_unlisted_borings(groups))
     logs = [log for row in borings if (log := _log(row, axes, naming, groups)) is not None]
     left_out, too_many = unread_counts(groups.unread, sum(len(log.samples) for log in logs))
     if too_many:
@@ -162,6 +141,44 @@ def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFil
             "piezometer readings (group MOND) are not used: the water table is that of the water struck in borings"
         )
     return BoringFile(logs, [*folded(groups.notices), *refusal_notices(logs)])
+
+
+def _input_problems(groups: Groups, columns: Mapping[str, str]) -> list[str]:
+    """Return the reasons why the file has no layers, or none by the column that ``columns`` names."""
+    problems = [f"--columns {key}={name}: the names of columns in an AGS4 file are fixed; expected only layer, which "
+                "--layers sets"
+                for key, name in columns.items() if key != "layer"]  # fmt: skip
+    if not groups.rows.get("LOCA"):
+        problems.append("group LOCA: missing; expected the list of borings")
+    if not groups.rows.get("GEOL") and not groups.rows.get("SCPT"):
+        problems.append("group GEOL: missing; expected the layers of the borings, or their cone readings in SCPT")
+    of_layers = [name for name in groups.headings.get("GEOL", ()) if name.startswith("GEOL_")]
+    layer = columns.get("layer")
+    if layer is not None and of_layers and layer not in of_layers:
+        problems.append(f"--layers {layer}: group GEOL has no such column; expected one of {', '.join(of_layers)}")
+    return problems
+
+
+def _axes(borings: Sequence[Row], notices: list[str]) -> tuple[str, str]:
+    """Return the headings of the coordinates that all borings have, and a notice if they are local."""
+    axes = next((axes for axes in (NATIONAL, LOCAL) if all(row.get(axes[0]) for row in borings)), NATIONAL)
+    if axes is LOCAL:
+        missing = "not all borings have" if any(row.get(NATIONAL[0]) for row in borings) else "no boring has"
+        notices.append(f"{missing} national coordinates: LOCA_LOCX and LOCA_LOCY are taken")
+    return axes
+
+
+def _on_unlisted_borings(groups: Groups) -> Iterator[str]:
+    """Yield a notice for each group with rows of borings that the list of borings does not contain."""
+    known = {row.get("LOCA_ID", "") for row in groups.rows["LOCA"]}
+    for group in ("GEOL", "ISPT", "SCPT", "WSTG"):
+        strangers = dict.fromkeys(row.get("LOCA_ID", "") for row in groups.rows.get(group, ()))
+        if lost := [name or "without a name" for name in strangers if name not in known]:
+            more = f" and {len(lost) - 3} more" if len(lost) > 3 else ""
+            yield (
+                f"group {group}, borings {', '.join(lost[:3])}{more}: not used, since group LOCA does not list "
+                "these borings"
+            )
 
 
 def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Groups) -> Log | None:
