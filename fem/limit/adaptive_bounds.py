@@ -124,9 +124,7 @@ def proven_lower_bound(
         place = bound.solution.warm
         return bound, check_stress(problem, bound.stress, bound.multiplier)
 
-    # More margin from the cone does not help where a cut-off is passed, from which no margin can be kept.
-    attempts = 1 if np.isfinite(problem.tension).any() else ATTEMPTS
-    bound, check, notes = _first_checked("lower bound", attempt, most_work, attempts)
+    bound, check, notes = _first_checked("lower bound", attempt, most_work)
     return bound, notes, StressField(problem, bound.multiplier, bound.stress, check) if check else None
 
 
@@ -190,7 +188,7 @@ def _first_checked(
     if bound.solution.none:
         return bound, None, [f"{name}: {NONE_FOUND[bound.solution.none]}"]
     for _ in range(attempts - 1):
-        if check.holds or bound.solution.ended or work >= most_work:
+        if check.holds or not check.needs_margin or bound.solution.ended or work >= most_work:
             break
         more_margin += SHORTFALLS * bound.shortfall
         wider, check_of_wider = attempt(more_margin, most_work - work)

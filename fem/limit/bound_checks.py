@@ -53,6 +53,12 @@ class StressCheck:
             and max(self.imbalance, self.traction_jump) <= ROUNDING
         )
 
+    @property
+    def needs_margin(self) -> bool:
+        """Return whether a larger distance to the yield surface at some corners may help. It does not help where a
+        cut-off is exceeded, from which no margin can be kept."""
+        return self.yield_slack < 0.0 and self.tension_slack >= -NO_TENSION
+
     def __str__(self) -> str:
         """Return the violated conditions of a statically admissible stress field as a text."""
         if self.yield_slack < 0.0:
@@ -89,6 +95,11 @@ class VelocityCheck:
     def holds(self) -> bool:
         """Return whether the velocity field proves that the multiplier is an upper bound."""
         return self.flow_slack >= 0.0 and max(self.volume, self.boundary, self.jump) <= ROUNDING
+
+    @property
+    def needs_margin(self) -> bool:
+        """Return whether a larger distance to the limit of the flow rule at some corners may help."""
+        return not self.holds
 
     def __str__(self) -> str:
         """Return the violated conditions of kinematically admissible velocities as a text."""

@@ -9,7 +9,7 @@ from fem.continuum.strength import strengths
 from fem.errors import UnstableError
 from fem.limit import adaptive_bounds
 from fem.limit.adaptive_bounds import gap_shares, proven_lower_bound, proven_upper_bound
-from fem.limit.bound_checks import check_stress, check_velocity, corner_rates
+from fem.limit.bound_checks import StressCheck, check_stress, check_velocity, corner_rates
 from fem.limit.bounds import body_of, kh_bounds
 from fem.limit.bracket import Bracket
 from fem.limit.first_mesh import first_mesh
@@ -210,3 +210,14 @@ def test_ground_that_fails_by_itself_is_proven_to():
 
 def test_no_bound_is_no_gap():
     assert Bracket(None, None, [], triangulate(Section.parse(slope()), 8.0)).gap == np.inf
+
+
+@pytest.mark.parametrize(
+    ("yield_slack", "tension_slack", "helps"),
+    [(-1e-6, np.inf, True), (-1e-6, 0.0, True), (-1e-6, -1e-5, False), (0.0, -1e-5, False), (0.0, 0.0, False)],
+)
+def test_more_margin_is_tried_beside_a_tension_cut_off_that_holds(
+    yield_slack: float, tension_slack: float, helps: bool
+) -> None:
+    """Clay far below cracks lay 1e-06 beyond its yield surface, and there was one attempt only."""
+    assert StressCheck(0.0, 0.0, yield_slack, tension_slack).needs_margin == helps

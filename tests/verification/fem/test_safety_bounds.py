@@ -132,12 +132,13 @@ def test_bounds_to_half_a_per_cent_are_proven_on_the_last_triangles_alone() -> N
 @pytest.mark.slow
 def test_triangles_of_kh_serve_the_factor_of_a_levee_of_which_coarse_ones_bear_nothing() -> None:
     """The levee: bare sand under a crust of clay, in which coarse triangles bear no stress at a factor of 1. On
-    triangles of its own the search ended with 0.815 to 1.542. Elements have 1.366."""
+    triangles of its own the search ended with 0.815 to 1.542, and from the mechanisms of other strengths, where the
+    solver broke down, with 1.335 to 1.422. Elements have 1.365. Measured: 1.354 to 1.371."""
     config = load_config(TOP / "tests" / "support" / "levee" / "levee.toml")
     known = kh_bounds(config.section, config.fem, BoundsSettings(seconds=40.0))
     left = BoundsSettings(gap=0.005, seconds=60.0 - known.work)
     bounds = safety_bounds(config.section, config.fem, left, smooth_sides=True, known=known)
-    assert 1.32 < bounds.lower < 1.366 < bounds.upper < 1.385
+    assert 1.345 < bounds.lower < 1.365 < bounds.upper < 1.38
 
 
 @pytest.mark.parametrize("gap", [0.08, pytest.param(0.04, marks=pytest.mark.slow)])
