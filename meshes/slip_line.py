@@ -29,10 +29,15 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     starts, ends = edges[0::2], edges[1::2]
     longest = int(np.argmax(ends - starts))
     row = slice(starts[longest], ends[longest])
-    neighbours = sliding_window_view(np.pad(np.array(depths)[row], 1, mode="edge"), 3)
-    line = np.column_stack([x[row], np.median(neighbours, axis=1)])
+    line = np.column_stack([x[row], running_median(np.array(depths)[row], 1)])
     above_chord = line[:, 1] - np.interp(line[:, 0], line[[0, -1], 0], line[[0, -1], 1])
     return line if above_chord.mean() <= ARCH * np.ptp(line[:, 1]) else np.zeros((0, 2))
+
+
+def running_median(values: np.ndarray, reach: int) -> np.ndarray:
+    """Return the median of every value and its neighbours up to ``reach`` places away; the values at the ends are
+    repeated."""
+    return np.median(sliding_window_view(np.pad(values, reach, mode="edge"), 2 * reach + 1), axis=1)
 
 
 def _threshold(moved: np.ndarray) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 
 from dem.ground import Ground
 from dem.model import DiscModel
+from meshes.slip_line import running_median
 
 NEIGHBOURS = 5  # surface discs of a running median: one that rolls away alone is no slide
 THIRDS = ("uphill", "middle", "downhill")
@@ -50,9 +51,7 @@ class Surface:
 
     def smoothed(self, values: np.ndarray) -> np.ndarray:
         """Return the running median over `NEIGHBOURS` discs of the surface."""
-        half = NEIGHBOURS // 2
-        padded = np.pad(values, half, mode="edge")
-        return np.median(np.lib.stride_tricks.sliding_window_view(padded, NEIGHBOURS), axis=-1)
+        return running_median(values, NEIGHBOURS // 2)
 
     def points(self, model: DiscModel, ground: Ground) -> np.ndarray:
         """Return the tops of the discs of the surface (n, 2), from left to right (m)."""

@@ -18,6 +18,7 @@ from fem.mpm.weak_edges import edge_strength, thickness_over_width
 from meshes.files import read_checkpoint, write_checkpoint
 from meshes.section.liquefies import Remains
 from meshes.section.strain_potential import BEYOND, LARGEST_SHARE, stress_at_potential
+from meshes.slip_line import running_median
 
 DAMPING = 0.7  # with which the ground comes to rest under its weight
 SETTLE, LONGEST_SETTLING = 0.5, 30.0  # s between two looks at that, and after which it is given up
@@ -318,9 +319,7 @@ class PointSlider:
         """Return the running median over a length of ``SMOOTH`` along the surface, so that single points that roll away
         do not count as a slide.
         """
-        half = max(1, round(0.5 * SMOOTH / (0.5 * self.ground.grid.cell)))
-        padded = np.pad(values, half, mode="edge")
-        return np.median(np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1), axis=1)
+        return running_median(values, max(1, round(0.5 * SMOOTH / (0.5 * self.ground.grid.cell))))
 
     def _surface(self) -> np.ndarray:
         """Return the positions (k, 2) of the top of the points at the surface, from left to right, in the section
