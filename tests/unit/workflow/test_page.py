@@ -1,6 +1,7 @@
 """The report as a page: what it refers to is there, and it holds whatever the stages found or did not."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,8 @@ from workflow.results.results import Results
 from workflow.results.slices import FacePart, FactorCircles, SlicesAnswer
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.results.summary import Summary
+from workflow.results.verdicts import WarningPart
+from workflow.run.store import Store
 
 
 def html(outcome: Results) -> str:
@@ -73,6 +76,29 @@ def test_a_report_without_discs_does_not_describe_them(s13: Config, tmp_path: Pa
     assert collect(["slip_surfaces.png"], tmp_path, 9)[0].caption == "Slip surface of the continuum."
     both = collect(["slip_surfaces.png", "dem_model.png"], tmp_path, 9)
     assert both[0].caption.startswith("Slip surfaces of the continuum and of the discs.")
+
+
+@pytest.mark.parametrize(("warnings", "height"), [(2, 92), (6, 72), (9, 60)])
+def test_the_picture_of_the_first_page_leaves_room_for_its_warnings(
+    warnings: int, height: int, s13: Config, tmp_path: Path
+) -> None:
+    """Two of nine warnings of the river bank, and its signature, stood alone on page 2."""
+    outcome = results(s13, fem=fem(s13))
+    parts = tuple(WarningPart(weight=2, what=f"Number {k}.", remedy="Look.") for k in range(warnings))
+    text = page(outcome, summary(outcome, 0.0).model_copy(update={"warnings": parts}))
+    assert f".first figure img {{ max-height: {height}mm; }}" in text
+
+
+def test_prints_have_flat_and_tall_pictures_in_their_size(s13: Config, tmp_path: Path) -> None:
+    """All were as high, so that text of tall ones could not be read, and one sentence of S-13 stood on page 11."""
+    (tmp_path / "figures").mkdir()
+    for name, size in (("curves", (1600, 512)), ("slip_surfaces", (1600, 962)), ("displacements", (1600, 1123))):
+        Image.new("RGB", size).save(tmp_path / f"figures/{name}.png")
+    outcome = replace(results(s13, fem=fem(s13)), store=Store(tmp_path))
+    shown = dict(
+        re.findall(r'<figure id="figures/(\w+).png"><img(?: class="(\w+)")?', page(outcome, summary(outcome, 0.0)))
+    )
+    assert (shown["curves"], shown["slip_surfaces"], shown["displacements"]) == ("flat", "", "tall")
 
 
 def test_a_face_that_fails_under_its_own_weight_has_a_row_and_no_block(s13: Config) -> None:
