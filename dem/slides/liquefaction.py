@@ -22,12 +22,15 @@ from dem.liquefied_ground import is_liquefying, liquefy, set_share
 from dem.model import DiscModel
 from dem.settings import SlideSettings
 from dem.slides.balance import (
+    LEAST_STEP,
     LOST,
     at_the_sides,
     both_sides,
     deepest_overlap,
+    energy_tolerance,
     expected_loss,
     ground_area,
+    on_energy,
     on_pressed_through,
     stopped_by,
     thin_crust,
@@ -45,7 +48,6 @@ from dem.slides.volume import swollen, undrained, volume_change
 from meshes.files import whole
 from meshes.section.sentences import counted
 
-LEAST_STEP = 0.25  # of the step asked for; it is halved, and the slide begun again, where the energy does not balance
 FAR = 0.25  # of the section's height, that a slide is longer than before it is asked whether it needs Kh at all
 FLOWS = 0.25  # of the height of the ground's surface: a slide by weight alone that is longer is a flow failure
 ALONE = 20.0  # s for which that is looked at
@@ -165,7 +167,8 @@ class Slider:
 
     def _engine(self, threads: int) -> Engine:
         """Return an engine with the time step for the present list of neighbours."""
-        return Engine(dt=self.slide.step_share * largest_step(self.model).seconds, threads=threads)
+        dt = self.slide.step_share * largest_step(self.model).seconds
+        return Engine(dt=dt, threads=threads, balance=energy_tolerance(self.slide.step_share / self.step))
 
     def _initial_model(self) -> DiscModel:
         model = self.start.copy()
@@ -307,6 +310,7 @@ class Slider:
         notes += on_pressed_through(model)
         notes += on_loose_mass(slide.loose_share)
         notes += self._lost()
+        notes += on_energy(Engine().measure(model))
         if self.case is not None:
             notes += thin_layers(start, self.ground, self.strata)
             notes += thin_crust(start, self.ground, self.strata) if start.law == "soil" else []
