@@ -187,6 +187,7 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
     stages that they need. With ``every``, print the results of all stages with details.
     """
     from workflow.report.console import run_lines, sentences
+    from workflow.report.texts import Texts
     from workflow.results.results import Results
     from workflow.results.summary import Summary
 
@@ -209,7 +210,7 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
     if reported:
         for line in [
             *(sentences("report", job.config, job.store) if every else ()),
-            *run_lines(Summary.read(job.store)),
+            *run_lines(Summary.read(job.store), Texts(job.config.report.language)),
         ]:
             say(legible(line))
         printed = f", printed as {job.store.folder / 'report.pdf'}" if job.store.has("report.pdf") else ""

@@ -378,22 +378,23 @@ def sentences(
     return of_stage[name]() if name in of_stage else iter(())
 
 
-def run_lines(answer: Summary) -> list[str]:
-    """Return the results of a run in at most nine lines: three numbers, crests, criteria, stages without answer,
-    warnings."""
+def run_lines(answer: Summary, texts: Texts | None = None) -> list[str]:
+    """Return the results of a run in at most nine lines, in the language of its report: three numbers, crests,
+    criteria, stages without answer, warnings."""
+    _ = texts or Texts()
     lines = [
         f"{part.name}: {part.value}" + (f" ({part.interval})" if part.interval else "")
         if part.value != NO_NUMBER else part.conclusion
         for part in answer.headlines
     ]  # fmt: skip
-    lines += crests_in_short(answer.crests or (), Texts())
-    lines += verdict_paragraph(list(answer.criteria or ()))
+    lines += crests_in_short(answer.crests or (), _)
+    lines += verdict_paragraph(list(answer.criteria or ()), _)
     failed = [f"the stage {stage} has no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]
     lines += failed[:1]
-    warnings = [part.what if not part.remedy else f"{part.what} {part.remedy}" for part in answer.warnings]
+    warnings = [" ".join(_.sentence(text) for text in (part.what, part.remedy) if text) for part in answer.warnings]
     shown = warnings[: max(MOST_LINES - len(lines) - 1, 0)]
     lines += [f"- {line}" for line in shown]
     if len(warnings) > len(shown):
         rest = len(warnings) - len(shown)
-        lines.append(f"{rest} more {'warning is' if rest == 1 else 'warnings are'} in the report.")
+        lines.append(_.sentence(f"{rest} more {'warning is' if rest == 1 else 'warnings are'} in the report."))
     return lines

@@ -21,6 +21,7 @@ from workflow.report.console import run_lines
 from workflow.report.page import page
 from workflow.report.player import _extent
 from workflow.report.summary import summary
+from workflow.report.texts import Texts
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer, alike
 from workflow.results.continuum import VariantsAnswer
@@ -237,6 +238,12 @@ def test_a_run_is_told_in_twelve_lines(s13: Config) -> None:
     many = result.model_copy(update={"warnings": result.warnings * 10})
     assert len(run_lines(many)) <= 9
     assert run_lines(many)[-1].endswith("more warnings are in the report.")
+    known = WarningPart(
+        weight=2, what="The ground is a reconstruction.", remedy="Confirm the depths of the layers by borings."
+    )
+    japanese = run_lines(many.model_copy(update={"warnings": (known,) * 20}), Texts("ja"))
+    assert "- 地盤は推定による復元である。 各層の深さをボーリングで確認する。" in japanese
+    assert japanese[-1].startswith("報告書にはさらに警告が")
 
 
 def test_a_film_shows_ground_that_slides_out_of_its_section() -> None:
