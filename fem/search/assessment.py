@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from fem.continuum.loads import excess_pressure_advice, lifted
 from fem.continuum.strength import davis_words, flow_of, is_associated, is_dilating_fully
 from fem.errors import UnstableError, answer_or_none
@@ -20,6 +22,7 @@ from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.mesh_sequence import AdaptiveResult
 from fem.search.own_dilation import OwnDilation, own_dilation
 from fem.search.result_warnings import ResultWarning
+from fem.search.slip_surface import slip_surface
 from fem.search.strength_reduction import SafetyFactor, safety_factor
 from fem.settings import FemSettings, FlowSetting
 from fem.solvers.blas_threads import one_more_thread
@@ -95,7 +98,7 @@ def assess(
                 assessment = search.with_limit_loads(adapted, settings, safety)
         except UnstableError as error:
             raise search.fails(settings, error) from error
-        below_one = [each.result for each in assessment.safety if each.result.kh == 0.0 and _fails(each.result.factor)]
+        below_one = [each for each in assessment.safety if each.result.kh == 0.0 and _fails(each.result.factor)]
         if adapted is not None and below_one:  # what little Kh there is, is the error of its mesh
             unstable = UnstableError("the section fails under its own weight on some meshes")
             raise search.fails(settings, unstable, below_one[0])
@@ -148,6 +151,17 @@ def _together(
     warnings = warnings_of(critical, mesh, associated.result if associated else None)
     warnings += [each for each in outcomes if isinstance(each, ResultWarning)]
     return Assessment(critical, mesh, adapted, opposite, associated, davis, factors, warnings)
+
+
+def _place_of(weakened: AdaptiveResult[SafetyFactor]) -> str:
+    """Return where the ground slips with its strength divided by the factor of safety, as a clause; empty without a
+    mechanism."""
+    mechanism = weakened.result.mechanism
+    line = slip_surface(weakened.mesh, mechanism) if mechanism is not None else np.empty((0, 2))
+    if not len(line):
+        return ""
+    (start, low), (end, _) = line.min(axis=0), line.max(axis=0)
+    return f"; the ground slips from x = {start:.1f} to {end:.1f} m, down to z = {low:.1f} m"
 
 
 def _fails(factor: float | None) -> bool:
@@ -308,14 +322,17 @@ class _Search:
             return adapted
         return replace(adapted, result=replace(adapted.result, by_other_flow=other_factor))
 
-    def fails(self, settings: FemSettings, error: UnstableError, known: SafetyFactor | None = None) -> UnstableError:
-        """Return the ``error`` with the factor of safety in its message, by both flow rules if ψ < φ. If pore pressure
-        exceeds the weight above it, the message has the factor of safety against uplift instead. ``known`` is the
-        factor of safety if it is already computed.
+    def fails(
+        self, settings: FemSettings, error: UnstableError, known: AdaptiveResult[SafetyFactor] | None = None
+    ) -> UnstableError:
+        """Return the ``error`` with the factor of safety in its message, by both flow rules if ψ < φ, and the place
+        where the ground slips. If pore pressure exceeds the weight above it, the message has the factor of safety
+        against uplift instead. ``known`` is the factor of safety if it is already computed.
         """
         if self.section.uplift is not None:
             return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
-        factor = known or self.safety(settings, 0.0).result
+        weakened = known or self.safety(settings, 0.0)
+        factor, where = weakened.result, _place_of(weakened) if weakened.result.factor <= 1.0 else ""
         message, remedy = f"{error.reason}; its factor of safety is {factor.factor:.2f}", error.remedy
         loose = excess_pressure_advice(self.section.strata)
         if factor.factor > 1.0 and loose:  # the factor is that before shaking
@@ -331,16 +348,16 @@ class _Search:
             )
             remedy = 'make the section longer, or take fem.sides = "smooth"'
         if is_dilating_fully(self.section.strata):
-            return UnstableError(message, remedy)
+            return UnstableError(message + where, remedy)
         if not self.is_substituted(settings):
             low = "" if factor.by_other_flow is None else f", and {factor.by_other_flow:.2f} {self.by('davis')}"
-            return UnstableError(f"{message} {self.by('associated')}{low}", remedy)
+            return UnstableError(f"{message} {self.by('associated')}{low}{where}", remedy)
         full = factor.by_other_flow
         if full is None:
             full = self.safety(settings.changed(flow="associated"), 0.0).result.factor
         rule = f" {self.by('davis')}" if settings.flow == "davis" else ""
         remedy = 'with fem.flow = "associated" the ground stands, and has a critical Kh' if full > 1.0 else remedy
-        return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}", remedy)
+        return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}{where}", remedy)
 
     def or_warning(
         self, settings: FemSettings, kh: float, like: AdaptiveResult[LimitLoadResult] | None = None

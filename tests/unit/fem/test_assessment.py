@@ -1,5 +1,7 @@
 """All answers for a section: what is looked for side by side is found as one after the other, to the last bit."""
 
+import re
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -36,6 +38,29 @@ def test_two_threads_find_the_same_bits_as_one(monkeypatch):
     assert item.associated is None
     assert len(item.safety) == 2
     np.testing.assert_array_equal(item.mesh.points, other.mesh.points)
+
+
+def test_ground_that_fails_under_its_own_weight_is_told_with_the_place_where_it_slips():
+    """A low bank before a levee, or the toe of a dam, is another matter than the levee: here the lower of two faces."""
+    clay = layer("clay") | {"cohesion": "12 kPa", "friction_angle": "0 deg"}
+    surface = [[0.0, 12.0], [30.0, 12.0], [36.0, 9.0], [60.0, 9.0], [63.0, 0.0], [85.0, 0.0]]
+    bank = Section.parse({"name": "bank", "surface": surface, "base": {"elevation": -6.0}, "strata": [clay]})
+    settings = FemSettings(direction="downhill", max_cells=500, sides="smooth")
+    with pytest.raises(UnstableError, match=r"its factor of safety is 0\.\d\d") as error:
+        assess(
+            bank,
+            MeshSettings(size=2.5),
+            generate(bank, MeshSettings(size=2.5)),
+            settings,
+            MPI.COMM_SELF,
+            lambda *_: None,
+        )
+    place = re.search(r"; the ground slips from x = (.*) to (.*) m, down to z = (.*) m$", error.value.reason)
+    assert place is not None
+    start, end, low = (float(number) for number in place.groups())
+    assert 40.0 < start < 60.0
+    assert 62.0 < end < 85.0
+    assert -6.0 <= low < 1.0
 
 
 @pytest.mark.slow
