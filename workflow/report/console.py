@@ -307,7 +307,7 @@ def mpm_sentences(config: Config, answer: PointSlidesAnswer) -> Iterator[str]:
         between_ends = span([case.slide_max_low_m, case.slide_max_high_m])
         yield (
             f"{config.called(number)}: by the material point method the largest slide of the surface is "
-            f"{between_ends}, and the crest settles {metres(case.settlement_crest_m)}; {case.reason}."
+            f"{between_ends}, and the highest ground is then {case.highest}; {case.reason}."
         )
         yield from (f"- {note}." for note in case.notes)
     yield from crest_sentences(crest_parts(config, points=answer))

@@ -7,6 +7,7 @@ from pydantic import Field
 from fem.settings import Sides
 from workflow.results.answer import Answer, SectionLabel
 from workflow.results.cases import MovedSurface
+from workflow.results.lengths import metres
 
 WARNING = "Warning: "  # how a note begins that warns
 
@@ -49,6 +50,13 @@ class PointCase(MovedSurface):
         default=None, description="side at which the slide was stopped, or through which it left the section"
     )
     notes: tuple[str, ...] = Field(description="notes that a reader needs to judge these numbers")
+
+    @property
+    def highest(self) -> str:
+        """Return by how much the highest ground is lower or higher after the slide; the crest of a structure is other
+        ground if the highest point belongs to none."""
+        settles = self.settlement_crest_m
+        return f"{metres(abs(settles))} {'higher' if settles < 0.0 else 'lower'}"
 
 
 class PointSlidesAnswer(Answer):
