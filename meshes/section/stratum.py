@@ -1,6 +1,6 @@
 """Describes a layer of one soil: its name, its bottom, its parameters, and its pore water."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, Self
 
 from pydantic import (
@@ -104,7 +104,7 @@ class Stratum(Model):
     strength_ratio: Ratio | None = Field(
         default=None,
         description="S of a cohesion S σ'v OCR^m, with the vertical effective stress before shaking, such as 0.22; "
-        "it is added to cohesion",
+        "it is added to cohesion, which may then be left out",
     )
     ocr: Ratio | None = Field(default=None, description="overconsolidation ratio OCR in strength_ratio; by default 1")
     ocr_exponent: Ratio | None = Field(default=None, description="exponent m of OCR, 0 to 1; by default 0.8")
@@ -230,6 +230,13 @@ class Stratum(Model):
     def buoyant(self) -> bool:
         """Return whether the ordinary density is already reduced by the buoyancy of water."""
         return self.density_ordinary < self.density_seismic
+
+    @model_validator(mode="before")
+    @classmethod
+    def _strength_ratio_alone(cls, data: Any) -> Any:
+        """Return the data with a cohesion of zero where the undrained strength is a share of the stress alone."""
+        alone = isinstance(data, Mapping) and data.get("strength_ratio") is not None and "cohesion" not in data
+        return {**data, "cohesion": 0.0} if alone else data
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

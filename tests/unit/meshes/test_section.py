@@ -208,6 +208,18 @@ def test_the_defaults() -> None:
     assert "dilation_angle" not in section.to_toml()  # its file says nothing of it, when it is read again, too
 
 
+def test_a_cohesion_may_be_left_out_beside_a_strength_ratio() -> None:
+    data = slope()
+    del data["strata"][0]["cohesion"]
+    with pytest.raises(InputError, match="cohesion: missing"):
+        Section.parse(data)
+    data["strata"][0]["strength_ratio"] = 0.22
+    stratum = Section.parse(data).strata[0]
+    assert (stratum.cohesion, stratum.strength_ratio) == (0.0, 0.22)
+    data["strata"][0]["cohesion"] = "5 kPa"
+    assert Section.parse(data).strata[0].cohesion == 5e3
+
+
 def test_sections_can_be_compared_after_their_layers_were_used() -> None:
     item, same, other = (Section.parse(data) for data in (slope(), slope(), spoiled(whole(title="other"))))
     assert all(section.layering.areas().sum() == 1500.0 for section in (item, same, other))
