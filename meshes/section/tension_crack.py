@@ -9,7 +9,8 @@ which in ground without friction has no other effect. In ground with friction th
 strength, and is left out.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -20,6 +21,7 @@ from meshes.section.model import Model
 from meshes.section.polyline import ElevationOrLine, Line, level_at, written
 from meshes.section.quantity import HEIGHT
 from meshes.section.section import Section
+from meshes.section.water_pressure import crossings
 
 STEEP = 10.0  # rise over run
 
@@ -123,7 +125,7 @@ class TensionCrack(Model):
             stratum = section.strata[k]
             if not filled or stratum.friction_angle or stratum.pore_pressure_ratio:
                 return {}
-            ground_level = None if stratum.pore_pressure_ratio is not None else pressure.levels[k]
+            ground_level = None if stratum.pore_pressure_ratio is not None else _level_in(section, k)
             level = self._water_level(section, bottom, ground_level)
             weight = {"density_saturated": stratum.density_ordinary}  # the water of cracks does not soak the ground
             return {"piezometric_level": Line(elevation=level.tolist()), "pore_pressure_ratio": None, **weight}
@@ -142,18 +144,65 @@ class TensionCrack(Model):
         bends = np.concatenate([ground[:, 0], bottom[:, 0], *([] if ground_level is None else [ground_level[:, 0]])])
         x = np.unique(np.concatenate([bends, ground[:, 0] - depth, ground[:, 0] + depth]))
         x = x[(x >= ground[0, 0]) & (x <= ground[-1, 0])]
-        middle = 0.5 * (x[1:] + x[:-1])
 
-        def level(at: np.ndarray) -> np.ndarray:
+        def of_crack(at: np.ndarray, middle: np.ndarray) -> np.ndarray:
             top, end = (level_at(line, at, middle) for line in (ground, bottom))
             deep = np.maximum(top - end, 0.0)
             neighbours = [level_at(ground, at + step, middle + step) for step in (-depth, depth)]
             lowest = np.where(np.abs(ground[:, 0] - middle[:, None]) < depth, ground[:, 1], np.inf).min(axis=1)
-            water = np.minimum.reduce([top - deep + self.water_depth(deep), *neighbours, lowest])
-            return water if ground_level is None else np.maximum(water, level_at(ground_level, at, middle))
+            return np.minimum.reduce([top - deep + self.water_depth(deep), *neighbours, lowest])
 
-        points = np.column_stack([np.repeat(x, 2)[1:-1], np.column_stack([level(x[:-1]), level(x[1:])]).ravel()])
+        def over_ground(at: np.ndarray, middle: np.ndarray) -> np.ndarray:
+            in_crack = of_crack(at, middle)
+            return in_crack if ground_level is None else in_crack - level_at(ground_level, at, middle)
+
+        x = _with_crossings(x, over_ground)  # the higher of two levels bends where they cross
+        middle = 0.5 * (x[1:] + x[:-1])
+        ends = [of_crack(at, middle) for at in (x[:-1], x[1:])]
+        if ground_level is not None:
+            in_ground = [level_at(ground_level, at, middle) for at in (x[:-1], x[1:])]
+            ends = [np.maximum(in_crack, table) for in_crack, table in zip(ends, in_ground, strict=True)]
+        points = np.column_stack([np.repeat(x, 2)[1:-1], np.column_stack(ends).ravel()])
         return _without_steps(points)
+
+
+def _with_crossings(x: np.ndarray, height: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+    """Return the breakpoints ``x`` (n,), and the places between them where a ``height`` is zero, such as that of one
+    line over another. The height follows from places and, for each, the middle of its interval."""
+    middle = 0.5 * (x[1:] + x[:-1])
+    first, last = (height(at, middle) for at in (x[:-1], x[1:]))
+    return np.unique(np.append(x, crossings(x, first, last, 0.0)))
+
+
+def _height_over(lower: np.ndarray, line: np.ndarray, at: np.ndarray, near: np.ndarray) -> np.ndarray:
+    """Return the height (m) of one line (k, 2) over another line at places, on the sides of other places ``near``."""
+    return np.asarray(level_at(line, at, near) - level_at(lower, at, near))
+
+
+def _level_in(section: Section, k: int) -> np.ndarray | None:
+    """Return the level (n, 2) of the water in the ground of stratum k, after a drawdown if there is one; None without
+    water.
+
+    Ground that does not drain keeps its pore pressure, less the load of the water that was removed from the ground
+    above: its level falls by the depth of that water.
+    """
+    pressure, ground = section.water_pressure, section.ground
+    level, after = pressure.levels[k], pressure.after
+    if level is None or after is None or after is level or level is not pressure.before:
+        return level
+    if section.strata[k].drains:
+        return after
+    x = np.unique(np.concatenate([ground[:, 0], level[:, 0], after[:, 0]]))
+    x = x[(x >= ground[0, 0]) & (x <= ground[-1, 0])]
+    for line in (level, after):
+        x = _with_crossings(x, partial(_height_over, ground, line))
+    middle = 0.5 * (x[1:] + x[:-1])
+
+    def lowered(at: np.ndarray) -> np.ndarray:
+        top, before, now = (level_at(line, at, middle) for line in (ground, level, after))
+        return before - np.maximum(before - top, 0.0) + np.maximum(now - top, 0.0)
+
+    return np.column_stack([np.repeat(x, 2)[1:-1], np.column_stack([lowered(x[:-1]), lowered(x[1:])]).ravel()])
 
 
 def _without_faces(line: np.ndarray) -> np.ndarray:

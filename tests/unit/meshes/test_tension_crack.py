@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.support.sections import analysed, layer
@@ -32,3 +33,26 @@ def test_cracks_deeper_than_the_slope_is_high_are_told(bottom: dict[str, Any], m
 def test_level_ground_has_no_slope_that_a_crack_could_be_deeper_than() -> None:
     level = {**SLOPE, "surface": [[0.0, 4.0], [80.0, 4.0]], "tension_crack": {"bottom": {"depth": 2.0}}}
     assert not [text for text in analysed(level).notices if "below the toe" in text]
+
+
+@pytest.mark.parametrize("drains", [False, True])
+def test_cracked_ground_has_the_pore_pressure_that_a_drawdown_leaves(drains: bool) -> None:
+    """The cracks are dry but where the river stands, and add nothing: clay below the river kept all of its pressure
+    before the drawdown, 36 kPa under 20 kPa of weight, and was said to blow out."""
+    data = {
+        **SLOPE,
+        "water": {"table": 9.0, "after_drawdown": 6.0},
+        "strata": [layer("clay", cohesion="30 kPa", friction_angle="0 deg", drains=drains)],
+    }
+    plain = analysed(data).section
+    cracked = analysed({**data, "tension_crack": {"bottom": {"depth": 1.0}, "water": "0.1 m"}}).section
+    assert cracked.uplift is None
+    for x, depth in ((60.0, 0.5), (48.0, 0.7), (40.0, 0.6), (36.0, 0.9)):
+        pressures = []
+        for section in (plain, cracked):
+            z = float(section.layering.interfaces(np.array([x]))[0, 0]) - depth
+            k = int(np.searchsorted(-section.layering.interfaces(np.array([x]))[0], -z)) - 1
+            at = np.array([[x, z]])
+            pressures.append(float(section.water_pressure.at_rest(at, at, np.array([k]))[0]))
+        least = 9806.65 * (0.1 - 1.0 + depth)  # of the water in the crack
+        assert pressures[1] == pytest.approx(max(pressures[0], least), abs=1.0)
