@@ -99,7 +99,7 @@ def run_until_rest(
 
 
 def _advance(model: DiscModel, seconds: float, share: float) -> None:
-    """Advance the discs by some seconds, with shorter steps if a contact stiffens meanwhile."""
+    """Advance the discs by some seconds, with shorter steps where a contact has become stiffer."""
     end = model.time + seconds
     for _ in range(10):
         engine = Engine(dt=share * largest_step(model).seconds, energies=False)

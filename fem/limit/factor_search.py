@@ -219,10 +219,10 @@ class FactorSearch(WeakenedGround):
         margins = 2.0 * MARGIN
         needed = AIM * min(self.gap, self.open_here) / max(self.settings.gap - margins, margins)
         allowed = self.settings.max_cells / len(self.mesh.cells)
-        at_once = FURTHEST_GROWTH if needed <= allowed else MOST_GROWTH
+        furthest = FURTHEST_GROWTH if needed <= allowed else MOST_GROWTH
         affordable = (self.work.left / self.work_of_a_mesh(1.0)) ** (1.0 / COST_EXPONENT)
         allowed = min(allowed, max(affordable, GROWTH))
-        return min(max(needed, LEAST_GROWTH) if needed <= at_once else GROWTH, allowed)
+        return min(max(needed, LEAST_GROWTH) if needed <= furthest else GROWTH, allowed)
 
     def work_of_a_mesh(self, growth: float) -> float:
         """Return the expected computing work on a mesh of ``growth`` times as many triangles."""

@@ -52,7 +52,7 @@ CSMIP_V2 = re.compile(
 )
 CSMIP_CHANNEL = re.compile(r"\bChan\s+(\d+)\s*:\s*(.*?)\s*(?:Location|from|$)", re.IGNORECASE)
 
-# Digitised film, where a time stands beside each acceleration.
+# Digitised film, with a time before each acceleration.
 FILM = re.compile(
     r"^\s*UNITS OF UNCOR\w* ACCEL\w* ARE SEC AND ([A-Z]\S*?)\.?\s+(?:MAX\s*=\s*([-\d.]+)\s*G)?", re.IGNORECASE
 )
