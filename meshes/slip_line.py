@@ -34,6 +34,14 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     return line if above_chord.mean() <= ARCH * np.ptp(line[:, 1]) else np.zeros((0, 2))
 
 
+def extent_in_words(line: np.ndarray) -> str:
+    """Return where ground slips along a line (k, 2) in m, as a predicate; a line without length is a place."""
+    (start, low), (end, _) = line.min(axis=0), line.max(axis=0)
+    if f"{start:.1f}" == f"{end:.1f}":
+        return f"fails first in a few cells at x = {start:.1f} m, z = {low:.1f} m"
+    return f"slips from x = {start:.1f} to {end:.1f} m, down to z = {low:.1f} m"
+
+
 def running_median(values: np.ndarray, reach: int) -> np.ndarray:
     """Return the median of every value and its neighbours up to ``reach`` places away; the values at the ends are
     repeated."""

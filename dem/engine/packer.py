@@ -51,9 +51,8 @@ def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = seria
     n = len(model)
     slices = n // LANES + 1
     order = model.order
-    number = np.empty(n, np.int32)
-    number[order] = np.arange(n, dtype=np.int32)
-    owner, partner = model.places[model.pair_i], number[model.pair_j]
+    number = model.places
+    owner, partner = number[model.pair_i], number[model.pair_j]
     turn, chunk_start = count_slots(owner, slices)
     chunks = int(chunk_start[-1])
     tail = -(-len(model.line_disc) // LANES)
@@ -142,7 +141,7 @@ def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
     """Return the liquefied discs and their pairs as arguments of the kernels; number: number of each disc in spatial
     order."""
     slots = slices * LANES
-    first, second = model.places[model.liquefied_i], number[model.liquefied_j]
+    first, second = number[model.liquefied_i], number[model.liquefied_j]
     lane, start = place_pairs(first, slices)
     lanes = int(start[-1]) * LANES
     discs = np.zeros((slots if len(first) else 0, FIELDS))

@@ -64,11 +64,8 @@ def with_davis_strength(section: Section) -> Section:
     strata = []
     for soil in section.strata:
         factor = float(davis_factor(np.array(soil.friction_angle), np.array(soil.dilation)))
-        scaled = {"friction_angle": float(np.arctan(factor * np.tan(soil.friction_angle)))}
-        for key in ("cohesion", "cohesion_increase", "cohesion_minimum", "strength_ratio"):
-            value = getattr(soil, key)
-            scaled |= {} if value is None else {key: factor * float(value)}
-        strata.append(soil.model_copy(update=scaled))
+        friction = float(np.arctan(factor * np.tan(soil.friction_angle)))
+        strata.append(soil.with_multiple_of_cohesion(factor).model_copy(update={"friction_angle": friction}))
     return section.with_strata(strata)
 
 

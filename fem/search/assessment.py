@@ -31,6 +31,7 @@ from meshes.executor import Executor, check_cancelled
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
+from meshes.slip_line import extent_in_words
 
 # Is called with the present task and, on an equilibrium path, with the path.
 AssessmentListener = Callable[[str, EquilibriumPath | None], None]
@@ -158,10 +159,7 @@ def _place_of(weakened: AdaptiveResult[SafetyFactor]) -> str:
     mechanism."""
     mechanism = weakened.result.mechanism
     line = slip_surface(weakened.mesh, mechanism) if mechanism is not None else np.empty((0, 2))
-    if not len(line):
-        return ""
-    (start, low), (end, _) = line.min(axis=0), line.max(axis=0)
-    return f"; the ground slips from x = {start:.1f} to {end:.1f} m, down to z = {low:.1f} m"
+    return f"; the ground {extent_in_words(line)}" if len(line) else ""
 
 
 def _fails(factor: float | None) -> bool:

@@ -61,14 +61,5 @@ def with_multiple(section: Section, numbers: Collection[int], multiple: float) -
     """Return the section with a multiple of the cohesion of some strata."""
     strata = list(section.strata)
     for k in numbers:
-        stratum = strata[k]
-        ratio, least = stratum.strength_ratio, stratum.cohesion_minimum
-        strata[k] = stratum.model_copy(
-            update={
-                "cohesion": multiple * stratum.cohesion,
-                "cohesion_increase": multiple * stratum.cohesion_increase,
-                "cohesion_minimum": None if least is None else multiple * least,
-                "strength_ratio": None if ratio is None else multiple * ratio,
-            }
-        )
+        strata[k] = strata[k].with_multiple_of_cohesion(multiple)
     return section.with_strata(strata)

@@ -17,10 +17,10 @@ from typing import Self
 import numpy as np
 
 from meshes.section.layering import middles
-from meshes.section.polyline import Line, level_at
+from meshes.section.polyline import Line, crossings, level_at
 from meshes.section.stratum import Stratum
 from meshes.section.surcharge import SurfaceLoads
-from meshes.section.water_pressure import ON_GROUND, WaterPressure, crossings
+from meshes.section.water_pressure import ON_GROUND, WaterPressure
 
 ROUNDING = 1e-9
 COLUMNS = 400  # vertical lines over which a cohesion is averaged

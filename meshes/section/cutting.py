@@ -8,9 +8,9 @@ from typing import TypeVar
 import numpy as np
 
 from meshes.section.dense_lines import CELL
-from meshes.section.layering import Layering, at_ends, crossings
+from meshes.section.layering import Layering, at_ends
 from meshes.section.liquefies import Cases
-from meshes.section.polyline import Line, without_repeats
+from meshes.section.polyline import Line, crossings, without_repeats
 from meshes.section.stratum import Stratum
 
 # What is added to the name of a stratum for the part of it that lies below water, and for a pocket or a film of water
@@ -137,7 +137,8 @@ def divided_by_water(layers: Layering, k: int, water: np.ndarray) -> DividedStra
     inside = water[(water[:, 0] > x[0]) & (water[:, 0] < x[-1]), 0]
     x = np.union1d(x, [at for at in inside if np.abs(x - at).min() > layers.tolerance])
     top, bottom, level = _at_ends(layers, k, water, x)
-    x = np.union1d(x, crossings(x, [level - top, level - bottom], layers.tolerance))
+    cuts = [crossings(x, *(level - line).T, snap=layers.tolerance) for line in (top, bottom)]
+    x = np.union1d(x, np.concatenate(cuts))
     top, bottom, level = _at_ends(layers, k, water, x)
     for line in (top, bottom):
         level = np.where(np.abs(level - line) <= _reach(level - line, x, layers.tolerance), line, level)

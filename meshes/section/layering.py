@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from meshes.section.polyline import Line, limits, without_repeats
+from meshes.section.polyline import Line, crossings, limits, without_repeats
 
 # Points closer than this are one point: a centimetre, which no survey and no log of a boring tells, or in a small model
 # a two-thousandth of its height. Left apart they would make cells that are thousands of times as long as wide.
@@ -194,7 +194,8 @@ def layering(
     x = x[(x >= x_left) & (x <= x_right)]
     x = np.union1d(x, [at for at in also if x_left < at < x_right and np.abs(x - at).min() > snap])
     ground, lines, floor = _elevations(surface, raw, is_depth, raw_base, base.elevation is None, x)
-    x = np.union1d(x, crossings(x, [ground - line for line in lines], snap))
+    cuts = [crossings(x, *(ground - line).T, snap=snap) for line in lines]
+    x = np.union1d(x, np.concatenate([np.empty(0), *cuts]))
     ground, lines, floor = _elevations(surface, raw, is_depth, raw_base, base.elevation is None, x)
 
     problems = []
@@ -296,19 +297,6 @@ def _elevations(
 
     lines = [elevation(points, depth) for points, depth in zip(bottoms, is_depth, strict=True)]
     return ground, lines, elevation(base, base_is_depth)
-
-
-def crossings(x: np.ndarray, gaps: Sequence[np.ndarray], snap: float) -> np.ndarray:
-    """Return the x at which lines cross another line between two breakpoints, more than ``snap`` (m) from both.
-
-    ``gaps`` (intervals, 2) are the heights (m) of the other line above each line, at both ends of the intervals.
-    """
-    cut = [np.empty(0)]
-    for gap in gaps:
-        i = np.flatnonzero(gap[:, 0] * gap[:, 1] < 0.0)
-        at = x[i] + (x[i + 1] - x[i]) * gap[i, 0] / (gap[i, 0] - gap[i, 1])
-        cut.append(at[(at - x[i] > snap) & (x[i + 1] - at > snap)])
-    return np.concatenate(cut)
 
 
 def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what: str) -> list[str]:

@@ -141,6 +141,19 @@ def limits(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return left, right
 
 
+def crossings(
+    x: np.ndarray, first: np.ndarray, last: np.ndarray, least: float = 0.0, *, snap: float = -np.inf
+) -> np.ndarray:
+    """Return the x (m) where two lines cross between breakpoints ``x`` (n,), more than ``snap`` (m) from both of them.
+
+    The distances of the lines at the ends of the intervals are ``first`` and ``last`` (n - 1,) in m. Lines nearer than
+    ``least`` (m) at an end do not count as crossing there.
+    """
+    i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > least))
+    at = x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i])
+    return np.asarray(at[(at - x[i] > snap) & (x[i + 1] - at > snap)])
+
+
 def without_repeats(points: np.ndarray) -> np.ndarray:
     """Return the points (n, 2) of a line without those that are equal to the point before them."""
     return points[np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])]
@@ -166,6 +179,7 @@ __all__ = [
     "Points",
     "Polyline",
     "Quantity",
+    "crossings",
     "downhill",
     "level_at",
     "limits",

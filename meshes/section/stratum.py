@@ -40,6 +40,8 @@ MISSING_DENSITY = (
 
 # Ladd & Foott (1974): m is 0.75 to 0.85 for clays.
 OCR_EXPONENT = 0.8
+# The keys whose values are proportional to the cohesion.
+AMOUNTS = ("cohesion", "cohesion_increase", "cohesion_minimum", "strength_ratio")
 # The keys by which a cohesion varies, beside cohesion_increase.
 OF_COHESION = (
     "cohesion_from", "cohesion_minimum", "strength_ratio", "ocr", "ocr_exponent", "pre_overburden_pressure",
@@ -207,6 +209,11 @@ class Stratum(Model):
     def exponent(self) -> float:
         """Return the exponent m of OCR."""
         return OCR_EXPONENT if self.ocr_exponent is None else self.ocr_exponent
+
+    def with_multiple_of_cohesion(self, multiple: float) -> Self:
+        """Return a copy with a multiple of the cohesion at every place."""
+        amounts = {key: getattr(self, key) for key in AMOUNTS}
+        return self.model_copy(update={key: multiple * value for key, value in amounts.items() if value is not None})
 
     def with_cohesion(self, cohesion: float) -> Self:
         """Return a copy with one cohesion (Pa) everywhere."""

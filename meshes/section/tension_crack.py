@@ -18,10 +18,9 @@ from pydantic import Field, PlainSerializer, PlainValidator, model_validator
 
 from meshes.section.cutting import cut_at_cracks
 from meshes.section.model import Model
-from meshes.section.polyline import ElevationOrLine, Line, level_at, written
+from meshes.section.polyline import ElevationOrLine, Line, crossings, level_at, written
 from meshes.section.quantity import HEIGHT
 from meshes.section.section import Section
-from meshes.section.water_pressure import crossings
 
 STEEP = 10.0  # rise over run
 
@@ -171,7 +170,7 @@ def _with_crossings(x: np.ndarray, height: Callable[[np.ndarray, np.ndarray], np
     line over another. The height follows from places and, for each, the middle of its interval."""
     middle = 0.5 * (x[1:] + x[:-1])
     first, last = (height(at, middle) for at in (x[:-1], x[1:]))
-    return np.unique(np.append(x, crossings(x, first, last, 0.0)))
+    return np.unique(np.append(x, crossings(x, first, last)))
 
 
 def _height_over(lower: np.ndarray, line: np.ndarray, at: np.ndarray, near: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from meshes.section.layering import Layering
-from meshes.section.polyline import level_at
+from meshes.section.polyline import crossings, level_at
 from meshes.section.quantity import GRAVITY
 from meshes.section.seepage import Seepage
 from meshes.section.stratum import Stratum
@@ -218,10 +218,3 @@ class WaterPressure:
             width, rise = (level[stretch + 1] - level[stretch]).T
             head = head / (1.0 + (rise / width) ** 2)
         return self.unit_weight * head
-
-
-def crossings(x: np.ndarray, first: np.ndarray, last: np.ndarray, least: float) -> np.ndarray:
-    """Return the x (m) where two lines cross. Their distances at the ends of the intervals of ``x`` (n,) are ``first``
-    and ``last`` (n - 1,). Lines nearer than ``least`` at an end do not count as crossing there."""
-    i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > least))
-    return np.asarray(x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i]))

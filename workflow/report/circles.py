@@ -24,9 +24,7 @@ NO_BALANCE, BELOW = 0.97, 0.002
 FAR, FAR_IN_KH, CONFIRMS = 1.1, 0.02, 0.1
 STEEP = math.tan(math.radians(45.0))  # of a slip surface where it cuts down from the crest
 SHORT = 0.98  # times its critical Kh, below which the circle of a longer section is reported
-MATTERS = (
-    1.5  # times the least critical Kh of both directions, beyond which a circle in a longer section is not reported
-)
+MATTERS = 1.5  # times the least critical Kh of both directions: a circle in a longer section with more is left out
 ROUND = 5.0  # m, to which the length of ground to add is rounded up
 STEEPLY = (
     ", since they cut steeply through {strata}, where the normal force on a circle is an assumption of the method; "

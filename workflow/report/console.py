@@ -2,8 +2,11 @@
 
 from collections.abc import Callable, Iterator
 
+import numpy as np
+
 from meshes.section.cutting import shown_name
 from meshes.section.section import Section
+from meshes.slip_line import extent_in_words
 from workflow.config import Config, notice_lines
 from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
 from workflow.report import post_liquefaction
@@ -125,11 +128,7 @@ def safety_sentence(
         finer = f" A finer mesh may give {100 * gain:.1f} % less." if gain >= LEAST_REST else ""
         phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}.{finer}"
     if factor.slip_surface:
-        x, z = zip(*factor.slip_surface, strict=True)
-        start, end = f"{min(x):.1f}", f"{max(x):.1f}"
-        slips = f"slips from x = {start} to {end} m, down to z = {min(z):.1f} m"
-        fails = f"fails first in a few cells at x = {start} m, z = {min(z):.1f} m"
-        phrase += f" The ground {slips if start != end else fails}."
+        phrase += f" The ground {extent_in_words(np.array(factor.slip_surface))}."
     if factor.shallow_failure is not None and factor.shallow_failure < factor.factor:
         depth, faces = answer.settings.least_depth, answer.shallow_failures
         edges = bool(faces) and all(face.is_edge(depth) for face in faces)
