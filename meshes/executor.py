@@ -7,13 +7,16 @@ The main thread waits while another one works (`interruptible`), so that it hear
 The end of an executor's ``with`` block cancels its unfinished tasks. Tasks that have not begun are not run. A process
 is killed in the middle of its task: files are there whole or not at all. A process also ends by itself when the program
 that started the process ends for any reason. A thread raises KeyboardInterrupt at its next `check_cancelled`; the
-program does not wait for the thread, and ends at once even if a thread `is_left_working`.
+program does not wait for the thread, and ends at once even if a thread `is_left_working`. Work of the main thread that
+would leave arrays half changed defers Ctrl-C until they are whole (`deferred_interruption`).
 """
 
 import pickle
-from collections.abc import Callable, Mapping, Sequence
+import signal
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent import futures
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import partial
 from queue import SimpleQueue
@@ -180,6 +183,28 @@ def interruptible(work: Callable[[], A]) -> A:
     result = work()
     check_cancelled()
     return result
+
+
+@contextmanager
+def deferred_interruption() -> Iterator[Callable[[], None]]:
+    """Defer Ctrl-C in the main thread. The function that is yielded lets it through, and so does the end of the
+    block; other threads do not hear Ctrl-C."""
+    handler, pending = signal.getsignal(signal.SIGINT), Event()
+    if current_thread() is not main_thread() or not callable(handler):
+        yield lambda: None
+        return
+
+    def let_through() -> None:
+        if pending.is_set():
+            pending.clear()
+            handler(signal.SIGINT, None)
+
+    signal.signal(signal.SIGINT, lambda *_: pending.set())
+    try:
+        yield let_through
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        let_through()
 
 
 def check_cancelled() -> None:

@@ -5,6 +5,7 @@ Between two calls of `run` the model may be changed in any way; the engine itsel
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass
 from threading import current_thread, main_thread
 from typing import Any, Literal
@@ -29,6 +30,7 @@ from dem.kernels.stepping import DONE, MOVED, OVERLAP, take_steps
 from dem.kernels.work_buffers import new_buffer
 from dem.liquefied_ground import longest_look, steps_between_looks
 from dem.model import DiscModel
+from meshes.executor import deferred_interruption
 
 AUTO_SHARE = 0.2  # of the stable step
 LOOSER = 10.0  # times the gap, where forces of liquefied ground are held
@@ -154,8 +156,8 @@ class Engine:
         if total < 0:
             raise ValueError(f"a number of steps cannot be negative, but is {steps}")
         between = total if every is None else max(1, round(every / dt))
-        run = EngineRun(self, model, dt)
-        try:
+        with deferred_interruption() as let_through, closing(EngineRun(self, model, dt)) as run:
+            run.when_whole = let_through
             energies = run.balance() if self.energies and total == 0 else None
             end = model.steps + total
             begin = model.steps
@@ -164,8 +166,6 @@ class Engine:
                 energies = run.advance(stop - model.steps)
                 if on_output is not None and ((model.steps - begin) % between == 0 or model.steps == end):
                     on_output(model)
-        finally:
-            run.close()
         return energies
 
     def measure_layout(self, model: DiscModel, layout: Layout) -> EnergyBalance:
@@ -201,6 +201,7 @@ class EngineRun:
         self.stable: StableStep | None = None  # as it was when the list was made, if that was in this run
         self.share: float | None = None  # of the stable step, that steps with a new list are at most; None: refused
         self.look: Look | None = None  # at a compliant base
+        self.when_whole: Callable[[], None] = lambda: None  # called when a call of the kernel is over and booked
         self.pack()
         self.begin_energy_balance()
 
@@ -271,6 +272,7 @@ class EngineRun:
                 check_escape(model)
             if reason == OVERLAP:
                 check_overlap(model)
+            self.when_whole()  # before a new list, which sorts the contacts anew
             if reason == MOVED:
                 self.list_anew()
             elif engine.energies and measured + call <= model.steps < end:

@@ -19,6 +19,7 @@ from meshes.executor import (
     OneThread,
     Processes,
     check_cancelled,
+    deferred_interruption,
     interruptible,
     is_left_working,
     then,
@@ -149,6 +150,35 @@ def test_ctrl_c_is_heard_while_a_library_computes_that_would_not_hear_it() -> No
             interruptible(deaf)
     finally:
         may_end.set()
+
+
+@pytest.mark.parametrize("let", [True, False])
+def test_ctrl_c_is_held_back_until_it_is_let_through_or_the_block_ends(let: bool) -> None:
+    before, steps = signal.getsignal(signal.SIGINT), []
+
+    def work() -> None:
+        with deferred_interruption() as let_through:
+            let_through()
+            os.kill(os.getpid(), signal.SIGINT)
+            steps.append("held")
+            if let:
+                let_through()
+            steps.append("end of the block")
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    assert steps == (["held"] if let else ["held", "end of the block"])
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_other_threads_hold_nothing_back() -> None:
+    def deferred() -> object:
+        with deferred_interruption() as let_through:
+            let_through()
+            return signal.getsignal(signal.SIGINT)
+
+    before = signal.getsignal(signal.SIGINT)
+    assert interruptible(deferred) is before
 
 
 def test_processes_do_their_tasks_side_by_side_and_a_single_one_is_done_here(two: Processes) -> None:
