@@ -189,17 +189,18 @@ def interruptible(work: Callable[[], A]) -> A:
 def deferred_interruption() -> Iterator[Callable[[], None]]:
     """Defer Ctrl-C in the main thread. The function that is yielded lets it through, and so does the end of the
     block; other threads do not hear Ctrl-C."""
-    handler, pending = signal.getsignal(signal.SIGINT), Event()
+    handler = signal.getsignal(signal.SIGINT)
+    pending: list[int] = []  # signals; an Event has a lock, which a second Ctrl-C would wait for in vain
     if current_thread() is not main_thread() or not callable(handler):
         yield lambda: None
         return
 
     def let_through() -> None:
-        if pending.is_set():
+        if pending:
             pending.clear()
             handler(signal.SIGINT, None)
 
-    signal.signal(signal.SIGINT, lambda *_: pending.set())
+    signal.signal(signal.SIGINT, lambda number, _: pending.append(number))
     try:
         yield let_through
     finally:
