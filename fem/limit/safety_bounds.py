@@ -7,8 +7,9 @@ yield surfaces are convex, the ground then resists every Kh in between. F is an 
 direction fails at less than the given Kh. The bounds of Kh fall smoothly as F rises, so that F is found by a few secant
 steps on coarse triangles, then on finer ones.
 
-Where the weight or a surcharge causes failure, as below a footing, no Kh is in equilibrium: there the share of all
-loads that the ground resists is bounded in place of Kh, and F is a lower bound if this share is at least 1.
+Where the weight or a surcharge causes failure, as below a footing, no Kh is in equilibrium; where thin slices of
+cracked ground topple from an upright face at any Kh, the ground resists none, whatever its strength. There the share of
+all loads that the ground resists is bounded in place of Kh, and F is a lower bound if this share is at least 1.
 """
 
 import math

@@ -23,6 +23,9 @@ from meshes.triangles import TriMesh
 STEP = 1.6
 # A Kh, or a logarithm of a share of loads, this far from what is to be borne says nothing on the factor.
 FAR = 1.0
+# A lower bound of Kh this close to the given Kh, with an upper bound this far above it, may be independent of the
+# factor; it is, if the ground then resists at least this much more (as a logarithm) than all loads.
+FLAT, FLAT_OPEN, FLAT_GAIN = 1e-4, 0.01, 0.005
 
 
 class WeakenedGround:
@@ -153,19 +156,26 @@ class WeakenedGround:
     def regauged(self, trial: BoundsTrial) -> BoundsTrial:
         """Return a trial with bounds of Kh or, if they decide nothing, with bounds of the share of all loads. Bounds of
         Kh decide nothing if no mechanism fails below the given Kh and yet no stress field balances the weight, as below
-        a footing.
+        a footing, or if the lower bound is the given Kh at any factor, as where thin slices of cracked ground topple
+        from an upright face.
         """
         fails_late = trial.upper is not None and self.over(trial.upper) > 0.0
-        if self.gauge == "loads" or not (trial.unborne and fails_late):
+        if self.gauge == "loads" or not fails_late or not (trial.unborne or self.is_flat(trial)):
             return trial
         self.gauge, seen = "loads", self.seen
         loaded = self.measure(trial.factor)
-        if loaded.lower is None:
+        if loaded.lower is None or (not trial.unborne and self.over(loaded.lower) < FLAT_GAIN):
             self.gauge, self.seen = "kh", seen
-            self.unborne_from = trial.factor
+            self.unborne_from = trial.factor if trial.unborne else self.unborne_from
             return trial
         self.slope = None
         return loaded
+
+    def is_flat(self, trial: BoundsTrial) -> bool:
+        """Return whether the lower bound of Kh is the given Kh, although the upper bound lies far above it."""
+        if trial.lower is None or trial.upper is None:
+            return False
+        return abs(self.over(trial.lower)) < FLAT and self.over(trial.upper) > FLAT_OPEN
 
     def middle(self, trial: BoundsTrial) -> float:
         """Return the mean excess of both bounds over the required value, or the excess of the only bound; -inf without

@@ -103,14 +103,25 @@ def cracked_cut(water: str) -> Config:
 def test_a_cut_beside_cracks_of_half_its_height(water: str, wedge: float) -> None:
     """A plane of 45° below a crack that is there before slides at F = 2 c (H - z) / (γ (H² - z²) / 2 + γw z² / 2), dry
     at Terzaghi's 2.67 c / γ = H. Opening a crack on that plane costs 0.29 c times its depth, which thinner slices and
-    turning spare in part. Measured: 0.902 to 0.918 and 0.746 to 0.765; without cracks 1.252 to 1.279."""
+    turning spare in part. Measured: 0.905 to 0.912 and 0.774 to 0.786; without cracks 1.252 to 1.279."""
     config = cracked_cut(water)
     bounds = safety_bounds(config.section, config.fem, BoundsSettings(gap=0.06, max_cells=900), guess=wedge)
+    assert bounds.ended == "gap"
     assert 0.94 * wedge < bounds.lower < 1.03 * wedge
     assert 0.99 * wedge < bounds.upper < 1.08 * wedge
     mesh = generate(config.section, MeshSettings(size=0.4))
     elements = limit_load_safety_factor(config.section, mesh, config.fem, 0.0, MPI.COMM_SELF, guess=wedge).factor
     assert bounds.lower < elements < 1.03 * bounds.upper
+
+
+def test_a_cracked_face_that_resists_no_kh_has_close_bounds_of_its_factor():
+    """Slices of cracked clay topple from the upright face at any Kh, so that the lower bound of Kh is 0 at every factor
+    and says nothing of it: bounds of Kh alone ended at 0.674 and 0.824."""
+    config = cracked_cut("full")
+    bounds = safety_bounds(config.section, config.fem, BoundsSettings(gap=0.06, max_cells=600), guess=0.764)
+    assert bounds.ended == "gap"
+    assert bounds.trials[-1].gauge == "loads"
+    assert 0.74 < bounds.lower < 0.78 < bounds.upper < 0.81
 
 
 def test_what_cracks_make_of_a_section() -> None:
