@@ -19,13 +19,13 @@ from scipy import sparse
 from fem.solvers.blas_threads import use_one_thread
 
 # Names under which systems have it, and versions whose matrices look as they are declared here.
-NAMES, VERSIONS = ("libcholmod.so.5", "libcholmod.so.4", "libcholmod.so.3", "libcholmod.so"), (3, 4, 5)
+LIBRARY_NAMES, VERSIONS = ("libcholmod.so.5", "libcholmod.so.4", "libcholmod.so.3", "libcholmod.so"), (3, 4, 5)
 # Bytes of the table of settings, several times what any version has.
 SETTINGS_SIZE = 1 << 16
 # Its defaults around the entries that are changed: supernodal, final_asis, final_super, final_ll, final_pack,
 # final_monotonic, final_resymbol and padding; up to which share of zeros and how many columns supernodes are merged;
 # prefer_zomplex, prefer_upper, quick_return_if_not_posdef, prefer_binary, print, precise, try_catch.
-DEFAULTS = (
+DEFAULT_SETTINGS = (
     np.array([1, 1, 1, 0, 1, 1, 0, 0], dtype=np.int32),
     np.array([0.8, 0.1, 0.05]),
     np.array([4, 16, 48], dtype=np.uint64),
@@ -33,12 +33,12 @@ DEFAULTS = (
 )
 # Their places, counted in int32: always supernodal, whose pivots have to be positive; end at the first one that is not;
 # print nothing, not even that.
-CHANGES = {0: 2, 22: 1, 24: 0, 26: 1}
+CHANGED_SETTINGS = {0: 2, 22: 1, 24: 0, 26: 1}
 
 
 # Functions that find an order of elimination by METIS, which draws from the random numbers of the process: they keep
 # Python's lock, so that no other thread draws between.
-ORDERING = ("cholmod_metis", "cholmod_analyze_p")
+ORDERING_FUNCTIONS = ("cholmod_metis", "cholmod_analyze_p")
 
 
 class _Sparse(ctypes.Structure):
@@ -149,7 +149,7 @@ def available() -> bool:
 @cache
 def _library() -> ctypes.CDLL:
     """Return the library, with the types of its functions; raise OSError if it is missing or its version is unknown."""
-    for name in (*NAMES, *(str(Path(sys.prefix) / "lib" / name) for name in NAMES)):
+    for name in (*LIBRARY_NAMES, *(str(Path(sys.prefix) / "lib" / name) for name in LIBRARY_NAMES)):
         try:
             library = ctypes.CDLL(name)
             break
@@ -174,7 +174,7 @@ def _library() -> ctypes.CDLL:
         "cholmod_free_dense": (flag, pointer, pointer),
     }
     for name, (result, *arguments) in types.items():
-        if name in ORDERING:
+        if name in ORDERING_FUNCTIONS:
             setattr(library, name, ctypes.PYFUNCTYPE(result, *arguments)((name, library)))
         else:
             function = getattr(library, name)
@@ -189,13 +189,13 @@ def _new_settings(library: ctypes.CDLL) -> ctypes.Array:
     settings = (ctypes.c_byte * SETTINGS_SIZE)()
     library.cholmod_start(settings)
     content = bytes(settings)
-    wanted = b"".join(part.tobytes() for part in DEFAULTS)
+    wanted = b"".join(part.tobytes() for part in DEFAULT_SETTINGS)
     at = content.find(wanted)
     if at < 0:
         library.cholmod_finish(settings)
         raise OSError("the settings of this version of CHOLMOD have an unknown layout")
     numbers = (c_int * (len(wanted) // 4)).from_buffer(settings, at)
-    for place, value in CHANGES.items():
+    for place, value in CHANGED_SETTINGS.items():
         numbers[place] = value
     return settings
 

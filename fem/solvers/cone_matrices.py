@@ -10,7 +10,7 @@ from scipy import sparse
 from fem.solvers.interior_point import Corners, Standard
 
 # Room below tension cut-offs, over the unit of stress; up to ten times as much counts as none (``bound_checks.py``).
-ROOM = 1e-7
+TENSION_MARGIN = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,9 +211,9 @@ def standard(program: ConeProgram, data: Assembled, magnified: float) -> tuple[S
     order = np.concatenate([np.arange(first), np.arange(first + len(single), size), first + np.arange(len(single))])
     cost = data.cost.copy()
     openings = len(program.live) + len(clay) + len(single)
-    cost[openings - len(single) : openings] += ROOM * program.weight[single]
+    cost[openings - len(single) : openings] += TENSION_MARGIN * program.weight[single]
     for component in (0, 1):
-        cost[openings + component :: 3] += ROOM * program.weight[three]
+        cost[openings + component :: 3] += TENSION_MARGIN * program.weight[three]
     turn = sparse.kron(sparse.identity(corners), [[1.0, 1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
     clays, singles, triples = (_numbers(corners, those) for those in (clay, single, three))
     places = Corners(sine, clays, singles, triples, torn_sine=1.0 + program.strain_share)

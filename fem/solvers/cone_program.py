@@ -44,9 +44,9 @@ use_one_thread()
 # its equations: at 1e-8 what corrects it led out of the yield surface by more than the margin.
 SOLVER_GAP, FEASIBILITY = 5e-6, 1e-9
 # The residual where a cut-off leaves a bare surface no room for a margin.
-FEASIBILITY_TORN = 1e-11
+FEASIBILITY_AT_CUT_OFF = 1e-11
 # Ends with tolerances met, the second time those of 1e-4 and 5e-5; whether the answer is a bound is checked anyhow.
-MET = ("Solved", "AlmostSolved")
+CONVERGED_STATUSES = ("Solved", "AlmostSolved")
 # The ends that prove that there is no solution.
 NoSolution = Literal["no stress", "no mechanism"]
 INFEASIBLE: Mapping[str, NoSolution] = {"PrimalInfeasible": "no mechanism", "DualInfeasible": "no stress"}
@@ -60,20 +60,20 @@ REGULARISATIONS, REGULARISATIONS_OF_STRESS = (1e-8, 1e-7, 1e-6), (1e-7, 1e-6)
 # quarters of the iterations and changes the answer by 0.03 % at most, as a rule (0.1 % in 1 of 10 published cases).
 REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS = (1e-7, 1e-6), 1e-7
 # Tolerances met almost will do where the equations are met to this.
-NEARLY = 1e-6
+ACCEPTED_RESIDUAL = 1e-6
 MOST_ITERATIONS = 120
 # Computing work is the time that the iterations would take on the machine on which these constants were measured, the
 # reference machine. It is computed and not measured, so that the results do not depend on the speed or the load of the
 # machine in use. An iteration whose factors have COST_NONZEROS nonzeros takes COST_SECONDS, and its time is
 # proportional to this power of the number of nonzeros (measured from 0.2 to 2.5 million, and a fifth more for all else
-# in an iteration). AROUND_SECONDS for every unknown are added for all before the first iteration and after the last:
+# in an iteration). SETUP_SECONDS for every unknown are added for all before the first iteration and after the last:
 # the equations, the correction of the solution, its check, and the triangles.
 COST_NONZEROS, COST_SECONDS, COST_EXPONENT = 1e6, 0.065, 1.13
-AROUND_SECONDS = 1.4e-5
+SETUP_SECONDS = 1.4e-5
 # Relative gaps of the interior-point method of our own (``interior_point.py``), how many times as much will do where it
 # breaks down, and the velocities below which Clarabel is as quick. The middle of the bracket of elements is off by less
 # than half of their gap, which is a tenth of the accuracy that is asked for of the discretisation.
-INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS, WIDER, LEAST_VELOCITIES = 3e-4, 1e-3, 2.5, 2000
+INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS, ACCEPTED_GAP_RATIO, FEWEST_VELOCITIES = 3e-4, 1e-3, 2.5, 2000
 # No stress balances the dead load of bounds where velocities prove that the multiplier is below this number: a Kh below
 # -1 has no meaning, and a share of loads is positive.
 LEAST_MULTIPLIER = -10.0
@@ -169,7 +169,7 @@ def solve(
     both methods end with their last iterate. The built-in interior-point method begins at a ``start`` that suits the
     program, which changes only its computing time.
     """
-    feasibility = FEASIBILITY_TORN if len(program.torn) else FEASIBILITY
+    feasibility = FEASIBILITY_AT_CUT_OFF if len(program.torn) else FEASIBILITY
     ask = partial(_by_clarabel, regularisations, feasibility)
     return _solve(
         program, Tolerance(INTERIOR_GAP, LEAST_KH, floor=LEAST_MULTIPLIER), ask, magnified, most_work, start=start
@@ -200,9 +200,9 @@ def _solve(
     clay = np.flatnonzero(program.friction == 0.0)
     data = assembled(program, clay)
     started, built_in = time.thread_time(), None
-    around = AROUND_SECONDS * n
+    around = SETUP_SECONDS * n
     most_work -= around
-    if n >= LEAST_VELOCITIES and cholmod.available():
+    if n >= FEWEST_VELOCITIES and cholmod.available():
         built_in = _by_interior_point(program, data, magnified, tolerance, most_work, start)
     if built_in is not None and (built_in.sure or built_in.out_of_work):
         end = built_in
@@ -223,7 +223,7 @@ def _solve(
         stress=stress,
         shear=data.shear @ x,
         torn=float(data.torn @ x),
-        ended="" if end.status in MET else end.status,
+        ended="" if end.status in CONVERGED_STATUSES else end.status,
         out_of_work=end.out_of_work,
         none=INFEASIBLE.get(end.status.removeprefix("Almost")) or "",
         sure=end.sure,
@@ -272,7 +272,7 @@ def _by_interior_point(
         for place in (warm.place, None) if warm and warm.place else (None,):
             solution = interior_point.InteriorPointMethod(form, magnified, tolerance, matrix).run(place, most)
             iterations += solution.iterations
-            met = solution.residual <= tolerance.nearly and solution.gap <= WIDER * tolerance.gap
+            met = solution.residual <= tolerance.nearly and solution.gap <= ACCEPTED_GAP_RATIO * tolerance.gap
             met = met or solution.below_floor
             most = iterations_within(most_work - cost * iterations, cost, interior_point.MOST_ITERATIONS)
             spent = most_work < cost * (iterations + 1)
@@ -341,7 +341,7 @@ def _poorness(solution: clarabel.DefaultSolution) -> int:
     """
     status = str(solution.status)
     if status == "AlmostSolved":
-        return int(max(solution.r_prim, solution.r_dual) > NEARLY)
+        return int(max(solution.r_prim, solution.r_dual) > ACCEPTED_RESIDUAL)
     if status.endswith("Infeasible"):
         return 2 if status.startswith("Almost") else 0
     return 0 if status == "Solved" else 3

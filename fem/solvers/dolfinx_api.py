@@ -12,8 +12,8 @@ import numpy as np
 from meshes.errors import InputError
 from meshes.executor import is_interrupt
 
-OLDEST = (0, 5)
-HOW_TO_GET_IT = (
+OLDEST_VERSION = (0, 5)
+INSTALLATION_HINT = (
     "on Debian and Ubuntu: apt-get install python3-dolfinx, with a virtual environment that sees it "
     "(make setup does both); elsewhere: conda install -c conda-forge fenics-dolfinx"
 )
@@ -47,11 +47,11 @@ def require() -> None:
     except ImportError as error:
         if is_interrupt(error):
             raise KeyboardInterrupt from None
-        raise InputError("dolfinx", [f"cannot be imported ({error}); {HOW_TO_GET_IT}"]) from None
+        raise InputError("dolfinx", [f"cannot be imported ({error}); {INSTALLATION_HINT}"]) from None
     version = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
-    if version < OLDEST:
+    if version < OLDEST_VERSION:
         raise InputError(
-            "dolfinx", [f"version {dolfinx.__version__} is too old; expected 0.5 or newer; {HOW_TO_GET_IT}"]
+            "dolfinx", [f"version {dolfinx.__version__} is too old; expected 0.5 or newer; {INSTALLATION_HINT}"]
         )
 
 

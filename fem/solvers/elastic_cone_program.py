@@ -15,7 +15,7 @@ import clarabel
 import numpy as np
 from scipy import sparse
 
-from fem.solvers.cone_program import COST_EXPONENT, COST_NONZEROS, COST_SECONDS, MET
+from fem.solvers.cone_program import CONVERGED_STATUSES, COST_EXPONENT, COST_NONZEROS, COST_SECONDS
 from meshes.executor import interruptible
 
 # Tolerances of gap and equations: the pressures that follow from the stress are compared to 0.2 %.
@@ -74,7 +74,7 @@ class ElasticConeProgram:
         self._solver.update(b=self._offset(strength))
         end = interruptible(partial(self._solver.solve))
         self.work += self._cost * end.iterations
-        if str(end.status) not in MET:
+        if str(end.status) not in CONVERGED_STATUSES:
             return None
         x = np.asarray(end.x)
         return float(x[-1]), x[:-1].reshape(self._corners, 3)

@@ -21,38 +21,53 @@ from fem.solvers.corner_matrix import CornerMatrix
 from meshes.executor import check_cancelled
 
 MOST_ITERATIONS = 60
-# After so many iterations the equations are met but for this, if there is a solution; 5 to 12 are usual.
-HOPELESS, HOPELESS_RESIDUAL = 20, 1e-4
-# A place whose gap is this share of the multiplier is where another strength may begin.
-WARM = 1.0
-MOST_WARM = 15  # iterations from there
-# Iterations, at most, whose gap is small enough and whose residual is not; and those in which a residual that is not
-# small enough is not even halved: it stays where it is, and a program took all iterations that it was given.
-MOST_LATE, STALLED = 4, 8
-# Refinements of a direction at most, the residual to which it is refined as a share of what is left of the gap, and
-# the smallest and largest residual; that of directions that are only looked at.
-REFINEMENTS, REFINED, MOST_REFINED, LEAST_REFINED, LOOSE = 10, 1e-5, 1e-10, 1e-5, 1e-3
-# A refinement that leaves a larger share of the residual is the last one.
-LEAST_GAIN = 0.8
-# δ of clay (``corner_stiffness.py``) to begin with, and its limits: where it is too small rounding spoils equilibrium,
-# where it is too large the volume of clay is refined slowly; it becomes so many times larger or smaller then.
-# A direction that misses its residual by more than a factor is looked for again, so many times in all.
-SOFT, SOFTEST, HARDEST, OTHER_SOFT, POOR, ATTEMPTS = 1e-4, 1.0, 1e-7, 10.0, 100.0, 3
-# Correctors, how much longer the step is that they aim at, and how far products may be off the mean.
-CORRECTORS, LONGER, OFF_LOW, OFF_HIGH = 2, 0.3, 0.1, 10.0
-# The place to begin is moved into the cones by as much as it is outside them, or by the size of its vectors if that is
-# more, within these limits. Moved by 1, it began with a gap of 10,000 times the multiplier, and took two to four
-# iterations more of some fifteen. It is inside if it is by this share of that.
-LEAST_MOVED, MOST_MOVED, INSIDE = 1e-4, 1.0, 1e-3
-# Shares of the longest step, and the least share of the mean product that a step aims at.
-STEP, LEAST_CENTRING = 0.99, 1e-6
+# If there is a solution, the residual is below FEASIBLE_RESIDUAL after this many iterations; 5 to 12 are usual.
+ITERATIONS_TO_FEASIBILITY, FEASIBLE_RESIDUAL = 20, 1e-4
+# The first iterate whose gap is below this share of the multiplier is the starting point for another strength.
+WARM_START_GAP = 1.0
+MOST_WARM_ITERATIONS = 15  # from such a starting point
+# Largest number of iterations with a sufficient gap but an insufficient residual; and number of iterations without a
+# halving of an insufficient residual, after which it is considered constant.
+MOST_ITERATIONS_BELOW_GAP, STALLED_ITERATIONS = 4, 8
+# Largest number of iterative refinements of a direction; the residual of a refined direction over the gap, and its
+# smallest and largest value; the residual of directions that only predict.
+MOST_REFINEMENTS, RESIDUAL_OVER_GAP, SMALLEST_RESIDUAL, LARGEST_RESIDUAL, PREDICTOR_RESIDUAL = (
+    10,
+    1e-5,
+    1e-10,
+    1e-5,
+    1e-3,
+)
+# The refinement ends if a step leaves a larger share of the residual.
+LARGEST_REDUCTION = 0.8
+# Initial, largest and smallest δ of clay (``corner_stiffness.py``), and the ratio of its changes. If δ is too small,
+# rounding spoils equilibrium; if δ is too large, the refinement of the volume of clay converges slowly.
+CLAY_COMPLIANCE, LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE, COMPLIANCE_RATIO = 1e-4, 1.0, 1e-7, 10.0
+# A direction whose residual exceeds the requested one by more than this ratio is computed again; number of attempts.
+POOR_RESIDUAL_RATIO, DIRECTION_ATTEMPTS = 100.0, 3
+# Number of Gondzio's correctors; the increase of the step length that they aim at; smallest and largest product of a
+# cone over the mean.
+CORRECTORS, LENGTH_GAIN, SMALLEST_PRODUCT, LARGEST_PRODUCT = 2, 0.3, 0.1, 10.0
+# The starting point is shifted into the cones by its distance outside the cones, or by the size of its vectors if that
+# is larger, within these limits. With a shift of 1 the first gap was 10,000 times the multiplier, and two to four of
+# fifteen iterations were added. A point counts as inside if its distance inside is this share of the shift.
+SMALLEST_SHIFT, LARGEST_SHIFT, INTERIOR_SHARE = 1e-4, 1.0, 1e-3
+# Share of the longest step that is taken, and the smallest centring parameter.
+STEP_SHARE, SMALLEST_CENTRING = 0.99, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """Holds the kinds of the corners of a program as numbers (k,): of corners of φ = 0 (``clay``), and of corners that
-    open with one unknown (``single``) or three (``triple``); -1 for other corners. ``sine`` (k,) is sin φ, and 1 for
-    clay; ``torn_sine`` is the sine of an opening.
+    """Holds the k corners of the cells of a program.
+
+    Attributes
+    ----------
+    sine (k,) : sin φ at each corner; 1 for clay (φ = 0)
+    clay (k,) : running number of each corner of clay; -1 for other corners
+    single (k,) : running number of each corner with a tension cut-off whose plastic opening has one unknown, -1 for
+        other corners
+    triple (k,) : the same for openings with three unknowns
+    torn_sine : sine of the cone of an opening: 1, plus a margin
     """
 
     sine: np.ndarray
@@ -109,7 +124,7 @@ class InteriorPointMethod:
         self.square, self.lone = np.zeros((self.cones, 3, 3)), np.zeros(singles)
         self.c_inverse = np.zeros((count, 3, 3))
         self.degree = self.cones + singles
-        self.soft = SOFT
+        self.soft = CLAY_COMPLIANCE
 
     def cone(self, v: np.ndarray) -> np.ndarray:
         """Return the cones of a vector of rows, as a view (cones, 3)."""
@@ -126,7 +141,7 @@ class InteriorPointMethod:
         warm, wanted = start, self.wanted
         best: Iterate | None = None
         late, least, since = 0, np.inf, 0
-        for iteration in range(1 + (most_iterations if start is None else min(most_iterations, MOST_WARM))):
+        for iteration in range(1 + (most_iterations if start is None else min(most_iterations, MOST_WARM_ITERATIONS))):
             check_cancelled()
             ry, rz = self.a_t @ z + self.c, self.b - self.a @ y - s
             primal, dual = float(self.c @ y), -float(self.b @ z)
@@ -143,20 +158,20 @@ class InteriorPointMethod:
                 break
             if best is None or now.rank(wanted.nearly) < best.rank(wanted.nearly):
                 best = now
-            if warm is None and product <= WARM * max(abs(dual), self.least):
+            if warm is None and product <= WARM_START_GAP * max(abs(dual), self.least):
                 warm = y, z, s
             if (now is best and residual <= wanted.residual and gap <= wanted.gap) or not np.isfinite(gap):
                 break
             late += gap < wanted.gap and residual > wanted.residual
-            if late > MOST_LATE:
+            if late > MOST_ITERATIONS_BELOW_GAP:
                 break
             if residual < 0.5 * least:
                 least, since = float(residual), iteration
-            elif least > wanted.nearly and iteration - since >= STALLED:
+            elif least > wanted.nearly and iteration - since >= STALLED_ITERATIONS:
                 break
-            if iteration > HOPELESS and best.residual > HOPELESS_RESIDUAL:  # as without a solution
+            if iteration > ITERATIONS_TO_FEASIBILITY and best.residual > FEASIBLE_RESIDUAL:  # as without a solution
                 break
-            tolerance = REFINED * product / max(abs(dual), 1e-3)
+            tolerance = RESIDUAL_OVER_GAP * product / max(abs(dual), 1e-3)
             try:
                 dy, dz, ds, steps = self.direction(ry, rz, s, z, product / self.degree, tolerance)
             except ArithmeticError:
@@ -183,29 +198,29 @@ class InteriorPointMethod:
             ds[: self.first] = 0.0
             return _Trial(d, dy, dz, ds, min(1.0, self.longest(s, ds)), min(1.0, self.longest(z, dz)))
 
-        affine = solved(np.concatenate([np.zeros(self.first), s[self.first :]]), None, LOOSE, 1)
+        affine = solved(np.concatenate([np.zeros(self.first), s[self.first :]]), None, PREDICTOR_RESIDUAL, 1)
         nearer = (s + affine.primal * affine.ds)[self.first :] @ (z + affine.dual * affine.dz)[self.first :]
-        aim = max(min(1.0, max(nearer / self.degree / mean, 0.0) ** 3), LEAST_CENTRING) * mean
+        aim = max(min(1.0, max(nearer / self.degree / mean, 0.0) ** 3), SMALLEST_CENTRING) * mean
         d = np.zeros(len(s))
         corrections(self.axis, self.size, self.cone(z), self.cone(affine.ds), self.cone(affine.dz), aim, self.cone(d))
         d[self.lones :] = (lone_s * lone_z + affine.ds[self.lones :] * affine.dz[self.lones :] - aim) / lone_z
-        best = solved(d, None, LOOSE, 1)
+        best = solved(d, None, PREDICTOR_RESIDUAL, 1)
         for _ in range(CORRECTORS):
             if min(best.primal, best.dual) > 0.95:
                 break
-            other = solved(best.d - self.centring(s, z, best, aim), None, LOOSE, 1)
-            if other.primal + other.dual < best.primal + best.dual + 0.1 * LONGER:
+            other = solved(best.d - self.centring(s, z, best, aim), None, PREDICTOR_RESIDUAL, 1)
+            if other.primal + other.dual < best.primal + best.dual + 0.1 * LENGTH_GAIN:
                 break
             best = other
-        within = min(LEAST_REFINED, max(MOST_REFINED, tolerance))
+        within = min(LARGEST_RESIDUAL, max(SMALLEST_RESIDUAL, tolerance))
         start: tuple[np.ndarray, np.ndarray] | None = (best.dy, best.dz)
-        for _ in range(ATTEMPTS):
-            best = solved(best.d, start, within, REFINEMENTS)
+        for _ in range(DIRECTION_ATTEMPTS):
+            best = solved(best.d, start, within, MOST_REFINEMENTS)
             if self.is_exact(-ry, rz + best.d, best, within):
                 break
             self.factorise()
             start = None
-        steps = tuple(min(1.0, STEP * self.longest(v, dv)) for v, dv in ((s, best.ds), (z, best.dz)))
+        steps = tuple(min(1.0, STEP_SHARE * self.longest(v, dv)) for v, dv in ((s, best.ds), (z, best.dz)))
         if not np.isfinite(sum(steps)) or max(steps) < 1e-6:
             raise _BreakdownError
         return best.dy, best.dz, best.ds, (steps[0], steps[1])
@@ -216,20 +231,20 @@ class InteriorPointMethod:
         ez = np.abs(rz - self.a @ trial.dy + self.squared(trial.dz)).max()
         beyond = max(ey, ez) / (1e-12 + within * max(np.abs(ry).max(), np.abs(rz).max()))
         if beyond > 1.0:
-            much = OTHER_SOFT if ey > ez else 1.0 / OTHER_SOFT
-            self.soft = min(max(self.soft * much, HARDEST), SOFTEST)
-        return bool(beyond <= POOR)
+            much = COMPLIANCE_RATIO if ey > ez else 1.0 / COMPLIANCE_RATIO
+            self.soft = min(max(self.soft * much, SMALLEST_COMPLIANCE), LARGEST_COMPLIANCE)
+        return bool(beyond <= POOR_RESIDUAL_RATIO)
 
     def centring(self, s: np.ndarray, z: np.ndarray, trial: "_Trial", aim: float) -> np.ndarray:
         """Return Gondzio's corrector, which centres the products that a longer step would move far from the mean."""
-        s_next = s + min(1.0, trial.primal + LONGER) * trial.ds
-        z_next = z + min(1.0, trial.dual + LONGER) * trial.dz
+        s_next = s + min(1.0, trial.primal + LENGTH_GAIN) * trial.ds
+        z_next = z + min(1.0, trial.dual + LENGTH_GAIN) * trial.dz
         residual = np.zeros(len(s))
         cones = (self.cone(v) for v in (z, s_next, z_next))
-        centrality(self.axis, self.size, *cones, aim, OFF_LOW, OFF_HIGH, self.cone(residual))
+        centrality(self.axis, self.size, *cones, aim, SMALLEST_PRODUCT, LARGEST_PRODUCT, self.cone(residual))
         product = s_next[self.lones :] * z_next[self.lones :]
-        back = np.clip(product, OFF_LOW * aim, OFF_HIGH * aim) - product
-        residual[self.lones :] = np.maximum(back, -OFF_HIGH * aim) / z[self.lones :]
+        back = np.clip(product, SMALLEST_PRODUCT * aim, LARGEST_PRODUCT * aim) - product
+        residual[self.lones :] = np.maximum(back, -LARGEST_PRODUCT * aim) / z[self.lones :]
         return residual
 
     def longest(self, v: np.ndarray, dv: np.ndarray) -> float:
@@ -305,7 +320,7 @@ class InteriorPointMethod:
             share = ey @ image_y + ez @ image_z
             dy, dz = dy + share * y, dz + share * z
             ey, ez = ey - share * image_y, ez - share * image_z
-            if not max(np.abs(ey).max(), np.abs(ez).max()) < LEAST_GAIN * error:
+            if not max(np.abs(ey).max(), np.abs(ez).max()) < LARGEST_REDUCTION * error:
                 break
         return dy, dz
 
@@ -320,8 +335,8 @@ class InteriorPointMethod:
         self.lone[:] = lone**2
         self.factorise()
         nothing = np.zeros(len(self.c)), np.zeros(len(self.b))
-        y, z_of_y = self.refined(nothing[0], self.b, self.once(nothing[0], self.b), 1e-8, REFINEMENTS)
-        _, z = self.refined(-self.c, nothing[1], self.once(-self.c, nothing[1]), 1e-8, REFINEMENTS)
+        y, z_of_y = self.refined(nothing[0], self.b, self.once(nothing[0], self.b), 1e-8, MOST_REFINEMENTS)
+        _, z = self.refined(-self.c, nothing[1], self.once(-self.c, nothing[1]), 1e-8, MOST_REFINEMENTS)
         s = -self.squared(z_of_y)
         return y, self.led_inside(z, weight, lone), self.led_inside(s, 1.0 / weight, 1.0 / lone)
 
@@ -333,8 +348,8 @@ class InteriorPointMethod:
         rest *= lone
         least = float(min((cone[:, 0] - np.hypot(cone[:, 1], cone[:, 2])).min(), rest.min(initial=np.inf)))
         usual = float(np.sqrt((cone * cone).sum() / len(cone)))
-        inside = float(np.clip(max(usual, -least), LEAST_MOVED, MOST_MOVED))
-        if least < INSIDE * inside:
+        inside = float(np.clip(max(usual, -least), SMALLEST_SHIFT, LARGEST_SHIFT))
+        if least < INTERIOR_SHARE * inside:
             cone[:, 0] += inside - least
             rest += inside - least
         cone /= weight[:, None]

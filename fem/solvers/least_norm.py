@@ -13,10 +13,10 @@ from meshes.executor import interruptible
 MOST_CORRECTIONS = 30
 # What is added to the diagonal of A Aᵀ, whose rows have the length 1, so that rows may depend on each other; what that
 # leaves of the equations the next correction takes out.
-SHIFT = 1e-10
+DIAGONAL_SHIFT = 1e-10
 # Equations, at least, for which the factors of CHOLMOD are the quicker ones; and what they may leave (-), rounding of
 # A Aᵀ being the square of what it is for A: the rest is for Clarabel.
-MANY, NEARLY = 500, 1e-13
+CHOLMOD_EQUATIONS, LARGEST_RESIDUAL = 500, 1e-13
 
 
 def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.ndarray:
@@ -36,9 +36,13 @@ def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.nda
     left = residual / np.where(length > 0.0, length, 1.0)
     correction = np.zeros(matrix.shape[1])
     by_clarabel = partial(_shortest, scaled.tocsc())
-    if rows >= MANY and np.all(np.isfinite(left)) and (by_cholmod := _normal_equations(scaled)) is not None:
+    if (
+        rows >= CHOLMOD_EQUATIONS
+        and np.all(np.isfinite(left))
+        and (by_cholmod := _normal_equations(scaled)) is not None
+    ):
         correction = _refined(scaled, left, correction, by_cholmod)
-        if np.abs(left - scaled @ correction).max() <= NEARLY:
+        if np.abs(left - scaled @ correction).max() <= LARGEST_RESIDUAL:
             return correction
     return _refined(scaled, left, correction, lambda rest: interruptible(partial(by_clarabel, rest)))
 
@@ -61,11 +65,11 @@ def _refined(
 
 def _normal_equations(scaled: sparse.csr_matrix) -> Callable[[np.ndarray], np.ndarray] | None:
     """Return a function that computes the shortest d with ``scaled`` d = a right-hand side by Cholesky factors,
-    regularised by SHIFT; None without factors.
+    regularised by `DIAGONAL_SHIFT`; None without factors.
     """
     if not cholmod.available():
         return None
-    lower = sparse.tril(scaled @ scaled.T + SHIFT * sparse.identity(scaled.shape[0]), format="csc")
+    lower = sparse.tril(scaled @ scaled.T + DIAGONAL_SHIFT * sparse.identity(scaled.shape[0]), format="csc")
     lower.sort_indices()
     try:
         factors = cholmod.Cholesky(lower)

@@ -8,7 +8,7 @@ from fem.solvers.cholmod import Cholesky, NotPositiveDefiniteError
 
 # Shares by which the diagonal is made larger where rounding leaves a pivot that is not positive, one after the other.
 # Stiffnesses of corners at yield and of others differ by 1e16 near a solution; refinement takes the share out again.
-STIFFER = (1e-13, 1e-12, 1e-11, 1e-10)
+DIAGONAL_SHIFTS = (1e-13, 1e-12, 1e-11, 1e-10)
 
 
 class LowerTriangle:
@@ -45,18 +45,18 @@ class LowerTriangle:
         self._factors = Cholesky(pattern, nested)
 
     def factorise(self) -> None:
-        """Factorise the ``entries``, with the smallest share of STIFFER added to the diagonal that makes the matrix
-        positive definite.
+        """Factorise the ``entries``, with the smallest of `DIAGONAL_SHIFTS` added to the diagonal that makes the
+        matrix positive definite.
 
         Raises NotPositiveDefiniteError if no share makes the matrix positive definite.
         """
         diagonal = self.entries[self.diagonal]
-        for share in (0.0, *STIFFER):
+        for share in (0.0, *DIAGONAL_SHIFTS):
             self.entries[self.diagonal] = (1.0 + share) * diagonal
             try:
                 return self._factors.factorise(self.entries)
             except NotPositiveDefiniteError:
-                if share == STIFFER[-1]:
+                if share == DIAGONAL_SHIFTS[-1]:
                     raise
 
     def solve(self, side: np.ndarray) -> np.ndarray:

@@ -130,7 +130,7 @@ def test_the_parts_of_the_gap_add_up_to_it(problem, low, high):
 def test_a_solver_that_ends_early_is_said(problem, monkeypatch):
     from fem.solvers import cone_program
 
-    monkeypatch.setattr(cone_program, "LEAST_VELOCITIES", np.inf)
+    monkeypatch.setattr(cone_program, "FEWEST_VELOCITIES", np.inf)
     monkeypatch.setattr(cone_program, "MOST_ITERATIONS", 3)
     _, notes, _ = proven_lower_bound(problem)
     assert any("the solver ended early (MaxIterations)" in note for note in notes)

@@ -43,7 +43,7 @@ def ground(kind: str, size: float = 2.5) -> LimitProblem:
 
 def by(least_velocities: float, monkeypatch, problem: LimitProblem):
     """Both bounds by the method for programs of more velocities than that, and by Clarabel for others."""
-    monkeypatch.setattr(cone_program, "LEAST_VELOCITIES", least_velocities)
+    monkeypatch.setattr(cone_program, "FEWEST_VELOCITIES", least_velocities)
     low, low_notes, stress = proven_lower_bound(problem)
     high, high_notes, mechanism = proven_upper_bound(problem)
     assert not low_notes
@@ -88,7 +88,7 @@ def test_bare_sand_after_a_drawdown_does_not_break_down() -> None:
 
 def test_equations_that_come_no_nearer_are_left_to_clarabel_soon(monkeypatch):
     """Steps of a hundredth from the third on: eight more show that the residual stays where it is; sixty were made."""
-    monkeypatch.setattr(cone_program, "LEAST_VELOCITIES", 0)
+    monkeypatch.setattr(cone_program, "FEWEST_VELOCITIES", 0)
     problem = ground("all clay")
     wanted = lower_bound(problem)
     direction, requested = interior_point.InteriorPointMethod.direction, []
@@ -102,7 +102,7 @@ def test_equations_that_come_no_nearer_are_left_to_clarabel_soon(monkeypatch):
     monkeypatch.setattr(interior_point.InteriorPointMethod, "direction", short)
     result = lower_bound(problem)
     assert result.solution.fallback
-    assert len(requested) <= 3 + interior_point.STALLED
+    assert len(requested) <= 3 + interior_point.STALLED_ITERATIONS
     assert result.multiplier == pytest.approx(wanted.multiplier, rel=5e-4)
 
 
@@ -110,7 +110,7 @@ def test_velocities_prove_that_no_stress_balances_a_column(monkeypatch):
     """A corner of clay under five times its strength: its velocities prove a multiplier below all that have a meaning,
     without Clarabel, which took 340 iterations to prove it for a slope.
     """
-    monkeypatch.setattr(cone_program, "LEAST_VELOCITIES", 0)
+    monkeypatch.setattr(cone_program, "FEWEST_VELOCITIES", 0)
     item = np.ones(1)
     dead, live = np.array([5.0, 0.0]), np.array([0.0, 1.0])
     strain = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0]])
@@ -125,7 +125,7 @@ def test_velocities_prove_that_no_stress_balances_a_column(monkeypatch):
 
 def test_what_has_no_mechanism_is_left_to_clarabel(monkeypatch):
     """Corners whose load does no work, by Clarabel's proofs."""
-    monkeypatch.setattr(cone_program, "LEAST_VELOCITIES", 0)
+    monkeypatch.setattr(cone_program, "FEWEST_VELOCITIES", 0)
     item, strain = np.ones(1), np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0]])
     nothing = np.zeros(2)
     unmoved = ConeProgram(sparse.csr_matrix([[1.0], [1.0], [0.0]]), item, 0.0 * item, item, np.zeros(1), np.ones(1))
@@ -138,7 +138,7 @@ def test_what_has_no_mechanism_is_left_to_clarabel(monkeypatch):
 
 def test_a_mesh_that_was_solved_before_takes_no_more_iterations(monkeypatch):
     """With 5 % less strength; to the same bound, within the gaps it ends at, as from the beginning."""
-    monkeypatch.setattr(cone_program, "LEAST_VELOCITIES", 0)
+    monkeypatch.setattr(cone_program, "FEWEST_VELOCITIES", 0)
     problem = ground("sand on clay")
     weaker = replace(problem, cohesion=problem.cohesion / 1.05, friction=np.arctan(np.tan(problem.friction) / 1.05))
     for prove in (proven_lower_bound, proven_upper_bound):
