@@ -11,11 +11,11 @@ from meshes.quad_mesh import QuadMesh
 if TYPE_CHECKING:
     from fem.continuum.plane_strain import PlaneStrain
 
-# A cell counts as failed when its mobilised strength is within this of the whole.
-AT_FAILURE = 0.99
-# A mechanism: plastic shear strain this many times the elastic one; a side takes part if it moves this share of the
-# largest displacement.
-STANDS_OUT, TOUCHES = 10.0, 0.1
+# A cell has failed if its mobilised strength exceeds this share of its strength.
+FAILURE_STRENGTH_RATIO = 0.99
+# A mechanism has formed if the plastic shear strain is this multiple of the elastic one; it reaches a side that moves
+# by this share of the largest displacement.
+MECHANISM_STRAIN_RATIO, SIDE_DISPLACEMENT_SHARE = 10.0, 0.1
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class FieldState:
     @property
     def failed(self) -> np.ndarray:
         """Return which cells (m,) are at failure."""
-        return self.mobilised >= AT_FAILURE
+        return self.mobilised >= FAILURE_STRENGTH_RATIO
 
 
 def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> FieldState:
@@ -102,7 +102,7 @@ def touched_sides(mesh: QuadMesh, state: FieldState) -> tuple[str, ...]:
     return tuple(
         side
         for side in ("left", "right")
-        if moved[mesh.boundaries[side]].max(initial=0.0) > TOUCHES * max(moved.max(), 1e-300)
+        if moved[mesh.boundaries[side]].max(initial=0.0) > SIDE_DISPLACEMENT_SHARE * max(moved.max(), 1e-300)
     )
 
 
@@ -110,4 +110,4 @@ def is_mechanism(state: FieldState) -> bool:
     """Return whether the ground fails: the largest plastic shear strain of the state is many times the elastic shear
     strain."""
     elastic = (state.shear_strain - state.plastic_shear_strain).max()
-    return bool(state.plastic_shear_strain.max() > STANDS_OUT * max(elastic, 1e-300))
+    return bool(state.plastic_shear_strain.max() > MECHANISM_STRAIN_RATIO * max(elastic, 1e-300))

@@ -8,11 +8,12 @@ from collections.abc import Mapping
 from meshes.section.liquefies import Remains
 from meshes.section.section import Section
 
-# Water does not flow off while the ground fails, so that liquefied ground keeps its volume and presses on the sides
-# nearly as a liquid does, with ν / (1 - ν) = 0.96 of its weight.
-UNDRAINED = 0.49
-# Of the vertical effective stress: what is left of ground that is said to keep nothing, for a strength there must be.
-LEAST = 1e-3
+# Poisson's ratio of undrained liquefied ground: it keeps its volume and presses on the sides nearly as a liquid does,
+# with ν / (1 - ν) = 0.96 of its weight.
+UNDRAINED_POISSON = 0.49
+# Strength over the vertical effective stress of ground whose residual strength is given as zero: the method needs a
+# positive strength.
+LEAST_STRENGTH_RATIO = 1e-3
 
 
 def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Section:
@@ -23,7 +24,7 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
         friction = math.atan(remains_of.friction * math.tan(strata[k].friction_angle))
         cohesion = remains_of.cohesion * strata[k].cohesion + remains_of.strength
         if friction == 0.0 and not remains_of.residual:
-            cohesion = max(cohesion, LEAST * section.cohesion_field.mean_effective_stress(k))
+            cohesion = max(cohesion, LEAST_STRENGTH_RATIO * section.cohesion_field.mean_effective_stress(k))
         change: dict[str, float | None] = {
             "cohesion": cohesion,
             "cohesion_increase": remains_of.cohesion * strata[k].cohesion_increase,
@@ -31,7 +32,7 @@ def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Secti
             "strength_ratio": remains_of.cohesion * (strata[k].strength_ratio or 0.0),
             "friction_angle": friction,
             "dilation_angle": 0.0,
-            "poissons_ratio": max(UNDRAINED, strata[k].poissons_ratio),
+            "poissons_ratio": max(UNDRAINED_POISSON, strata[k].poissons_ratio),
         }
         if remains_of.residual:
             removed = dict.fromkeys(("ocr", "ocr_exponent", "pre_overburden_pressure", "consolidated_below"))

@@ -9,14 +9,14 @@ given an apparent cohesion, and carries the load with this cohesion. Any failure
 strengthened ground.
 """
 
-from fem.continuum.shallow_failure import STRIP, strip_bottom
+from fem.continuum.shallow_failure import STRIP_SUFFIX, strip_bottom
 from meshes.section.polyline import Line
 from meshes.section.section import Section, Stratum
 
-# What the name of such ground has behind that of its stratum, before the x of the end of the load.
-BELOW_END = ", below the end of a load at x = "
-# The cohesion over the pressure: a strip load on ground without weight and friction fails at (2 + π) c (Prandtl 1920),
-# so that there is room for a horizontal force of the load, too.
+# Part of the name of such ground between the name of its stratum and the x of the end of the load.
+END_SUFFIX = ", below the end of a load at x = "
+# Cohesion over the pressure of the load. A strip load on weightless ground without friction fails at (2 + π) c (Prandtl
+# 1920), so that this cohesion also resists a horizontal force of the load.
 COHESION_SHARE = 0.5
 
 
@@ -49,7 +49,7 @@ def with_strengthened_load_ends(section: Section, least_depth: float) -> Section
                 strata.append(
                     stratum.model_copy(
                         update={
-                            "name": f"{stratum.name}{BELOW_END}{x:.10g} m",
+                            "name": f"{stratum.name}{END_SUFFIX}{x:.10g} m",
                             "bottom": Line(elevation=points),
                             "cohesion": COHESION_SHARE * float(pressure),
                         }
@@ -63,6 +63,6 @@ def soil_of_strip(name: str) -> str:
     """Return the name of the stratum from which a strengthened strip was cut, below a face or below the end of a load.
     The name of a stratum that is no strip is returned unchanged.
     """
-    for mark in (STRIP, BELOW_END):
+    for mark in (STRIP_SUFFIX, END_SUFFIX):
         name = name.rpartition(mark)[0] or name
     return name

@@ -23,7 +23,7 @@ Pressure = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 # Traction (n, 2) in Pa at points (n, 2) of the ground, with points near them and outward normals.
 Traction = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
-# Points of Gauss' rule along an edge: exact for a traction that is linear there on quadratic shapes, and to spare.
+# Gauss points along an edge, more than a linear traction on quadratic shape functions requires.
 POINTS_ON_EDGE = 3
 
 
@@ -48,8 +48,8 @@ def excess_pressure_load(problem: PlaneStrain, mesh: QuadMesh, section: Section)
 def seismic_surface_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray | float:
     """Return the nodal forces (dofs,) in N/m of Kh = 1 on surcharges and free water; 0.0 without any.
 
-    ``problem`` are the elements of ``mesh``, which is a mesh of ``section``; ``sign`` is 1 towards the right, -1
-    towards the left.
+    ``problem`` are the elements of ``mesh``, which is a mesh of ``section``; ``sign`` is 1 if the force acts to the
+    right, -1 to the left.
     """
     surface = section.surface_loads
     if not surface.present:
@@ -60,8 +60,8 @@ def seismic_surface_load(problem: PlaneStrain, mesh: QuadMesh, section: Section,
 def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray:
     """Return the nodal forces (dofs,) in N/m of Kh = 1 on the soil, on surcharges and on free water.
 
-    ``problem`` are the elements of ``mesh``, which is a mesh of ``section``; ``sign`` is 1 towards the right, -1
-    towards the left.
+    ``problem`` are the elements of ``mesh``, which is a mesh of ``section``; ``sign`` is 1 if the force acts to the
+    right, -1 to the left.
     """
     soil = problem.body_force([s.density_seismic for s in problem.strata], (sign * GRAVITY, 0.0))
     return soil + seismic_surface_load(problem, mesh, section, sign)

@@ -18,7 +18,8 @@ from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section, Stratum
 
-# Share of the elastic stiffness in the matrix (never in the forces): keeps it regular where a mechanism has formed.
+# Share of the elastic stiffness that is added to the matrix, but not to the forces, so that the matrix is regular where
+# a mechanism has formed.
 ELASTIC_SHARE = 1e-6
 # Share of the elastic stiffness that resists hourglass strain; it acts on a step's increment and does not add up, so
 # that steps of some elastic displacements feel less than 1 % of the strength.

@@ -12,8 +12,8 @@ import numpy as np
 from meshes.errors import InputError
 from meshes.section.section import Section
 
-# Pressures (Pa) that differ by less than 1 cm of water are the same.
-SAME = 100.0
+# Difference (Pa) up to which two pressures count as equal: 1 cm of water.
+PRESSURE_TOLERANCE = 100.0
 
 
 def refuse_other_sides(section: Section) -> None:
@@ -40,21 +40,24 @@ def refuse_other_water(section: Section) -> None:
     still, excess = zip(*(_along_side(section, side, depths) for side in (0, 1)), strict=True)
     change = still[1] - still[0]
     problems = []
-    if np.ptp(change) > SAME:
+    if np.ptp(change) > PRESSURE_TOLERANCE:
         problems.append(
             f"the pore pressure changes from the left to the right side by {change.min() / 1e3:.1f} kPa at one depth "
             f"and by {change.max() / 1e3:.1f} kPa at another; expected a water table at the same depth at both sides, "
             "or still water above the whole section"
         )
-    elif abs(change[-1]) > SAME and abs(change[-1] - water.unit_weight * (ends[0][0] - ends[1][0])) > SAME:
+    elif (
+        abs(change[-1]) > PRESSURE_TOLERANCE
+        and abs(change[-1] - water.unit_weight * (ends[0][0] - ends[1][0])) > PRESSURE_TOLERANCE
+    ):
         deep = [side[-1] / water.unit_weight for side in still]
         problems.append(
             f"the water is {deep[0]:.4g} m deep at the left side and {deep[1]:.4g} m at the right one; expected still "
             "water above the whole section, or no free water"
         )
-    elif water.moves and abs(change[-1]) > SAME:
+    elif water.moves and abs(change[-1]) > PRESSURE_TOLERANCE:
         problems.append("westergaard = true needs water that is as deep at both sides")
-    if np.abs(excess[1] - excess[0]).max() > SAME:
+    if np.abs(excess[1] - excess[0]).max() > PRESSURE_TOLERANCE:
         problems.append(
             "the excess pore pressure by shaking differs between the sides; expected equal pressures at equal depths"
         )

@@ -24,21 +24,22 @@ from meshes.section.polyline import Line
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 
-# What the name of a strip has behind that of its stratum, before the x at which it begins.
-STRIP = ", strengthened face at x = "
-# Inclination (rad) up to which ground is level: its Kh is that of level ground to four digits, and the cohesion that
-# would hold it is less than the margin that stresses keep from the yield surface.
-LEVEL = 1e-4
-# Pressures (Pa) that differ by less are the same.
-UNLIKE = 1.0
-# Water that begins less than the least depth below a face counts where it does so along so many times that depth.
-LONG = 10.0
-# Where it does so along a shorter part, but along so many times that depth, shallow ground may slip.
-SHORT = 3.0
-# Angles, and seismic coefficients, that differ by less are the same.
-SAME = 1e-9
-# Seismic coefficients that differ by less count as equal: the pressure of water that flows varies a little everywhere.
-ALIKE = 5e-4
+# Part of the name of a strip between the name of its stratum and the x of its start.
+STRIP_SUFFIX = ", strengthened face at x = "
+# Inclination (rad) up to which ground counts as level: its Kh equals that of level ground to four digits, and the
+# cohesion that would stabilise it is below the margin of stresses from the yield surface.
+LEVEL_ANGLE = 1e-4
+# Difference (Pa) up to which two pressures count as equal.
+PRESSURE_TOLERANCE = 1.0
+# Water less than the least depth below a face is taken into account if this part of the face is longer than this
+# multiple of the depth.
+LONG_WATER_RATIO = 10.0
+# If the part is shorter than that but longer than this multiple of the depth, a shallow failure is possible.
+SHORT_WATER_RATIO = 3.0
+# Difference up to which two angles (rad), or two seismic coefficients, are identical.
+ANGLE_TOLERANCE = 1e-9
+# Difference up to which two seismic coefficients count as equal, since the pressure of seeping water varies slightly.
+KH_TOLERANCE = 5e-4
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ class ShallowFailure:
         critical Kh."""
         here, there = ((face.angle, face.kh, face.ratio, face.seepage) for face in (self, other))
         joined = (self.end, self.stratum, self.into_water) == (other.start, other.stratum, other.into_water)
-        return joined and bool(np.allclose(here, there, rtol=0.0, atol=SAME))
+        return joined and bool(np.allclose(here, there, rtol=0.0, atol=ANGLE_TOLERANCE))
 
 
 class _Piece(NamedTuple):
@@ -95,7 +96,7 @@ class _Piece(NamedTuple):
     def is_long(self, depth: float) -> bool:
         """Return whether the face is long enough that pore pressure down to a ``depth`` (m) below it affects the
         face."""
-        return self.end - self.start >= LONG * depth
+        return self.end - self.start >= LONG_WATER_RATIO * depth
 
 
 def shallow_failures(
@@ -120,7 +121,7 @@ def shallow_failures(
     for piece in _pieces(section, settings.least_depth):
         i, soil = piece.interval, section.strata[piece.number]
         rise = sign * (layers.left[i, 0] - layers.right[i, 0])
-        if soil.has_cohesion or rise <= LEVEL * layers.width[i] or soil.density_seismic == 0.0:
+        if soil.has_cohesion or rise <= LEVEL_ANGLE * layers.width[i] or soil.density_seismic == 0.0:
             continue
         if _is_stable_anyway(section, piece, excess_pressure):
             continue
@@ -166,7 +167,7 @@ def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
     failures: list[ShallowFailure] = []
     for face in faces:
         last = failures[-1] if failures else None
-        if last and (last.stratum, last.end) == (face.stratum, face.start) and abs(last.kh - face.kh) < ALIKE:
+        if last and (last.stratum, last.end) == (face.stratum, face.start) and abs(last.kh - face.kh) < KH_TOLERANCE:
             failures[-1] = replace(min(last, face, key=lambda piece: piece.kh), start=last.start, end=face.end)
         else:
             failures.append(face)
@@ -185,12 +186,12 @@ def has_uncounted_water(section: Section, face: ShallowFailure, depth: float) ->
     """Return whether water stands less than a ``depth`` (m) below a part of a dry face, and is not counted in the
     critical Kh of the face since this part is short. In this part shallow ground may slip before the face fails.
     """
-    short = min(SHORT * depth, 0.5 * (face.end - face.start))
+    short = min(SHORT_WATER_RATIO * depth, 0.5 * (face.end - face.start))
     x = np.array([face.start + short, face.end - short])
     ground = np.column_stack([x, section.layering.interfaces(x)[:, 0]])
     below, strata = ground - np.array([0.0, depth]), np.full(2, _number(section, face))
     at_rest = section.water_pressure.at_rest
-    wet = (at_rest(below, below, strata) > UNLIKE) & (at_rest(ground, ground, strata) <= UNLIKE)
+    wet = (at_rest(below, below, strata) > PRESSURE_TOLERANCE) & (at_rest(ground, ground, strata) <= PRESSURE_TOLERANCE)
     return not face.into_water and bool(wet.any())
 
 
@@ -230,7 +231,7 @@ def _pieces(section: Section, depth: float) -> Iterator[_Piece]:
         if (k := surface[i]) < 0:
             continue
         cut = k + 1 < len(names) and names[k + 1] == names[k] + BELOW_WATER
-        yield _Piece(float(start), float(end), i, k, 2 if cut and end - start >= LONG * depth else 1)
+        yield _Piece(float(start), float(end), i, k, 2 if cut and end - start >= LONG_WATER_RATIO * depth else 1)
 
 
 def _is_stable_anyway(section: Section, piece: _Piece, excess_pressure: bool) -> bool:
@@ -242,7 +243,7 @@ def _is_stable_anyway(section: Section, piece: _Piece, excess_pressure: bool) ->
     if section.surface_loads.dead(ground, ground, np.array([[0.0, 1.0]])).any():
         return True
     inside = water.inside(ground, ground, np.array([piece.number]), excess_pressure)
-    return water.present and bool(np.any(water.on_ground(ground, ground) > inside + UNLIKE))
+    return water.present and bool(np.any(water.on_ground(ground, ground) > inside + PRESSURE_TOLERANCE))
 
 
 def _forces(
@@ -294,7 +295,7 @@ def _level(section: Section, piece: _Piece, k: int, top: float, lowest: float) -
     x, water = piece.middle, section.water_pressure
     ends = np.array([[x, top], [x, lowest + 0.1 * (top - lowest)], [x, lowest]])
     above, below, deep = water.at_rest(ends, ends, np.full(3, k))
-    if not water.present or above > UNLIKE or deep <= UNLIKE or deep <= below:
+    if not water.present or above > PRESSURE_TOLERANCE or deep <= PRESSURE_TOLERANCE or deep <= below:
         return top
     return float(np.clip(lowest + 0.1 * (top - lowest) * deep / (deep - below), lowest, top))
 
@@ -329,7 +330,7 @@ def without_strips(mesh: QuadMesh, section: Section) -> QuadMesh:
     """Return a mesh of the strengthened ``section`` whose cells have the stratum numbers of the section without
     strengthening."""
     names = [stratum.name for stratum in section.strata]
-    stratum_of = [names.index(name if name in names else name.rpartition(STRIP)[0]) for name in mesh.strata]
+    stratum_of = [names.index(name if name in names else name.rpartition(STRIP_SUFFIX)[0]) for name in mesh.strata]
     return replace(mesh, stratum=np.array(stratum_of)[mesh.stratum], strata=tuple(names))
 
 
@@ -347,7 +348,7 @@ def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, setting
     if points:
         yield soil.model_copy(
             update={
-                "name": f"{soil.name}{STRIP}{face.start:.10g} m",
+                "name": f"{soil.name}{STRIP_SUFFIX}{face.start:.10g} m",
                 "bottom": Line(elevation=points),
                 "cohesion": max(float(cohesion), 0.0),
             }
@@ -370,7 +371,9 @@ def strip_bottom(layers: Layering, start: float, end: float, k: int, depth: floa
             over = ground - depth - line
             if over[0] * over[1] < 0.0:
                 shares.add(float(over[0] / (over[0] - over[1])))
-        share = np.array(sorted(at for at in shares if at in (0.0, 1.0) or SAME < at < 1.0 - SAME))
+        share = np.array(
+            sorted(at for at in shares if at in (0.0, 1.0) or ANGLE_TOLERANCE < at < 1.0 - ANGLE_TOLERANCE)
+        )
         ground, top, bottom = (line[0] + share * (line[1] - line[0]) for line in (ground, top, bottom))
         level = np.clip(ground - depth, bottom, top)
         thick = thick or bool((top - level > layers.tolerance).any())

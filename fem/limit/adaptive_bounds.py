@@ -23,18 +23,21 @@ from meshes.triangles import TriMesh
 BULK_SHARE = 0.5
 # The indicator of a cell is its share of the gap plus this much times its share of the yield work of the lower bound.
 YIELD_WORK_WEIGHT = 0.5
-# A point is singular if it has this share of all yield work, and this many times the mean of all points; the cells
-# that meet there are halved until their angle is below the last (rad). The share is 1 at the edge of a footing; at the
-# toe of a slope it is below 0.2 and falls, and narrow cells there would be lost to the upper bound.
-SINGULAR_SHARE, SINGULAR_TIMES, NARROW_ANGLE = 0.03, 20.0, 0.1
-# The indicator of either half of a bisected cell, over that of the whole: the gap falls faster than the area.
-HALF_SHARE = 0.3
-# Friction angle (rad) from which ground in a right angle between held sides cannot strain.
-STEEP = np.pi / 4.0
-# The share of work of the lower bound, at least and at most: where less is left to one of them, the search ends.
-SHARES = (0.35, 0.65)
-# Attempts at a bound, and how much more margin the next one has, over what the last one fell short of its own.
-ATTEMPTS, SHORTFALLS = 3, 5.0
+# A point is singular if it has at least this share of the yield work, and this many times the mean of all points. Cells
+# at a singular point are halved until their angle is below NARROW_ANGLE (rad). The share is 1 at the edge of a footing.
+# At the toe of a slope it is below 0.2 and decreases; narrow cells there would not improve the upper bound.
+SINGULAR_SHARE, SINGULAR_RATIO, NARROW_ANGLE = 0.03, 20.0, 0.1
+# Indicator of one half of a bisected cell over that of the whole cell: less than 0.5, as the gap falls faster than the
+# area.
+HALF_CELL_INDICATOR = 0.3
+# Friction angle (rad) from which ground in a right angle between fixed sides cannot strain.
+LARGEST_LOCKED_FRICTION = np.pi / 4.0
+# Smallest and largest share of the computing work for the lower bound; the search ends if less work is left for one of
+# the two bounds.
+LOWER_BOUND_WORK = (0.35, 0.65)
+# Largest number of attempts at a bound, and the increase of the margin per attempt, over the shortfall of the last
+# attempt.
+ATTEMPTS, MARGIN_OVER_SHORTFALL = 3, 5.0
 
 
 class BoundSearch:
@@ -104,7 +107,7 @@ class BoundSearch:
 def share_of_lower_bound(low: LowerBound, high: UpperBound) -> float:
     """Return the share of the computing work on the next mesh that the lower bound may take: the same share as on the
     last mesh."""
-    return float(np.clip(low.solution.work / max(low.solution.work + high.solution.work, 1e-300), *SHARES))
+    return float(np.clip(low.solution.work / max(low.solution.work + high.solution.work, 1e-300), *LOWER_BOUND_WORK))
 
 
 def proven_lower_bound(
@@ -151,7 +154,7 @@ def proven_upper_bound(
         place = bound.solution.warm
         return bound, check_velocity(problem, bound.velocity)
 
-    steep = problem.friction > STEEP
+    steep = problem.friction > LARGEST_LOCKED_FRICTION
     partly_steep = bool(steep.any() and not steep.all())
     bound, check, notes = _first_checked("upper bound", attempt, most_work, 1 if partly_steep else ATTEMPTS)
     if check is None and partly_steep:
@@ -186,11 +189,11 @@ def _first_checked(
     bound, check = attempt(0.0, most_work)
     work, more_margin = bound.solution.work, np.zeros(bound.shortfall.shape)
     if bound.solution.none:
-        return bound, None, [f"{name}: {NONE_FOUND[bound.solution.none]}"]
+        return bound, None, [f"{name}: {NO_BOUND_REASONS[bound.solution.none]}"]
     for _ in range(attempts - 1):
         if check.holds or not check.needs_margin or bound.solution.ended or work >= most_work:
             break
-        more_margin += SHORTFALLS * bound.shortfall
+        more_margin += MARGIN_OVER_SHORTFALL * bound.shortfall
         wider, check_of_wider = attempt(more_margin, most_work - work)
         work += wider.solution.work
         if wider.solution.none:
@@ -205,7 +208,7 @@ def _first_checked(
     return bound, None, [*notes, f"the {name} does not hold: {check}"]
 
 
-NONE_FOUND: Mapping[NoSolution, str] = {
+NO_BOUND_REASONS: Mapping[NoSolution, str] = {
     "no stress": "no stress field on this mesh is in equilibrium with the dead load",
     "no mechanism": "the live load does no work in any mechanism on this mesh",
 }
@@ -250,7 +253,7 @@ def singular_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
     """
     points = problem.mesh.cells.ravel()
     work = np.bincount(points, weights=low.yield_work.ravel(), minlength=len(problem.mesh.points))
-    singular = work > max(SINGULAR_SHARE * work.sum(), SINGULAR_TIMES * work.mean())
+    singular = work > max(SINGULAR_SHARE * work.sum(), SINGULAR_RATIO * work.mean())
     return singular
 
 
@@ -269,5 +272,5 @@ def refined(mesh: TriMesh, indicator: np.ndarray, wanted: float) -> TriMesh:
         most = max(1, int((wanted - len(mesh.cells)) / 1.5))
         mesh, parent = bisect(mesh, order[: min(enough, most)])
         halves = np.bincount(parent)[parent]
-        indicator = indicator[parent] * np.where(halves > 1, 2.0 * HALF_SHARE / halves, 1.0)
+        indicator = indicator[parent] * np.where(halves > 1, 2.0 * HALF_CELL_INDICATOR / halves, 1.0)
     return mesh

@@ -3,7 +3,7 @@ of the solver.
 
 A stress field is statically admissible, and its multiplier a lower bound, if it is in equilibrium, its tractions are
 continuous and equal to the prescribed ones, and no point is beyond the yield surface. Velocities are kinematically
-admissible if they are continuous, zero where the boundary is held, and obey the associated flow rule. The upper bound
+admissible if they are continuous, zero where the boundary is fixed, and obey the associated flow rule. The upper bound
 from kinematically admissible velocities is the dissipation less the work of the dead load, over the work of the live
 load. All numbers are dimensionless: they are divided by the units of length and stress of the problem.
 """
@@ -15,13 +15,13 @@ import numpy as np
 from fem.limit.limit_problem import LimitProblem
 from meshes.pore_loads import outward_normals
 
-# Residual of an equation, over the largest stress or velocity, up to which it counts as met to rounding.
-ROUNDING = 1e-9
-# Tension beyond the cut-off, over the unit of stress, up to which it is none: 0.2 Pa in a slope of 10 m.
-# Where ground bears no tension a bare surface leaves no room to keep away from.
-NO_TENSION = 1e-6
-# Differences of velocities along a side that count as none, over the largest velocity of the cell: its last bits.
-LAST_BITS = 16.0 * np.finfo(float).eps
+# Residual of an equation, over the largest stress or velocity, that counts as rounding.
+RESIDUAL_ROUNDING = 1e-9
+# Tension above the cut-off, over the unit of stress, that counts as rounding: 0.2 Pa in a slope of 10 m. On the bare
+# surface of ground without tensile strength, the stress cannot have a margin from the cut-off.
+TENSION_ROUNDING = 1e-6
+# Difference of velocities along a side, over the largest velocity of the cell, that counts as rounding.
+VELOCITY_ROUNDING = 16.0 * np.finfo(float).eps
 
 
 @dataclass(frozen=True)
@@ -49,21 +49,21 @@ class StressCheck:
         """Return whether the stress field proves that its multiplier is a lower bound."""
         return (
             self.yield_slack >= 0.0
-            and self.tension_slack >= -NO_TENSION
-            and max(self.imbalance, self.traction_jump) <= ROUNDING
+            and self.tension_slack >= -TENSION_ROUNDING
+            and max(self.imbalance, self.traction_jump) <= RESIDUAL_ROUNDING
         )
 
     @property
     def needs_margin(self) -> bool:
         """Return whether a larger distance to the yield surface at some corners may help. It does not help where a
         cut-off is exceeded, from which no margin can be kept."""
-        return self.yield_slack < 0.0 and self.tension_slack >= -NO_TENSION
+        return self.yield_slack < 0.0 and self.tension_slack >= -TENSION_ROUNDING
 
     def __str__(self) -> str:
         """Return the violated conditions of a statically admissible stress field as a text."""
         if self.yield_slack < 0.0:
             return f"the stress lies beyond the yield surface by {-self.yield_slack:.1e} of the unit of stress"
-        if self.tension_slack < -NO_TENSION:
+        if self.tension_slack < -TENSION_ROUNDING:
             return f"the tension exceeds the cut-off by {-self.tension_slack:.1e} of the unit of stress"
         return (
             f"the stress field is out of balance by {max(self.imbalance, self.traction_jump):.1e} of the largest stress"
@@ -81,7 +81,7 @@ class VelocityCheck:
     flow_slack : where φ > 0, or ground may open: smallest volumetric strain rate less sin φ times the shear rate, over
         the largest strain rate
     volume : where φ = 0 and ground may not open: largest volumetric strain rate, over the largest strain rate
-    boundary : largest velocity of a held component, over the largest velocity
+    boundary : largest velocity of a fixed component, over the largest velocity
     jump : largest difference of the velocities that two cells have at a common node, over the largest velocity
     """
 
@@ -94,7 +94,7 @@ class VelocityCheck:
     @property
     def holds(self) -> bool:
         """Return whether the velocity field proves that the multiplier is an upper bound."""
-        return self.flow_slack >= 0.0 and max(self.volume, self.boundary, self.jump) <= ROUNDING
+        return self.flow_slack >= 0.0 and max(self.volume, self.boundary, self.jump) <= RESIDUAL_ROUNDING
 
     @property
     def needs_margin(self) -> bool:
@@ -183,10 +183,10 @@ def corner_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
     the sides.
 
     On a side from a corner, the velocity is quadratic: its slope there is -3 v + 4 v(middle) - v(end). Where the slope
-    of the velocity is as small as rounding errors, as at a corner between held sides, the strain rate is zero.
+    of the velocity is as small as rounding errors, as at a corner between fixed sides, the strain rate is zero.
     """
     points = problem.mesh.points[problem.mesh.cells]
-    none = LAST_BITS * np.abs(velocity).max(axis=(1, 2))[:, None, None]
+    none = VELOCITY_ROUNDING * np.abs(velocity).max(axis=(1, 2))[:, None, None]
     rates = np.empty((len(points), 3, 3))
     for k in range(3):
         after, before = (k + 1) % 3, (k + 2) % 3

@@ -43,16 +43,16 @@ from meshes.section.section import Section
 from meshes.section.water_pressure import WaterPressure
 from meshes.triangles import TriMesh
 
-# The work allowed is enough for so many first meshes.
-FIRST_MESHES = 6
-# Cells allowed where a rough upper bound will do; the first mesh has a share of it.
+# Number of meshes of the size of the first one that the allowed work suffices for.
+WORK_IN_FIRST_MESHES = 6
+# Largest number of cells where a rough upper bound suffices; the first mesh has a share of it.
 COARSE_CELLS = 8000
-# Bounds of Kh are close enough to begin with a factor of safety on their mesh if they differ by so much at most, as a
-# number or as a share of Kh.
-CLOSE_KH, CLOSE = 0.02, 0.15
-# Where a section bears less than this share of what it bears with its faces strengthened, shallow ground slips: a
-# deeper failure has some per cent from the strength of the faces.
-SLIPS = 0.5
+# Gap between the bounds of Kh (absolute, and as a share of Kh) up to which the search for a factor of safety starts
+# from their mesh.
+LARGEST_FIRST_GAP, LARGEST_FIRST_GAP_SHARE = 0.02, 0.15
+# A shallow failure governs if the Kh of the section is below this share of the Kh with strengthened faces. The
+# strength of the faces changes the Kh of a deeper failure by some per cent only.
+SHALLOW_FAILURE_SHARE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ class KhBounds(SmallerKhBounds):
         search for a factor of safety there; None without such a mesh."""
         for mesh in self.directions[0].meshes:
             if mesh.lower is not None and mesh.upper is not None:
-                wide = max(CLOSE_KH, CLOSE * abs(mesh.upper))
+                wide = max(LARGEST_FIRST_GAP, LARGEST_FIRST_GAP_SHARE * abs(mesh.upper))
                 if mesh.upper - mesh.lower <= wide:
                     return mesh.mesh
         return None
@@ -139,7 +139,7 @@ class DirectionGround:
         if after is not None and 2.0 * after.bracket.meshes[-1].work < limits.seconds:
             mesh = after.bracket.mesh
         else:
-            most = cells_of_first_search(self.max_cells, limits.seconds / FIRST_MESHES)
+            most = cells_of_first_search(self.max_cells, limits.seconds / WORK_IN_FIRST_MESHES)
             mesh = first_mesh(ground, most, self.fem.sides)
         towards: SectionSide = "right" if seismic_sign(self.section, self.fem) > 0 else "left"
         body = body_of(ground, mesh, self.fem, davis=after is not None)
@@ -248,7 +248,7 @@ def _slips(
 ) -> bool:
     """Return whether shallow ground slips: the bounds of ``search`` are far below those of the ``strong`` search, whose
     ``ground`` has strengthened faces, or below them with water at a face."""
-    if search.bracket.upper < SLIPS * max(strong.bracket.lower, 0.0):
+    if search.bracket.upper < SHALLOW_FAILURE_SHARE * max(strong.bracket.lower, 0.0):
         return True
     wet = any(has_uncounted_water(section, face, fem.least_depth) for face in ground.shallow_failures)
     return wet and search.bracket.upper < strong.bracket.lower

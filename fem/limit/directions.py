@@ -18,8 +18,8 @@ from fem.limit.bracket import Bracket, Limits, Mechanism
 from fem.limit.limit_problem import RigidPlasticBody
 from meshes.triangles import TriMesh
 
-# Share of the largest velocity with which a mechanism moves at a side through which it leaves the section.
-LEAVES = 0.1
+# A mechanism leaves the section through a side that moves with at least this share of the largest velocity.
+LEAVING_VELOCITY = 0.1
 
 SectionSide = Literal["left", "right"]
 
@@ -87,7 +87,9 @@ def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
     speed = np.zeros(len(mesh.points))
     speed[mesh.cells] = np.hypot(*np.moveaxis(mechanism.velocity[:, :3], -1, 0))
     sides: tuple[SectionSide, ...] = ("left", "right")
-    return tuple(side for side in sides if speed[mesh.boundaries[side]].max(initial=0.0) > LEAVES * speed.max())
+    return tuple(
+        side for side in sides if speed[mesh.boundaries[side]].max(initial=0.0) > LEAVING_VELOCITY * speed.max()
+    )
 
 
 def smaller_of(directions: Iterable[DirectionBounds]) -> SmallerKhBounds:

@@ -33,8 +33,8 @@ class Places:
     normal: np.ndarray
 
 
-# Traction, over the unit of stress, that is none but for rounding.
-NO_TRACTION = 1e-12
+# Traction over the unit of stress up to which it counts as zero.
+TRACTION_ROUNDING = 1e-12
 # Traction (k, 2) in Pa on a boundary, and pressure (k,) in Pa outside; linear along every edge of the mesh.
 EdgeTraction = Callable[[Places], np.ndarray]
 Outside = Callable[[Places], np.ndarray]
@@ -255,7 +255,7 @@ def _beyond_rounding(traction: np.ndarray) -> np.ndarray:
     """Return dimensionless tractions, exactly zero where they are rounding errors, such as the pressure of water that
     ends at this point: whether a traction is zero decides which corners have no stress.
     """
-    return np.where(np.abs(traction) <= NO_TRACTION, 0.0, traction)
+    return np.where(np.abs(traction) <= TRACTION_ROUNDING, 0.0, traction)
 
 
 def _tension(mesh: TriMesh, body: RigidPlasticBody) -> np.ndarray:

@@ -14,17 +14,18 @@ from scipy import sparse
 
 from fem.limit.bound_checks import yield_slack
 from fem.limit.limit_problem import LimitProblem, bare_corners
-from fem.limit.point_freedom import DEPENDENT, ROUND, pressed_all_round, stress_free_corners
+from fem.limit.point_freedom import DEPENDENT_SINGULAR_VALUE, SHEAR_ROWS, pressed_all_round, stress_free_corners
 from fem.solvers import cone_program
 from fem.solvers.least_norm import smallest_correction
 
-# Distance kept from the yield surface, so that rounding does not lead beyond it, over the unit of stress, in a cell of
-# unit size; in others it goes with their size, down to the second number.
-STRESS_MARGIN, LEAST_MARGIN = 3e-5, 1e-6
-MOST_MARGIN = 0.1  # of what clay bears
+# Margin of the stress from the yield surface over the unit of stress, which covers rounding, in a cell of unit size.
+# The margin is proportional to the size of the cell, and at least the second number.
+STRESS_MARGIN, SMALLEST_MARGIN = 3e-5, 1e-6
+LARGEST_MARGIN = 0.1  # of the strength of clay
 
-# Smallest eigenvalue of the Gram matrix of one point's equations, over the largest, at which they are left as they are.
-WELL_CONDITIONED = 1e-6
+# Ratio of the smallest to the largest eigenvalue of the Gram matrix of the equations of one point, above which the
+# equations are used unchanged.
+SMALLEST_EIGENVALUE_RATIO = 1e-6
 
 # Matrix A, right-hand sides b0 (dead) and b1 (live), and the point of every equation.
 Equations = tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]
@@ -76,15 +77,17 @@ def lower_bound(
     cohesion = np.where(all_round, 1.0, cohesion)  # so that the cone has an inside; equations keep it to its axis
     size = np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
     more = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[free[::3]]
-    margin = np.maximum(STRESS_MARGIN * size, LEAST_MARGIN) + more
+    margin = np.maximum(STRESS_MARGIN * size, SMALLEST_MARGIN) + more
     margin = np.where(
-        friction == 0.0, np.minimum(margin, MOST_MARGIN * cohesion), margin
+        friction == 0.0, np.minimum(margin, LARGEST_MARGIN * cohesion), margin
     )  # beside clay without strength
     balance = balance[:, free].tocsr()
     corner_points = problem.mesh.own_node[problem.mesh.cells.ravel()[free[::3]]]
     points = points_of_equations(balance, points, corner_points)
     at = np.flatnonzero(all_round)
-    balance = sparse.vstack([balance, sparse.kron(sparse.identity(len(cohesion), format="csr")[at], ROUND)]).tocsr()
+    balance = sparse.vstack(
+        [balance, sparse.kron(sparse.identity(len(cohesion), format="csr")[at], SHEAR_ROWS)]
+    ).tocsr()
     dead, live = (np.append(values, np.zeros(2 * len(at))) for values in (dead, live))
     balance, dead, live = independent_equations(balance, dead, live, np.append(points, np.repeat(corner_points[at], 2)))
     ones = np.ones(len(cohesion))
@@ -189,7 +192,7 @@ def independent_equations(
         rows = start[size == count][:, None] + np.arange(count)
         flat = np.asarray(gram[np.repeat(rows, count, axis=1).ravel(), np.tile(rows, (1, count)).ravel()])
         values = np.linalg.eigvalsh(flat.reshape(len(rows), count, count))
-        whole = values[:, 0] > WELL_CONDITIONED * values[:, -1]
+        whole = values[:, 0] > SMALLEST_EIGENVALUE_RATIO * values[:, -1]
         whole_rows.append(at_point[rows[whole]].ravel())
         together = at_point[rows[~whole]]
         changed += zip(together, _orthonormal(matrix, together), strict=True)
@@ -221,7 +224,7 @@ def _orthonormal(matrix: sparse.csr_matrix, groups: np.ndarray) -> list[np.ndarr
     dense[group, part.row % k, number - first[group]] = part.data
     left, values, _ = np.linalg.svd(dense, full_matrices=False)
     largest = values.max(axis=1, initial=0.0)
-    ranks = np.count_nonzero(values > DEPENDENT * largest[:, None], axis=1)
+    ranks = np.count_nonzero(values > DEPENDENT_SINGULAR_VALUE * largest[:, None], axis=1)
     return [
         (most / value[:rank])[:, None] * vectors[:, :rank].T
         for most, value, vectors, rank in zip(largest, values, left, ranks, strict=True)

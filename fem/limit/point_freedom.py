@@ -15,21 +15,22 @@ from scipy import sparse
 from fem.limit.limit_problem import LimitProblem
 from meshes.quality import corner_angles
 
-# Singular value of equations of unit length, all at one point, up to which they depend on each other.
-DEPENDENT = 1e-12
-# Largest eigenvalue of the yield function on the stresses that a point leaves free, over that of the whole cone, at
-# which none of them is inside the cone.
-OUTSIDE = 1e-9
-# Rows of σxx - σyy and σxy of a stress [xx, yy, xy]: both zero where the pressure is the same all round.
-ROUND = np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
-# Cohesion, over the unit of stress, that is none but for rounding.
-NO_COHESION = 1e-12
-# By how much (rad) two bare faces have to be off a straight line to count as a crest.
-CREST = 1e-6
-# Volumetric strain rate that the flow rule lets exceed sin φ times the shear rate, for velocity gradients of 1, below
-# which a point counts as unable to strain. At 0.02 a point of 0.018 on the side of S-13 was held, and the
-# corners around it were left no margin: no mechanism was found.
-UNSTRAINED = 0.01
+# Singular value of the equations of one point, scaled to unit length, below which the equations are dependent.
+DEPENDENT_SINGULAR_VALUE = 1e-12
+# Largest eigenvalue of the yield function on the free stresses of a point, over the largest eigenvalue on all stresses,
+# up to which no free stress is inside the cone.
+OUTSIDE_EIGENVALUE = 1e-9
+# Rows that map a stress [xx, yy, xy] to σxx - σyy and σxy, which are zero where the pressure is equal in all
+# directions.
+SHEAR_ROWS = np.array([[1.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
+# Cohesion over the unit of stress up to which it counts as zero.
+COHESION_ROUNDING = 1e-12
+# Angle (rad) between two bare faces above which the point between them is a crest.
+CREST_ANGLE = 1e-6
+# Largest excess of the volumetric strain rate over sin φ times the shear rate, for velocity gradients of 1, below which
+# a point counts as unable to strain. With 0.02, a point of 0.018 on the side of S-13 was fixed, the corners around it
+# had no margin, and no mechanism was found.
+UNSTRAINED_RATE = 0.01
 
 
 def fans(problem: LimitProblem, points: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
@@ -69,14 +70,14 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     for point, cells, corners in fans(problem, np.flatnonzero(touches & at_loose)):
         round_there = round_corners[cells, corners]
         equations = _traction_equations(problem, point, cells, (place, jumps, known))
-        equations = np.vstack([equations, np.kron(np.eye(len(cells))[round_there], ROUND)])
+        equations = np.vstack([equations, np.kron(np.eye(len(cells))[round_there], SHEAR_ROWS)])
         may_be_zero = round_there | (problem.cohesion[cells] == 0.0).all(axis=1)
         zero = np.zeros(len(cells), dtype=bool)
         while True:
             fixed = np.kron(np.eye(len(cells))[zero], np.eye(3))
             left = _null_space(np.vstack([equations, fixed])).reshape(len(cells), 3, -1)
             outside = [_outside_cone(part, phi) for part, phi in zip(left, problem.friction[cells], strict=True)]
-            pressed = [float(np.abs(part).max(initial=0.0)) > OUTSIDE for part in left]
+            pressed = [float(np.abs(part).max(initial=0.0)) > OUTSIDE_EIGENVALUE for part in left]
             more = may_be_zero & ~zero & np.where(round_there, ~np.array(pressed), outside)
             if not more.any():
                 break
@@ -89,7 +90,7 @@ def pressed_all_round(problem: LimitProblem) -> np.ndarray:
     """Return corners (m, 3), as a mask, of ground without cohesion and friction there, such as clay whose strength is
     proportional to σ'v where σ'v is zero: only an isotropic pressure is admissible.
     """
-    return (problem.cohesion <= NO_COHESION) & (problem.friction[:, None] == 0.0)
+    return (problem.cohesion <= COHESION_ROUNDING) & (problem.friction[:, None] == 0.0)
 
 
 def _crests(problem: LimitProblem) -> np.ndarray:
@@ -102,7 +103,7 @@ def _crests(problem: LimitProblem) -> np.ndarray:
     bare = np.bincount(outline.ends[~outline.loaded], minlength=len(mesh.points)) == 2
     angles = np.radians(corner_angles(mesh.points, mesh.cells))
     inside = np.bincount(mesh.cells.ravel(), weights=angles.ravel(), minlength=len(mesh.points))
-    crest = bare & (inside < np.pi - CREST)
+    crest = bare & (inside < np.pi - CREST_ANGLE)
     return crest[mesh.cells] & (problem.tension == 0.0)[:, None]
 
 
@@ -138,14 +139,14 @@ def _traction_equations(
 
 def _null_space(matrix: np.ndarray) -> np.ndarray:
     _, values, vectors = np.linalg.svd(matrix)
-    return vectors[np.count_nonzero(values > DEPENDENT) :].T
+    return vectors[np.count_nonzero(values > DEPENDENT_SINGULAR_VALUE) :].T
 
 
 def _outside_cone(stresses: np.ndarray, friction: float) -> bool:
     """Return whether no combination of stresses (3, d) lies inside the cone of ground without cohesion."""
     mean, half = 0.5 * (stresses[0] + stresses[1]), 0.5 * (stresses[0] - stresses[1])
     inside = np.sin(friction) ** 2 * np.outer(mean, mean) - np.outer(half, half) - np.outer(stresses[2], stresses[2])
-    return stresses.shape[1] == 0 or float(np.linalg.eigvalsh(inside)[-1]) <= OUTSIDE
+    return stresses.shape[1] == 0 or float(np.linalg.eigvalsh(inside)[-1]) <= OUTSIDE_EIGENVALUE
 
 
 def unstrained_points(problem: LimitProblem) -> np.ndarray:
@@ -169,7 +170,7 @@ def unstrained_points(problem: LimitProblem) -> np.ndarray:
         edges = np.take_along_axis(mesh.cell_edges[cells], corner_edges, axis=1)
         bounds = edges[fixed[edges].any(axis=2)]
         if not (friction.all() and _parallel(problem, bounds)):
-            unstrained[point] = _largest_slack(problem, point, cells, edges, fixed) < UNSTRAINED
+            unstrained[point] = _largest_slack(problem, point, cells, edges, fixed) < UNSTRAINED_RATE
     return unstrained
 
 

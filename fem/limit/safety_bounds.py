@@ -27,17 +27,17 @@ from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 
-# Times that a factor at which shallow ground slips is narrowed down, from between half of a known one and that: to 4 %.
+# Number of bisections for the factor of a shallow failure, between half of a known factor and this factor: to 4 %.
 HALVINGS = 4
-# Share of the work for a slope as a whole where its bare faces meet; the rest is for the ground as it is given.
-SHARE_OF_WHOLE = 0.6
-# Share of the work for one direction of the force; the rest is for the proof that the other one bears as much. Under
-# seepage this proof needs the triangles of the first one's bound.
-SHARE_OF_FIRST, SHARE_OF_FIRST_UNDER_SEEPAGE = 0.92, 0.75
-# Coarse triangles have an upper bound of at most so many times the factor.
-COARSE_EXCESS = 1.06
-# The allowed work is enough for so many trials on the first mesh.
-FACTOR_TRIALS = 12
+# Share of the computing work for a slope as a whole where its bare faces meet; the rest is for the ground as given.
+WORK_SHARE_OF_WHOLE = 0.6
+# Share of the computing work for the first direction of the force; the rest is for the proof that the factor of the
+# other direction is not smaller. Under seepage this proof requires the triangles of the first direction.
+WORK_SHARE_OF_FIRST, WORK_SHARE_OF_FIRST_UNDER_SEEPAGE = 0.92, 0.75
+# Largest ratio of the upper bound on coarse triangles to the factor of safety.
+COARSE_BOUND_RATIO = 1.06
+# Number of trials on the first mesh that the allowed work suffices for.
+TRIALS_ON_FIRST_MESH = 12
 
 # Why no finer triangles were made: the factor is close enough, or beyond those looked for; no more triangles or work
 # are allowed; the solver fails.
@@ -105,13 +105,13 @@ def safety_bounds(
     deeper: SafetyBounds | None = None
     coarse = _coarse(whole, fem, settings, start, work)
     if not coarse.fails_at(shallow):
-        share = SHARE_OF_WHOLE if meet and coarse.fails_at(COARSE_EXCESS * shallow) else 1.0
+        share = WORK_SHARE_OF_WHOLE if meet and coarse.fails_at(COARSE_BOUND_RATIO * shallow) else 1.0
         deeper = _bounds_of(whole, fem, settings, start, work.part(share))
         if shallow < deeper.upper:
             return replace(deeper, shallow_failure=_coarse(section, fem, settings, start, work).least_failing(shallow))
     if not meet:
         return _bounds_of(section, fem, settings, start, work)
-    deeper = deeper or _bounds_of(whole, fem, settings, start, work.part(SHARE_OF_WHOLE))
+    deeper = deeper or _bounds_of(whole, fem, settings, start, work.part(WORK_SHARE_OF_WHOLE))
     work.spent += sum(trial.work for trial in deeper.trials)
     return _with_given_ground(section, deeper, fem, settings, start, work)
 
@@ -190,7 +190,9 @@ def _first_mesh(
     """Return a mesh of the known bounds of Kh if these bounds are of the same section, else a coarse mesh."""
     known = start.known
     mesh = known.mesh_for_factors if known is not None and known.section == section else None
-    return mesh or first_mesh(section, cells_of_first_search(settings.max_cells, work.left / FACTOR_TRIALS), fem.sides)
+    return mesh or first_mesh(
+        section, cells_of_first_search(settings.max_cells, work.left / TRIALS_ON_FIRST_MESH), fem.sides
+    )
 
 
 def _bounds_of(
@@ -204,7 +206,7 @@ def _bounds_of(
 
     first = _first_mesh(section, fem, settings, start, work)
     seeps = section.water_pressure.flow is not None
-    shared, work = work, work.part(SHARE_OF_FIRST_UNDER_SEEPAGE if seeps else SHARE_OF_FIRST)
+    shared, work = work, work.part(WORK_SHARE_OF_FIRST_UNDER_SEEPAGE if seeps else WORK_SHARE_OF_FIRST)
     searches = [search(first, 1, start)]
     searches[0].find()
     shared.spent += work.spent

@@ -13,15 +13,15 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 
-# Cells of the elastic analysis, at least.
-ENOUGH_CELLS = 3000
+# Smallest number of cells of the elastic analysis.
+FEWEST_CELLS = 3000
 
 
 def side_stresses(section: Section, mesh: TriMesh) -> dict[str, SideStress]:
     """Compute the K0 stress on the "left" and the "right" side (see ``fem/continuum/side_stress.py``) with the
     resultants of plane elasticity on triangles.
     """
-    while len(mesh.cells) < ENOUGH_CELLS:
+    while len(mesh.cells) < FEWEST_CELLS:
         mesh, _ = bisect(mesh, np.arange(len(mesh.cells)))
     stress = _elastic_stress(section, mesh)
     strata = len(section.strata)

@@ -20,16 +20,16 @@ from meshes.triangles import TriMesh
 # Volumetric strain rate beyond that of the flow rule, so that rounding does not break it: in units of velocity over
 # length, and as much again as a share of the shear rate.
 STRAIN_MARGIN = 1e-5
-# Forces are handed to the solver larger by the number of cells over this one: those of single nodes of fine meshes in
-# bare sand were too small for it to tell, and bounds stalled 4 % apart on 21,000 triangles. On coarse meshes it takes
-# twice the iterations with forces ten times as large.
-COARSE = 1000.0
-# Steps that lead corners back to the flow rule: some twenty where two hundred are beyond it, a hundredth of a solution
-# of the program each.
+# Nodal forces are multiplied by the number of cells over this number before the program is solved. Without this factor,
+# the nodal forces of fine meshes in cohesionless sand were below the tolerance of the solver, and bounds stalled 4 %
+# apart on 21,000 triangles. On coarse meshes forces ten times as large double the iterations.
+UNSCALED_CELLS = 1000.0
+# Largest number of corrections of velocities at corners that violate the flow rule. About twenty are needed for two
+# hundred corners; each costs a hundredth of a solution of the program.
 MOST_REPAIRS = 30
-# The largest velocity of a mechanism of the dead load alone, beside which its live load does work of 1: the bound is
+# Velocity, where the live load does work of 1, above which the mechanism is one of the dead load alone. The bound is
 # then far below any Kh.
-MUCH = 1e5
+LARGEST_VELOCITY = 1e5
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ def upper_bound(
     to rounding.
 
     ``more_margin`` (m, 3), as ``UpperBound.shortfall``, is a distance to the limit of the flow rule beyond the usual
-    margin. Cells of ``rigid`` (m,), a mask, are held: the result is still an upper bound, though a larger one.
+    margin. Cells of ``rigid`` (m,), a mask, do not move: the result is still an upper bound, though a larger one.
 
     After ``most_work`` (seconds on the reference machine of ``cone_program``) the solver returns its last iterate.
     ``start`` is the iterate at which it begins.
@@ -80,7 +80,7 @@ def upper_bound(
     size = np.sqrt(areas)  # strains times lengths: the solver's tolerance is one of velocities
     strain = (sparse.diags(np.repeat(size, 3)) @ strain_rates(problem.mesh, nodes) @ basis).tocsr()
     strain.eliminate_zeros()
-    # Corners of unstrained points, and of cells that are held altogether, have no strain rate at all.
+    # Corners of unstrained points, and of rigid cells, have no strain rate.
     strains = np.repeat(np.diff(strain.indptr).reshape(-1, 3).any(axis=1), 3)
     corners = strains[::3]
     more = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[corners]
@@ -95,10 +95,12 @@ def upper_bound(
         strain_share=STRAIN_MARGIN,
         tension=np.repeat(problem.tension, 3)[corners],
     )
-    magnified = max(1.0, len(problem.mesh.cells) / COARSE)
+    magnified = max(1.0, len(problem.mesh.cells) / UNSCALED_CELLS)
     solution = cone_program.solve(program, magnified=magnified, most_work=most_work, start=start)
     if solution.none == "no stress":  # its proof are rates at which the dead load alone fails
-        solution = replace(solution, rates=MUCH / np.abs(solution.rates).max() * solution.rates, none="", ended="")
+        solution = replace(
+            solution, rates=LARGEST_VELOCITY / np.abs(solution.rates).max() * solution.rates, none="", ended=""
+        )
     dilates = program.friction > 0.0
     dilates[program.torn] = True
     rates = _corrected(program, solution.rates, dilates)

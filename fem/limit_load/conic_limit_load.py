@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     from fem.continuum.plane_strain import PlaneStrain
 
 
-# The unit of force over the sum of all: the solver's residuals are absolute below one, and with forces of many nodes
-# far below that they left half a per cent of the answer open, and a quarter of it in bare sand; this way 0.01 %, after
-# fewer iterations.
-SMALL = 0.01
-# Where strength is large beside that, it may lead the solver to no answer, or to say that almost surely there is none:
-# then it is asked in a larger unit, so many times this one.
-LARGER = 10.0
+# Unit of force over the sum of all forces. The residuals of the solver are absolute for forces below one; with nodal
+# forces far below one, half a per cent of the answer remained open, and a quarter of it in cohesionless sand. With this
+# unit it is 0.01 %, after fewer iterations.
+FORCE_UNIT = 0.01
+# If the strength is large in this unit, the solver may find no answer or report that almost surely there is none; the
+# program is then solved again in a unit larger by this ratio.
+UNIT_RATIO = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +135,7 @@ class Discretised:
         share of the multiplier, or of ``least`` if the multiplier is smaller.
         """
         attempts = []
-        for ground, place in ((self, start), (replace(self, unit=LARGER * self.unit), None)):
+        for ground, place in ((self, start), (replace(self, unit=UNIT_RATIO * self.unit), None)):
             solution = cone_program.solve_for_elements(program(ground), place, least)
             if solution.sure and solution.none != "no stress":
                 return ground, solution
@@ -218,7 +218,7 @@ def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Dis
     )
     free, *all_forces = (np.concatenate(vector) for vector in vectors)
     length = float(np.ptp(mesh.points[:, 1]))
-    unit = SMALL * float(np.abs(all_forces[0][free]).sum()) / length
+    unit = FORCE_UNIT * float(np.abs(all_forces[0][free]).sum()) / length
     strain = _strain_matrix(cells, np.sqrt(cells.weights), grid.size)[:, np.flatnonzero(free)].tocsr()
     return Discretised(cells, free, tuple(all_forces), length, unit, strain)
 

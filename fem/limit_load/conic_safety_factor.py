@@ -35,17 +35,16 @@ if TYPE_CHECKING:
     from fem.continuum.plane_strain import PlaneStrain
 
 LARGEST_FACTOR = 20.0
-# Trials at most, what a factor changes by from one to the next at most, and a change of ln F after which Newton's
-# method, which squares it, leaves less than 0.1 % (measured: 0.09 % of 0.034); from a coarser mesh's factor it leaves
-# nothing.
-TRIALS, LARGEST_STEP, CLOSE = 20, 3.0, 0.04
-# The largest share of the strength that ground is taken to do without.
-MOST_SPARE = 0.95
-# Steps to the factor by another flow rule at which the same mechanism meets the same resistance.
-PREDICTIONS = 4
+# Largest number of trials; largest ratio of two consecutive factors; change of ln F after which the remaining error of
+# Newton's method, which converges quadratically, is below 0.1 % (measured: 0.09 % after 0.034).
+MOST_TRIALS, LARGEST_STEP, NEWTON_STEP = 20, 3.0, 0.04
+# Largest share of the strength that is assumed not to be needed.
+LARGEST_SPARE_SHARE = 0.95
+# Number of steps for the prediction of the factor with another flow rule from the resistance of the same mechanism.
+PREDICTION_STEPS = 4
 # Step of ln F over which the strength is differentiated.
-DIFFERENCE = 1e-4
-# The least softening of a point, as a share of the mean: ground without any has to have an answer, too.
+LOG_DIFFERENCE = 1e-4
+# Smallest softening of a point over the mean, so that ground without softening has an answer, too.
 LEAST_SOFTENING = 1e-3
 
 
@@ -159,14 +158,14 @@ class _FactorSearch:
         """Find the factor of safety, its mechanism, and the start of a search by another flow rule."""
         low, high, at = -math.inf, math.inf, math.log(guess) if self.start is None else self.next_from(self.start)
         solution = None
-        for _ in range(TRIALS):
+        for _ in range(MOST_TRIALS):
             if at < -math.log(LARGEST_FACTOR):
                 raise too_weak(kh, None if solution is None else self.moving(solution, kh))
             if at > math.log(LARGEST_FACTOR):
                 raise NoAnswerError(f"the section stands even with its strength divided by {LARGEST_FACTOR:g}", "")
             step, solution = self.step(at)
             low, high = (at, high) if step >= 0.0 else (low, at)
-            if abs(step) < CLOSE:
+            if abs(step) < NEWTON_STEP:
                 factor = math.exp(at + step)
                 self.problem.use_strength(factor)  # whose shares the mechanism tells
                 mechanism = self.ground.mechanism(self.problem, self.mesh, solution, kh)
@@ -202,13 +201,13 @@ class _FactorSearch:
         borne = self.ground.stress(solution)[:, :2].mean(axis=1)
         slope = float(solution.shear @ self.softening(at, borne)) / self.ground.unit + solution.torn
         spare = solution.multiplier / slope if slope > 0.0 else solution.multiplier
-        return -math.log1p(-min(spare, MOST_SPARE)), solution
+        return -math.log1p(-min(spare, LARGEST_SPARE_SHARE)), solution
 
     def next_from(self, start: FactorStart) -> float:
         """Return the logarithm of the factor at which the mechanism of ``start`` meets the same resistance by this flow
         rule as by the other one."""
         at = start.log_factor
-        for _ in range(PREDICTIONS):
+        for _ in range(PREDICTION_STEPS):
             resisted = float(start.shear @ self.resistance(at, start.mean))
             if not resisted > 0.0 or not start.resisted > 0.0:
                 return start.log_factor
@@ -218,8 +217,8 @@ class _FactorSearch:
     def softening(self, at: float, mean: np.ndarray) -> np.ndarray:
         """Return the decrease of the strength R (points,) at ``mean`` stresses in Pa per unit of the logarithm of the
         factor."""
-        ends = [self.resistance(log, mean) for log in (at - DIFFERENCE, at + DIFFERENCE)]
-        return (ends[0] - ends[1]) / (2.0 * DIFFERENCE)
+        ends = [self.resistance(log, mean) for log in (at - LOG_DIFFERENCE, at + LOG_DIFFERENCE)]
+        return (ends[0] - ends[1]) / (2.0 * LOG_DIFFERENCE)
 
     def resistance(self, at: float, mean: np.ndarray) -> np.ndarray:
         """Return the strength R (points,) in Pa under ``mean`` stresses in Pa where the logarithm of the factor is

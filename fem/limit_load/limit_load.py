@@ -28,7 +28,7 @@ from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 
-LITTLE = 1e-3  # of the weight, that is there before the rest is brought on: limit loads are measured by it
+FIRST_WEIGHT_SHARE = 1e-3  # share of the weight that is applied first: limit loads are multiples of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,4 +224,4 @@ def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings) -> flo
     """
     faces = [face for face in faces_at(section, settings, 0.0) if face.kh < 0.0]
     problem, weight = under_weight(section, mesh, settings.changed(element="reduced"), faces=faces)
-    return LITTLE + conic_limit_load(problem, mesh, LITTLE * weight, weight).multiplier
+    return FIRST_WEIGHT_SHARE + conic_limit_load(problem, mesh, FIRST_WEIGHT_SHARE * weight, weight).multiplier

@@ -25,16 +25,17 @@ from meshes.quad_mesh import QuadMesh
 if TYPE_CHECKING:
     from fem.continuum.plane_strain import PlaneStrain
 
-# Displacement of the step over the elastic displacement at Kh = 1; with a quarter of it a peak may not be passed yet.
-STEP = 8.0
-# Share of the change of pressure that is taken over: with all of it the iteration wanders. After so many programs it is
-# less: of three meshes of a slope, one did not settle with 0.7, nor with the smaller share from the beginning.
-DAMPING, MANY_PROGRAMS, DAMPING_LATER = 0.7, 8, 0.5
-# Programs at most, and the change of pressures, as a share of them, that is small enough.
-PROGRAMS, SETTLED = 20, 0.002
-# Difference between the answers from two starts that counts as none.
-SAME_ANSWER = 0.02
-# Least strength k, over the unit of stress.
+# Displacement of the step over the elastic displacement at Kh = 1; with a quarter of it, the step may end before the
+# peak.
+STEP_RATIO = 8.0
+# Under-relaxation: share of the change of pressure that is applied, without which the iteration does not converge. It
+# is smaller after this number of programs: of three meshes of a slope, one did not converge with either share alone.
+RELAXATION_FACTOR, PROGRAMS_BEFORE_LATER, LATER_RELAXATION_FACTOR = 0.7, 8, 0.5
+# Largest number of programs, and the relative change of pressures at which the iteration has converged.
+MOST_PROGRAMS, PRESSURE_TOLERANCE = 20, 0.002
+# Difference between the answers from two starting points up to which they count as equal.
+ANSWER_TOLERANCE = 0.02
+# Smallest strength k over the unit of stress.
 LEAST_STRENGTH = 1e-4
 
 
@@ -80,7 +81,7 @@ def nonassociated_limit_load(
         return NonassociatedLimitLoad(first, "" if first is not None else step.reason, step.programs, step.work)
     pressure = -0.5 * associated[ground.cells.cell][:, :2].sum(axis=1) / ground.unit
     second = step.settled(pressure, most_work)
-    if second is None or abs(first - second) > SAME_ANSWER * abs(first):
+    if second is None or abs(first - second) > ANSWER_TOLERANCE * abs(first):
         reason = step.reason if second is None else f"two starts lead to {first:.4f} and {second:.4f}"
         return NonassociatedLimitLoad(None, reason, step.programs, step.work)
     return NonassociatedLimitLoad(first, "", step.programs, step.work)
@@ -137,7 +138,7 @@ class _Step:
         size = strain.shape[0]
         law = type(strain)((np.concatenate(blocks), (rows, columns)), shape=(size, size))
         moved = linalg.spsolve((strain.T @ law @ strain).tocsc(), self._loads[1])
-        displacement = STEP * float(self._loads[1] @ moved) / self._ratio
+        displacement = STEP_RATIO * float(self._loads[1] @ moved) / self._ratio
         self._program = ElasticConeProgram(
             strain, self._compliance, self._sine_of_flow, self._loads, solution[1], displacement
         )
@@ -148,7 +149,7 @@ class _Step:
         does not settle."""
         assert self._program is not None
         off = np.inf
-        for number in range(PROGRAMS):
+        for number in range(MOST_PROGRAMS):
             if self.work > most_work:
                 self.reason = "the allowed work is used up"
                 return None
@@ -161,9 +162,11 @@ class _Step:
                 return None
             change = self._pressure(solution[1]) - pressure
             off = float(np.linalg.norm(change) / np.linalg.norm(pressure))
-            if off < SETTLED:
+            if off < PRESSURE_TOLERANCE:
                 return self._ratio * solution[0]
-            pressure = pressure + (DAMPING if number < MANY_PROGRAMS else DAMPING_LATER) * change
+            pressure = (
+                pressure + (RELAXATION_FACTOR if number < PROGRAMS_BEFORE_LATER else LATER_RELAXATION_FACTOR) * change
+            )
         self.reason = f"pressures still change by {100.0 * off:.1f} %"
         return None
 

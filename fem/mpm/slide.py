@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.continuum.liquefied_ground import LEAST, UNDRAINED
+from fem.continuum.liquefied_ground import LEAST_STRENGTH_RATIO, UNDRAINED_POISSON
 from fem.kernels import grid_motion
 from fem.kernels import material_points as kernel
 from fem.mpm.engine import MaterialPointEngine, ShakingHistory
@@ -217,7 +217,7 @@ class PointSlider:
             intact = before[in_stratum, STRENGTH] / np.cos(soil.friction_angle)
             cohesion = remains.cohesion * intact + remains.residual * consolidated + remains.strength
             if friction == 0.0:
-                cohesion = np.maximum(cohesion, LEAST * stress)
+                cohesion = np.maximum(cohesion, LEAST_STRENGTH_RATIO * stress)
             after[in_stratum, STRENGTH], after[in_stratum, SINE] = cohesion * np.cos(friction), np.sin(friction)
             after[in_stratum, LIMIT] = UNLIMITED if friction == 0.0 else cohesion / np.tan(friction)
             if friction == 0.0 and remains.strain_potential > 0.0:
@@ -226,7 +226,7 @@ class PointSlider:
         liquefies = np.where(np.isin(stratum, list(programme.remains)), stratum, -1)
         self._weaken_edges(before, after, liquefies, potential, knee)
         self._soften(before, after, liquefies, potential, knee)
-        pressure = UNDRAINED / (1.0 - UNDRAINED) * self.ground.effective * height * (liquefies >= 0)
+        pressure = UNDRAINED_POISSON / (1.0 - UNDRAINED_POISSON) * self.ground.effective * height * (liquefies >= 0)
         after[:, SIDE] = np.sign(before[:, SIDE]) * np.maximum(pressure, np.abs(before[:, SIDE]))
         self.began = {"before": before, "after": after, "liquefies": liquefies}
 

@@ -15,12 +15,12 @@ from fem.path.newton import Constraint, Loading, NewtonResult, NewtonSettings, f
 from fem.path.path_step import PathStep
 
 # The smallest step, and the factors of the step size after a step with few or with many iterations.
-SMALLEST, GROWTH, FEW, SHRINK, MANY = 1e-5, 1.5, 6, 0.7, 12
+SMALLEST_STEP, STEP_GROWTH, FEW_ITERATIONS, STEP_REDUCTION, MANY_ITERATIONS = 1e-5, 1.5, 6, 0.7, 12
 # The length of a relaxation over that in which the overstress decays, the largest number of relaxations until there is
 # equilibrium without overstress, and the norm of the force that is then unbalanced, over that of the weight.
 RELAXATION_SPAN, MOST_RELAXATIONS, RELAXED_TOLERANCE = 30.0, 6, 2e-3
-# Shares by which the multiplier is reduced, one after the other, until there is equilibrium without overstress.
-REDUCTIONS = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.04)
+# Reductions of the multiplier, as shares, that are tried in this order until there is equilibrium without overstress.
+MULTIPLIER_REDUCTIONS = (0.0, 0.0025, 0.005, 0.0075, 0.01, 0.015, 0.02, 0.03, 0.04)
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class EquilibriumPath:
         converges."""
         cutbacks = 0
         while True:
-            if self._step < SMALLEST:
+            if self._step < SMALLEST_STEP:
                 self.reason = "no equilibrium was found even with the smallest step"
                 return False
             result = self._try(self._step)
@@ -96,10 +96,10 @@ class EquilibriumPath:
             self._step *= 0.5
         taken = self._step
         self._accept(result, taken, cutbacks, at_rest=False)
-        if result.iterations <= FEW:
-            self._step = min(self._step * GROWTH, self.settings.largest)
-        elif result.iterations > MANY:
-            self._step *= SHRINK
+        if result.iterations <= FEW_ITERATIONS:
+            self._step = min(self._step * STEP_GROWTH, self.settings.largest)
+        elif result.iterations > MANY_ITERATIONS:
+            self._step *= STEP_REDUCTION
         return True
 
     def relax(self) -> bool:
@@ -112,7 +112,7 @@ class EquilibriumPath:
         if self.settings.relaxation <= 0.0:
             return True
         if self.beta > 0.0:
-            return any(self.reach(self.factor * (1.0 - less)) for less in REDUCTIONS)
+            return any(self.reach(self.factor * (1.0 - less)) for less in MULTIPLIER_REDUCTIONS)
         return self._relax(Constraint(self.control / self.reference, 0.0, 0.0))
 
     def reach(self, factor: float) -> bool:

@@ -24,21 +24,21 @@ from meshes.quad_mesh import QuadMesh
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 
-# What is held under gravity, so that the sides bear K0 stress.
-UNDER_GRAVITY = {"base": "xy", "left": "x", "right": "x"}
-# Components of the displacement that are held at both sides once the weight is carried; none where they are periodic.
+# Displacement components that are fixed under gravity, so that the sides carry the K0 stress.
+FIXED_UNDER_GRAVITY = {"base": "xy", "left": "x", "right": "x"}
+# Displacement components that are fixed at both sides after gravity is applied; none at periodic sides.
 FIXED_AT_SIDES: Mapping[Sides, str] = {"free-field": "y", "smooth": "x", "fixed": "xy", "periodic": ""}
 # Arc length, in elastic displacements under the whole load, after which applying a load is given up.
 LONGEST_LOADING = 10.0
-# Iterations and halvings of a step in Newton's method while a load is brought on: from no stress at all, ground without
-# cohesion yields everywhere in the same way however small the load, and smaller steps of the load do not help. Ground
-# that hardly stands takes hundreds of descents of its potential.
-PATIENT = NewtonSettings(iterations=60, line_search=8, descents=600)
+# Newton's method while a load is applied. From zero stress, cohesionless ground yields everywhere for every load,
+# however small, so that smaller load steps do not help. Ground close to failure takes hundreds of descents of its
+# potential.
+LOADING_NEWTON = NewtonSettings(iterations=60, line_search=8, descents=600)
 # Largest steps of a path, in reference displacements: associated flow follows long ones as well as short ones.
-LARGEST_ASSOCIATED, LARGEST_OTHERWISE = 3.0, 0.3
-# Cohesions that are told apart in a stratum whose cohesion varies.
-# They differ by the same factor, for where a cut is bare its least strengths decide as much as the large ones.
-LEVELS, LEAST_LEVEL = 512, 1e-3
+LARGEST_ASSOCIATED_STEP, LARGEST_STEP = 3.0, 0.3
+# Number of levels by which a varying cohesion of a stratum is represented, and the lowest level over the highest.
+# Levels differ by a constant factor, since at a bare cut the smallest cohesions matter as much as the large ones.
+COHESION_LEVELS, LOWEST_COHESION_RATIO = 512, 1e-3
 
 
 def element_for(section: Section, settings: FemSettings) -> Element:
@@ -53,8 +53,8 @@ def path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
     """Return settings of paths in this ground: long steps and no overstress if its flow is associated."""
     newton = NewtonSettings(tolerance=settings.tolerance)
     if problem.associated:
-        return PathSettings(newton=newton, largest=LARGEST_ASSOCIATED)
-    return PathSettings(newton=newton, largest=LARGEST_OTHERWISE, relaxation=settings.relaxation)
+        return PathSettings(newton=newton, largest=LARGEST_ASSOCIATED_STEP)
+    return PathSettings(newton=newton, largest=LARGEST_STEP, relaxation=settings.relaxation)
 
 
 def gravity_equilibrium(
@@ -134,7 +134,7 @@ def bring_to_rest(
     the finite elements.
     """
     if settings.sides != "periodic":
-        problem.hold(UNDER_GRAVITY)
+        problem.hold(FIXED_UNDER_GRAVITY)
     path = apply_load(problem, np.zeros_like(weight), weight, settings)
     borne = np.where(problem.free, weight, problem.forces_of(problem.stress))
     problem.hold(fixed_components(settings))
@@ -176,7 +176,7 @@ def under_weight(
         refuse_other_water(section)
         problem.tie("left", "right", section)
     else:
-        problem.hold(UNDER_GRAVITY)
+        problem.hold(FIXED_UNDER_GRAVITY)
     weight = problem.body_force([s.density_ordinary for s in problem.strata], (0.0, -GRAVITY))
     weight = weight + hydrostatic_load(problem, mesh, section)
     if settings.sides == "periodic":
@@ -205,8 +205,8 @@ def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> No
 
 
 def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
-    """For every stratum whose cohesion varies, return ``LEVELS`` soils of constant cohesion from the least to the
-    largest."""
+    """For every stratum whose cohesion varies, return ``COHESION_LEVELS`` soils of constant cohesion from the smallest
+    to the largest."""
     field, strata = section.cohesion_field, []
     corners = mesh.points[mesh.cells]
     for k in np.flatnonzero(field.varies):
@@ -215,7 +215,9 @@ def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
         in_stratum = np.repeat(mesh.stratum == k, corners.shape[1]) if (mesh.stratum == k).any() else slice(None)
         cohesion = field.at(points[in_stratum], near[in_stratum], np.full(len(points[in_stratum]), k))
         most = max(float(cohesion.max()), 1e-9)  # Pa
-        bins = np.linspace(0.0, np.log(max(float(cohesion.min()), LEAST_LEVEL * most) / most), LEVELS)[::-1]
+        bins = np.linspace(
+            0.0, np.log(max(float(cohesion.min()), LOWEST_COHESION_RATIO * most) / most), COHESION_LEVELS
+        )[::-1]
         strata += [section.strata[k].with_cohesion(float(c)) for c in most * np.exp(bins)]
     return strata
 
@@ -229,9 +231,9 @@ def _lay_levels(first: int, section: Section, problem: PlaneStrain) -> None:
     for k in np.flatnonzero(field.varies):
         in_stratum = problem.material == k
         cohesion = field.at(points[in_stratum], points[in_stratum], np.full(int(in_stratum.sum()), k))
-        levels = np.array([soil.cohesion for soil in problem.strata[first : first + LEVELS]])
+        levels = np.array([soil.cohesion for soil in problem.strata[first : first + COHESION_LEVELS]])
         problem.material[in_stratum] = first + np.searchsorted(0.5 * (levels[1:] + levels[:-1]), cohesion)
-        first += LEVELS
+        first += COHESION_LEVELS
 
 
 def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:
@@ -245,7 +247,7 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
     problem.use_elastic_tangent()
     problem.factorise()
     control = load / norm(load)
-    newton = replace(PATIENT, tolerance=settings.tolerance)
+    newton = replace(LOADING_NEWTON, tolerance=settings.tolerance)
     follow = replace(path_settings(problem, settings), first=0.2, largest=0.2, newton=newton)
     path = EquilibriumPath(
         problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-# The share of the slope at the start of a correction that may be left at its end, the most lengths that are tried, the
-# longest, and how near to an end of the interval one may lie.
-SLOPE_LEFT, MOST_LENGTHS, LONGEST, INSIDE = 0.5, 9, 8.0, 0.1
+# Largest slope at the end of a correction over the slope at its start; largest number of lengths tried; longest length;
+# smallest distance of a trial from an end of the interval, as a share of the interval.
+REMAINING_SLOPE, MOST_TRIALS, LONGEST_STEP, INTERVAL_MARGIN = 0.5, 9, 8.0, 0.1
 
 
 class LineSearch:
@@ -24,13 +24,15 @@ class LineSearch:
         at its end. If it is not, set ``part`` to the next step length to try.
         """
         self._tried += 1
-        if not abs(slope) > SLOPE_LEFT * self._slope or self.part >= LONGEST or self._tried == MOST_LENGTHS:
+        if not abs(slope) > REMAINING_SLOPE * self._slope or self.part >= LONGEST_STEP or self._tried == MOST_TRIALS:
             return True
         if slope > 0.0:
             self._low = self.part, slope
         else:
             self._high = self.part, slope
         (low, at_low), (high, at_high) = self._low, self._high
-        between = min(max(at_low / (at_low - at_high), INSIDE), 1.0 - INSIDE) if at_low > at_high else 0.5
+        between = (
+            min(max(at_low / (at_low - at_high), INTERVAL_MARGIN), 1.0 - INTERVAL_MARGIN) if at_low > at_high else 0.5
+        )
         self.part = 2.0 * self.part if high == np.inf else low + between * (high - low)
         return False

@@ -12,12 +12,12 @@ from fem.path.plateau import LimitLoad, PathListener
 from meshes.quad_mesh import QuadMesh
 
 # Shares of the limit load at which the curve has a point, and the share up to which the path is followed in any case.
-SHARES, SURE = (0.25, 0.5, 0.65, 0.8, 0.9, 0.95, 0.98, 0.99), 0.95
-# A load level is left out if a requested level is nearer than this share of the limit load.
-ALIKE = 0.02
-# After a level with more iterations of Newton's method than this, only requested levels are computed: every higher
-# level takes as many iterations or more, and four points are enough to draw the curve.
-HARD = 8
+LOAD_SHARES, CERTAIN_SHARE = (0.25, 0.5, 0.65, 0.8, 0.9, 0.95, 0.98, 0.99), 0.95
+# A load level is omitted if its distance to a requested level is below this share of the limit load.
+SMALLEST_DISTANCE = 0.02
+# After a level with more iterations of Newton's method than this, only requested levels are computed: higher levels
+# take as many iterations or more, and four points suffice to draw the curve.
+MANY_ITERATIONS = 8
 
 
 def step_to_limit(
@@ -35,12 +35,12 @@ def step_to_limit(
     mesh of the path; ``listener`` is called after every step.
     """
     recorded_kh = {kh for kh in wanted if 0.0 < kh <= min(known, limit)}
-    sure = limit if known > limit else SURE * known
-    shares = (share * known for share in SHARES if share * known < limit)
-    levels = {kh for kh in shares if all(abs(kh - other) > ALIKE * known for other in recorded_kh)}
+    sure = limit if known > limit else CERTAIN_SHARE * known
+    shares = (share * known for share in LOAD_SHARES if share * known < limit)
+    levels = {kh for kh in shares if all(abs(kh - other) > SMALLEST_DISTANCE * known for other in recorded_kh)}
     states: list[FieldState] = []
     for kh in sorted({*levels, *recorded_kh, sure}):
-        is_hard = any(step.iterations > HARD for step in path.steps)
+        is_hard = any(step.iterations > MANY_ITERATIONS for step in path.steps)
         if is_hard and kh not in recorded_kh and kh != sure:
             continue
         if not path.reach(kh):

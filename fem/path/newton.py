@@ -18,12 +18,13 @@ from fem.continuum.plane_strain import PlaneStrain
 from fem.path.line_search import LineSearch
 from fem.path.nonlinear_elimination import LocalSubproblem
 
-# Iterations without progress, a residual below 0.9 of the best, after which Newton's method is given up.
-MOST_STALLED, PROGRESS = 8, 0.9
-# Where there is a potential: the part of a correction below which a few cells are solved by themselves (nonlinear
-# elimination).
-SHORT = 0.5
-DIFFERENCE = 1e-4  # of the divisor of the strength, by which the derivative is taken
+# Newton's method ends after this number of iterations without progress. Progress is a residual below this ratio of the
+# best residual.
+MOST_STALLED, PROGRESS_RATIO = 8, 0.9
+# Where there is a potential: if the line search takes less than this share of a correction, nonlinear elimination
+# solves the equations of a few cells separately.
+ELIMINATION_STEP = 0.5
+DIVISOR_DIFFERENCE = 1e-4  # of the divisor of the strength, for the difference quotient
 
 
 @dataclass(frozen=True)
@@ -86,10 +87,10 @@ class StrengthReduction:
 
     def derivative(self, problem: PlaneStrain, increment: np.ndarray, multiplier: float) -> np.ndarray:
         """Return the derivative by a finite difference; the tangent of the problem is unchanged."""
-        problem.use_strength(multiplier + DIFFERENCE)
+        problem.use_strength(multiplier + DIVISOR_DIFFERENCE)
         weaker = problem.internal_force(increment, tangent=False)
         problem.use_strength(multiplier)
-        return (problem.internal_force(increment, tangent=False) - weaker) / DIFFERENCE
+        return (problem.internal_force(increment, tangent=False) - weaker) / DIVISOR_DIFFERENCE
 
 
 @dataclass(frozen=True)
@@ -189,7 +190,7 @@ def find_equilibrium(
         increment, multiplier, norm = increment + part * step, multiplier + part * change, new
         if not np.isfinite(norm):
             break
-        stalled = 0 if norm < PROGRESS * best else stalled + 1
+        stalled = 0 if norm < PROGRESS_RATIO * best else stalled + 1
         best = min(best, norm)
     return NewtonResult(bool(norm <= settings.tolerance), iteration, norm, multiplier, increment)
 
@@ -220,7 +221,7 @@ def _lowest(
         increment = increment + search.part * step
         if not np.isfinite(norm):
             break
-        if norm > settings.tolerance and search.part < SHORT and problem.grid.comm.size == 1:
+        if norm > settings.tolerance and search.part < ELIMINATION_STEP and problem.grid.comm.size == 1:
             increment = LocalSubproblem(problem, residual).at_rest(increment, residual)
             residual, norm = residual_of(problem, loading, increment, multiplier, scale)
     return NewtonResult(bool(norm <= settings.tolerance), iteration, norm, multiplier, increment)

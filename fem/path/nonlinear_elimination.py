@@ -18,11 +18,12 @@ from fem.continuum.plane_strain import PartialProblem, PlaneStrain
 from fem.kernels import assembly, mohr_coulomb
 from fem.path.line_search import LineSearch
 
-# A node whose unbalanced force is this share of the largest belongs to the subproblem, with so many rings of cells.
-SHARE, RINGS = 0.2, 5
-# Corrections of a subproblem; fewer if its unbalanced force is this share of the largest unbalanced force outside: to
-# less than what is left outside, paths of five sections took 9 to 18 % more time.
-CORRECTIONS, ALIKE = 20, 1.0
+# The subproblem has the nodes whose unbalanced force exceeds this share of the largest one, and this number of rings of
+# cells around them.
+NODE_FORCE_SHARE, CELL_RINGS = 0.2, 5
+# Largest number of corrections of a subproblem. It ends earlier when its unbalanced force is this ratio of the largest
+# unbalanced force outside; with smaller ratios, paths of five sections took 9 to 18 % more time.
+MOST_CORRECTIONS, FINAL_FORCE_RATIO = 20, 1.0
 
 
 class LocalSubproblem:
@@ -36,8 +37,8 @@ class LocalSubproblem:
     def __init__(self, problem: PlaneStrain, unbalanced: np.ndarray) -> None:
         nodes = problem.grid.global_dofs[problem.grid.dofs[:, 0::2]] // 2
         size = np.abs(unbalanced).reshape(-1, 2).max(axis=1)
-        reached = size > SHARE * size.max()
-        for _ in range(RINGS):
+        reached = size > NODE_FORCE_SHARE * size.max()
+        for _ in range(CELL_RINGS):
             cells = reached[nodes].any(axis=1)
             reached[nodes[cells]] = True
         at_edge = np.zeros_like(reached)
@@ -61,8 +62,8 @@ class LocalSubproblem:
         number = np.full(len(moved), -1)
         number[moving] = np.arange(len(moving))
         fixed = np.flatnonzero(number < 0)
-        for _ in range(CORRECTIONS):
-            if not np.abs(left).max(initial=0.0) > ALIKE * self._outside:
+        for _ in range(MOST_CORRECTIONS):
+            if not np.abs(left).max(initial=0.0) > FINAL_FORCE_RATIO * self._outside:
                 break
             force_left, step = np.zeros((2, len(moved)))
             force_left[moving] = left

@@ -7,21 +7,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.errors import NoEquilibriumError
-from fem.path.equilibrium_path import REDUCTIONS, EquilibriumPath
+from fem.path.equilibrium_path import MULTIPLIER_REDUCTIONS, EquilibriumPath
 from fem.settings import PathVerdict
 
 PathListener = Callable[[EquilibriumPath], None]
 
 # The smallest ductility at which a rule applies.
-EARLIEST = 3.0
-# The fall of the multiplier below its maximum from which the verdict is "peak" and not "plateau", and the growth that
-# still counts as a plateau at the end of the path.
-FALL, TOLERATED_GROWTH = 0.05, 0.04
+SMALLEST_DUCTILITY = 3.0
+# Decrease of the multiplier below its maximum from which the verdict is "peak" instead of "plateau", and the growth
+# that still counts as a plateau at the end of the path, as shares.
+PEAK_FALL, TOLERATED_GROWTH = 0.05, 0.04
 # Where the largest multiplier in equilibrium without overstress is lower than the maximum of the path by more than this
 # share, equilibrium is searched for again just below this maximum.
-SHORTFALL = 0.025
+EQUILIBRIUM_SHORTFALL = 0.025
 # The ductility at the first relaxation of the overstress, and its ratio from one relaxation to the next.
-RELAXATIONS = 1.3
+RELAXATION_RATIO = 1.3
 MOST_STEPS = 400  # of a path
 
 
@@ -52,7 +52,7 @@ class PlateauRule:
     latest: float = 12.0
 
 
-# Where the flow is associated the path is followed until hardly anything is left to gain: long steps make it cheap.
+# With associated flow the path is followed until the multiplier hardly grows, since long steps are possible.
 ASSOCIATED_RULE = PlateauRule(growth=0.002, latest=60.0)
 
 
@@ -90,7 +90,7 @@ def find_limit_load(
     ``rule`` ends the path, by default that of the flow; ``listener`` is called after every step.
     """
     rule = rule or (ASSOCIATED_RULE if path.problem.associated else PlateauRule())
-    in_equilibrium, next_relaxation = -np.inf, RELAXATIONS
+    in_equilibrium, next_relaxation = -np.inf, RELAXATION_RATIO
     highest, summit = path.factor, path.mark()
     while True:
         if not path.advance():
@@ -102,14 +102,14 @@ def find_limit_load(
         if path.settings.relaxation <= 0.0 or (now >= next_relaxation and path.relax()):
             in_equilibrium = max(in_equilibrium, path.factor)
         if now >= next_relaxation:
-            next_relaxation = RELAXATIONS * now
+            next_relaxation = RELAXATION_RATIO * now
         if listener is not None:
             listener(path)
         stop = _stop_reason(path, now, limit, rule)
         if stop is not None:
             verdict, reason, remedy = stop
             break
-    if in_equilibrium < (1.0 - SHORTFALL) * highest:
+    if in_equilibrium < (1.0 - EQUILIBRIUM_SHORTFALL) * highest:
         in_equilibrium = max(in_equilibrium, _equilibrium_below(path, highest, summit))
     if not np.isfinite(in_equilibrium):
         raise NoEquilibriumError(
@@ -127,7 +127,7 @@ def _equilibrium_below(path: EquilibriumPath, highest: float, summit: tuple[Any,
     multipliers are lower.
     """
     end, steps, in_equilibrium = path.mark(), list(path.steps), -np.inf
-    for less in REDUCTIONS:
+    for less in MULTIPLIER_REDUCTIONS:
         path.back(summit)
         if path.reach(highest * (1.0 - less)):
             in_equilibrium = path.factor
@@ -141,7 +141,7 @@ def _broken_off(path: EquilibriumPath, ductility: Callable[[EquilibriumPath], fl
     """Return the stop reason of a path on which no further step converged: a plateau if its load hardly rose any
     more."""
     growth = growth_per_doubling(path)
-    if path.steps and ductility(path) >= EARLIEST and 0.0 <= growth < rule.growth:
+    if path.steps and ductility(path) >= SMALLEST_DUCTILITY and 0.0 <= growth < rule.growth:
         reason = f"the load changed by {100 * growth:.1f} % while the displacement doubled, after which {path.reason}"
         return StopReason("plateau", reason, "")
     return StopReason("undecided", path.reason, "try another mesh or element, or a smaller first_step")
@@ -155,9 +155,9 @@ def _stop_reason(path: EquilibriumPath, ductility: float, limit: float, rule: Pl
     doubled = f"changed by {100 * growth:.1f} % while the displacement doubled"
     if path.factor > limit:
         return StopReason("no failure", f"no failure up to {limit:g}", "raise the limit to search for larger values")
-    if ductility >= EARLIEST and last < (1.0 - FALL) * highest:
+    if ductility >= SMALLEST_DUCTILITY and last < (1.0 - PEAK_FALL) * highest:
         return StopReason("peak", f"the load fell by {100 * (1.0 - last / highest):.0f} % from its peak", "")
-    if ductility >= EARLIEST and growth < rule.growth:
+    if ductility >= SMALLEST_DUCTILITY and growth < rule.growth:
         return StopReason("plateau", f"the load {doubled}", "")
     if ductility >= rule.latest or len(path.steps) >= MOST_STEPS:
         verdict: PathVerdict = "plateau" if growth < TOLERATED_GROWTH else "undecided"

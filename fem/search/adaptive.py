@@ -39,11 +39,12 @@ from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from meshes.strips import with_finer_strips
 
-# A first mesh of more than so many times ``FEWEST_CELLS`` is worth one of that few, which tells where its answer lies.
-MANY_TIMES = 4
-# The largest guess of a factor of safety, and how far a guess is taken above what is expected: Newton's method comes
-# down to the factor in one or two steps, while from below it goes far beyond it first.
-LARGEST_GUESS, ABOVE = 4.0, 1.2
+# A first mesh of more than this multiple of ``FEWEST_CELLS`` is preceded by a mesh of ``FEWEST_CELLS``, which provides
+# the first guess.
+MANY_CELLS_RATIO = 4
+# Largest first guess of a factor of safety, and the guess over the expected factor. From above, Newton's method needs
+# one or two steps; from below, it first overshoots.
+LARGEST_GUESS, GUESS_RATIO = 4.0, 1.2
 # Why there is no critical Kh above 0.
 FAILS_BY_ITSELF = "the ground fails under its own weight"
 
@@ -107,7 +108,7 @@ def factor_like(limit: AdaptiveResult[LimitLoadResult], kh: float) -> float:
     needed, present = slope + math.atan(limit.result.kc), slope + math.atan(kh)
     if slope <= 0.0 or needed >= 0.45 * math.pi:
         return 1.0
-    return min(ABOVE * math.tan(needed) / math.tan(present), LARGEST_GUESS)
+    return min(GUESS_RATIO * math.tan(needed) / math.tan(present), LARGEST_GUESS)
 
 
 def _nobody(_: str) -> None:
@@ -329,7 +330,7 @@ class AdaptiveSearch:
 
     def _rough_mesh(self) -> QuadMesh | None:
         """Return a coarse mesh; None if the first mesh is coarse itself."""
-        if len(self.first.cells) <= MANY_TIMES * FEWEST_CELLS:
+        if len(self.first.cells) <= MANY_CELLS_RATIO * FEWEST_CELLS:
             return None
         size = math.sqrt(float(areas(self.first.points, self.first.cells).sum()) / FEWEST_CELLS)
         try:

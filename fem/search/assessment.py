@@ -17,7 +17,7 @@ from fem.limit_load.limit_load import LimitLoadResult
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import element_for
 from fem.search.adaptive import AdaptiveSearch, failing_by_itself
-from fem.search.checks import SAME_MESH, of_uplift, warnings_of
+from fem.search.checks import SOLVER_ACCURACY, of_uplift, warnings_of
 from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.mesh_sequence import AdaptiveResult
 from fem.search.own_dilation import OwnDilation, own_dilation
@@ -164,7 +164,7 @@ def _place_of(weakened: AdaptiveResult[SafetyFactor]) -> str:
 
 def _fails(factor: float | None) -> bool:
     """Return whether a factor of safety shows that the ground fails."""
-    return factor is not None and factor < 1.0 - SAME_MESH
+    return factor is not None and factor < 1.0 - SOLVER_ACCURACY
 
 
 @dataclass(frozen=True)

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from fem.search.critical import CriticalResult
     from fem.settings import PathVerdict
 
-# The relative difference that counts of two limit loads of one mesh and one loading: the solver finds most to 0.01 %,
-# some to 0.1 %, see ``cone_program.FEASIBILITY_OF_ELEMENTS``.
-SAME_MESH = 1e-3
+# Relative difference of two limit loads of the same mesh and loading that exceeds the accuracy of the solver, which is
+# 0.01 % in most cases and 0.1 % in some (``cone_program.FEASIBILITY_OF_ELEMENTS``).
+SOLVER_ACCURACY = 1e-3
 # Corner angle (degrees) below which a cell is a wedge.
-NARROW = 15.0
-# The base takes part in a mechanism if cells at it strain by this share of the largest shear strain.
-AT_BASE = 0.1
+NARROW_ANGLE = 15.0
+# The mechanism reaches the base if cells at the base have this share of the largest shear strain.
+BASE_STRAIN_SHARE = 0.1
 
 
 def warnings_of(
@@ -63,7 +63,7 @@ def of_dilation(
     """
     if associated is None or associated.direction != result.direction:
         return
-    if result.kc > (1.0 + SAME_MESH) * associated.kc:
+    if result.kc > (1.0 + SOLVER_ACCURACY) * associated.kc:
         yield ResultWarning(
             f"The critical Kh with ψ < φ, {result.kc:.3f}, is above the critical Kh with ψ = φ, {associated.kc:.3f}.",
             f'take {associated.kc:.3f} as an upper limit, use flow = "davis", or refine the mesh',
@@ -83,18 +83,20 @@ def of_base(mesh: QuadMesh, mechanism: FieldState, verdict: "PathVerdict") -> It
 def touches_base(mesh: QuadMesh, mechanism: FieldState) -> bool:
     """Return whether cells at the base strain by a large share of the largest shear strain."""
     at_base = np.isin(mesh.cells, np.unique(mesh.boundaries["base"])).sum(axis=1) >= 2
-    return bool(at_base.any() and mechanism.shear_strain[at_base].max() > AT_BASE * mechanism.shear_strain.max())
+    return bool(
+        at_base.any() and mechanism.shear_strain[at_base].max() > BASE_STRAIN_SHARE * mechanism.shear_strain.max()
+    )
 
 
 def of_cells(mesh: QuadMesh) -> Iterator[ResultWarning]:
     """Warn of cells with a narrow corner, in which displacements are inaccurate."""
     narrowest = np.abs(corner_angles(mesh.points, mesh.cells)).min(axis=1)
-    count = int(np.count_nonzero(narrowest < NARROW))
+    count = int(np.count_nonzero(narrowest < NARROW_ANGLE))
     if count:
         x, z = mesh.points[mesh.cells[int(narrowest.argmin())]].mean(axis=0)
         have = "has" if count == 1 else "have"
         yield ResultWarning(
-            f"{count} of {len(mesh.cells)} cells {have} a corner below {NARROW:g}°; the narrowest, "
+            f"{count} of {len(mesh.cells)} cells {have} a corner below {NARROW_ANGLE:g}°; the narrowest, "
             f"{narrowest.min():.1f}°, is at x = {x:.1f} m, elevation {z:.1f} m.",
             "let thin layers end in a vertical step in the section file"
             + (', or use mesh.method = "free"' if mesh.method == "mapped" else ""),

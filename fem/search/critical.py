@@ -33,10 +33,11 @@ from meshes.section.section import Section
 
 # The elastic displacement under this Kh is the unit of the arc length.
 REFERENCE_KH = 0.25
-# Shares of the critical Kh whose fields are kept unless Kh are given.
-FRACTIONS = (0.5, 0.8)
-# Beyond this multiple of the critical Kh in one direction, the other direction cannot matter and is not followed.
-OTHER_LIMIT = 2.0
+# Shares of the critical Kh at which fields are stored unless the settings list values of Kh.
+STORED_KH_SHARES = (0.5, 0.8)
+# The path of the other direction ends at this multiple of the critical Kh: beyond it, the other direction does not
+# govern.
+OTHER_DIRECTION_RATIO = 2.0
 
 
 @dataclass(frozen=True)
@@ -162,7 +163,7 @@ def critical_coefficient(
     if settings.direction != "both":
         return towards(settings=settings)
     first = towards(settings=settings.changed(direction="downhill"))
-    most = min(settings.kh_limit, OTHER_LIMIT * max(first.kc, settings.first_step))
+    most = min(settings.kh_limit, OTHER_DIRECTION_RATIO * max(first.kc, settings.first_step))
     second = towards(settings=settings.changed(direction="uphill", kh_limit=most))
     if second.kc < first.kc and not touched_sides(mesh, second.mechanism):
         return replace(second, other=first)
@@ -260,7 +261,7 @@ def _followed(
 
 def _wanted(settings: FemSettings, kc: float) -> list[float]:
     """Return the Kh up to ``kc`` at which fields are stored."""
-    return [kh for kh in settings.kh or tuple(float(f"{share * kc:.3g}") for share in FRACTIONS) if kh <= kc]
+    return [kh for kh in settings.kh or tuple(float(f"{share * kc:.3g}") for share in STORED_KH_SHARES) if kh <= kc]
 
 
 def _label_of_last(limit: LimitLoad, kh: float, relaxed: bool) -> str:
@@ -292,8 +293,8 @@ def seismic_path(
 ) -> EquilibriumPath:
     """Return the path of rising Kh at its start; displacement is positive in the direction of the ``load`` of Kh = 1.
 
-    ``problem`` are the elements at rest; ``constant`` are the constant nodal forces (N/m); ``sign`` is 1 towards the
-    right, -1 towards the left; ``settings`` are those of the finite elements. Raises InputError if no stratum has a
+    ``problem`` are the elements at rest; ``constant`` are the constant nodal forces (N/m); ``sign`` is 1 if Kh acts to
+    the right, -1 to the left; ``settings`` are those of the finite elements. Raises InputError if no stratum has a
     seismic density.
     """
     mass = problem.exchange.dot(load, _horizontal(problem, sign))

@@ -17,28 +17,27 @@ from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.quality import areas
 
-# The first mesh made for a mechanism has as many cells as the one before, every later one this many times as many: what
-# cells gain by lying where the mechanism is tells nothing of what more of them gain, and is had for their number.
-MORE_CELLS = 2.0
-# or fewer, if these are as many as are allowed, but not fewer than so many times; the first mesh after one that was
-# already adapted to a similar mechanism has so many times as many.
-FEWER_CELLS = 1.25
-# The first adapted mesh has at least this many: fewer cannot follow a band.
+# The first mesh adapted to a mechanism has as many cells as the mesh before; every later mesh has this multiple. The
+# change of the answer by a better distribution of cells says nothing about the change by more cells.
+CELL_RATIO = 2.0
+# Smallest multiple, if the number of cells is limited; also the multiple of the first mesh after one that was adapted
+# to a similar mechanism.
+SMALLEST_CELL_RATIO = 1.25
+# Smallest number of cells of an adapted mesh; fewer cannot resolve a shear band.
 FEWEST_CELLS = 500
-# Meshes whose numbers of cells differ by less than this share are too alike to tell a limit apart.
-LEAST_GAIN = 0.25
-# A finer mesh bears less. Where it bears more, cells of the one before were cut by something that these follow, and so
-# many times what the two tell may be left.
-RISEN = 3.0
-# So many meshes have the largest number of cells: a second one may follow the mechanism better, a third hardly does.
-MOST_LARGEST = 2
+# Meshes whose numbers of cells differ by less than this share are too similar to extrapolate from.
+SMALLEST_CELL_GAIN = 0.25
+# A finer mesh normally has a smaller limit load. If it is larger, the estimated error is multiplied by this number.
+RISE_RATIO = 3.0
+# Number of meshes with the largest number of cells: a second one may be better adapted to the mechanism.
+MOST_LARGEST_MESHES = 2
 # A change is reported as a share of kc, or of this Kh where kc is smaller.
 SMALLEST_KH = 0.05
-# What may be left of the error, as a share of kc, where it is asked whether a direction can matter: that of a first
-# mesh, and of later ones as a multiple of what two meshes tell.
-FIRST_REST, REST_TIMES = 0.3, 2.0
-# Bands of shear through cells whose sizes differ by no more than this factor leave errors of about one size.
-ALIKE = 1.25
+# Error that is assumed when the search decides whether a direction can govern: of a first mesh, as a share of kc; of
+# later meshes, as a multiple of the error estimated from two meshes.
+FIRST_ERROR_SHARE, LATER_ERROR_RATIO = 0.3, 2.0
+# Ratio of cell sizes in two shear bands up to which the errors of both meshes are comparable.
+SIMILAR_SIZE_RATIO = 1.25
 
 
 @dataclass(frozen=True)
@@ -126,7 +125,7 @@ class AdaptiveResult(Generic[F]):
         """Return whether the cells of ``mesh`` are as small along another mechanism as along the mechanism of
         ``mesh``."""
         mechanism = self.result.mechanism
-        return mechanism is not None and self._band(other) <= ALIKE * self._band(mechanism)
+        return mechanism is not None and self._band(other) <= SIMILAR_SIZE_RATIO * self._band(mechanism)
 
     def _band(self, mechanism: FieldState) -> float:
         """Return the mean size (m) of the cells, weighted by the shear displacement of a mechanism across them."""
@@ -138,7 +137,7 @@ class AdaptiveResult(Generic[F]):
 def remaining_error(before: MeshRound, cells: int, value: float) -> float:
     """Return the discretisation error of ``value`` (-) on a mesh of ``cells``, extrapolated from the mesh
     ``before``."""
-    return (before.value - value) / max(cells / before.cells - 1.0, LEAST_GAIN)
+    return (before.value - value) / max(cells / before.cells - 1.0, SMALLEST_CELL_GAIN)
 
 
 def nothing() -> float:
@@ -215,9 +214,9 @@ class MeshSequence(Generic[F]):
             self._fits is not None and mechanism is not None and self._fits(mechanism)
         )
         cells = len(mesh.cells)
-        more = MORE_CELLS if len(self._rounds) > 1 else FEWER_CELLS if self._is_adapted else 1.0
+        more = CELL_RATIO if len(self._rounds) > 1 else SMALLEST_CELL_RATIO if self._is_adapted else 1.0
         wanted = max(math.ceil(more * cells), FEWEST_CELLS)
-        if wanted > self._wish.max_cells >= FEWER_CELLS * cells and self._largest < MOST_LARGEST:
+        if wanted > self._wish.max_cells >= SMALLEST_CELL_RATIO * cells and self._largest < MOST_LARGEST_MESHES:
             wanted, self._largest = self._wish.max_cells, self._largest + 1
         self._reason = _reason_to_stop(self._rounds, answer, wanted, self._wish)
         if not self._reason:
@@ -247,11 +246,11 @@ class MeshSequence(Generic[F]):
             return MeshRound(cells, value, math.inf, math.inf)
         before, size = self._rounds[-1], max(abs(value), SMALLEST_KH)
         left = remaining_error(before, cells, value)
-        rest = (left if left >= 0.0 else -RISEN * left) / size
+        rest = (left if left >= 0.0 else -RISE_RATIO * left) / size
         if value > min(mesh.value for mesh in self._rounds) and math.isfinite(before.rest):
             # After a rise, an answer that stays above an earlier one has at least the error of before, on more cells.
             rest = max(rest, before.rest * before.cells / cells)
-        tells = left >= 0.0 or cells >= (1.0 + LEAST_GAIN) * before.cells
+        tells = left >= 0.0 or cells >= (1.0 + SMALLEST_CELL_GAIN) * before.cells
         return MeshRound(cells, value, abs(value - before.value) / size, rest, tells)
 
 
@@ -265,7 +264,7 @@ def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wi
         )
     if result.mechanism is None:
         return f"there is no mechanism to refine: {result.reason}"
-    rest = min(FIRST_REST, REST_TIMES * last.rest)
+    rest = min(FIRST_ERROR_SHARE, LATER_ERROR_RATIO * last.rest)
     if last.value * (1.0 - rest) > wish.other():
         return "the other direction governs"
     if wanted > wish.max_cells:

@@ -19,11 +19,11 @@ from meshes.gmsh_model import generate
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 
-# Cells of the three meshes, the factor on these numbers up to which thin layers may raise them, and the largest work on
-# all three meshes (s on the reference machine of ``cone_program``).
-CELLS, MOST_TIMES, WORK = (300, 375, 450), 1.8, 15.0
-# Largest difference between the meshes, as a share of the last answer: beyond it, the mesh decides.
-SPREAD = 0.15
+# Number of cells of the three meshes; largest factor on these numbers for thin layers; largest computing work on all
+# three meshes (s on the reference machine of ``cone_program``).
+MESH_CELLS, LARGEST_CELL_RATIO, MOST_WORK = (300, 375, 450), 1.8, 15.0
+# Largest difference between the meshes, as a share of the last answer, up to which the answer is reported.
+LARGEST_SPREAD = 0.15
 
 
 @dataclass(frozen=True)
@@ -54,13 +54,13 @@ def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult
     settings = settings.changed(flow="associated", direction=known.direction)
     values: list[float] = []
     sizes: list[int] = []
-    left = WORK
+    left = MOST_WORK
     area = float(section.layering.areas().sum())
-    for cells in CELLS:
+    for cells in MESH_CELLS:
         try:
             mesh = generate(section, MeshSettings(size=math.sqrt(area / cells)))
             sizes.append(len(mesh.cells))
-            if sizes[-1] > MOST_TIMES * cells:
+            if sizes[-1] > LARGEST_CELL_RATIO * cells:
                 return OwnDilation(tuple(sizes), reason="thin layers need too many cells")
             full = critical_limit_load(section, mesh, settings, faces=known.ground.faces)
         except (NoAnswerError, InputError) as error:
@@ -75,6 +75,6 @@ def own_dilation(section: Section, settings: FemSettings, known: LimitLoadResult
             return OwnDilation(tuple(sizes), reason=result.reason)
         values.append(result.kh)
     low, high = min(values), max(values)
-    if high - low > SPREAD * abs(values[-1]):
+    if high - low > LARGEST_SPREAD * abs(values[-1]):
         return OwnDilation(tuple(sizes), None, low, high, "the values on the three meshes differ too much")
     return OwnDilation(tuple(sizes), values[-1], low, high)

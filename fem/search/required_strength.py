@@ -8,9 +8,9 @@ from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 
-# How near to 1 the factor of safety has to come, after how many factors of safety at most, and the largest multiple
-# of the strength that is tried.
-CLOSE, TRIALS, LARGEST_MULTIPLE = 0.005, 6, 100.0
+# Largest difference of the factor of safety from 1, largest number of factors of safety computed, and the largest
+# multiple of the strength that is tried.
+FACTOR_TOLERANCE, MOST_TRIALS, LARGEST_MULTIPLE = 0.005, 6, 100.0
 
 
 def required_multiple(
@@ -41,12 +41,12 @@ def required_multiple(
         answer.
     """
     before, at = (1.0, factor), 1.0 / factor  # all strengths over F: just enough, and more than these strata alone need
-    for _ in range(TRIALS):
+    for _ in range(MOST_TRIALS):
         safety = safety_factor(with_multiple(section, numbers, at), mesh, settings, 0.0)
         if safety.verdict == "undecided":
             break
         reduced = safety.factor
-        if abs(reduced - 1.0) <= CLOSE:
+        if abs(reduced - 1.0) <= FACTOR_TOLERANCE:
             return at
         rise = (reduced - before[1]) / (at - before[0])
         if rise <= 0.0:

@@ -3,11 +3,11 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-# Relative differences that count: of two numbers that must stand in an order, and of one thing computed twice.
-ROUNDING, NOTABLE = 0.005, 0.03
-# A finite element answer is allowed so much above a strict upper bound: cells leave no less. And so much in
-# Kh, which is that share of the strength and the weight of ground that stands with little to spare.
-ABOVE_BOUND, SMALL_KH = 0.005, 0.002
+# Relative differences that cause a warning: of two numbers in the wrong order, and of two computations of one number.
+ORDER_TOLERANCE, REPEAT_TOLERANCE = 0.005, 0.03
+# Difference by which the answer of finite elements may exceed a strict upper bound, which is their discretisation
+# error: as a share, and of Kh where Kh is small.
+BOUND_TOLERANCE, KH_TOLERANCE = 0.005, 0.002
 
 
 @dataclass(frozen=True)
@@ -53,22 +53,22 @@ def of_bounds(
     or of ψ = φ.
 
     If the critical Kh has a smaller ψ, only the upper bound of ψ = φ is used: ground that dilates less does not resist
-    more. A difference within the error of a mesh (`NOTABLE`) is a note, a larger one a contradiction. ``kc``: the value
-    that is checked; ``lower``, ``upper``: the bounds, None if there is none.
+    more. A difference within the error of a mesh (`REPEAT_TOLERANCE`) is a note, a larger one a contradiction. ``kc``:
+    the value that is checked; ``lower``, ``upper``: the bounds, None if there is none.
     """
     whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
-    if upper is not None and kc > upper + max(ABOVE_BOUND * upper, SMALL_KH):
+    if upper is not None and kc > upper + max(BOUND_TOLERANCE * upper, KH_TOLERANCE):
         yield ResultWarning(
             f"The {what} of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.0f} % above the strict upper bound{whose}, "
             f"{upper:.3f}.",
             f"take {upper:.3f} as an upper limit and refine the mesh",
-            contradiction=kc > upper + max(NOTABLE * upper, SMALL_KH),
+            contradiction=kc > upper + max(REPEAT_TOLERANCE * upper, KH_TOLERANCE),
         )
-    if same_flow and lower is not None and kc < lower - max(ROUNDING * lower, SMALL_KH):
+    if same_flow and lower is not None and kc < lower - max(ORDER_TOLERANCE * lower, KH_TOLERANCE):
         yield ResultWarning(
             f"The {what} of {kc:.3f} lies below the strict lower bound, {lower:.3f}.",
             f"take {lower:.3f} as a lower limit and refine the mesh",
-            contradiction=kc < lower - max(NOTABLE * lower, SMALL_KH),
+            contradiction=kc < lower - max(REPEAT_TOLERANCE * lower, KH_TOLERANCE),
         )
 
 
@@ -77,7 +77,7 @@ def of_others(kc: float, others: Iterable[Computed]) -> Iterator[ResultWarning]:
     for other in others:
         without = other.without or kc
         change = other.kc / without - 1.0
-        if abs(change) > NOTABLE and abs(other.kc - without) > SMALL_KH:
+        if abs(change) > REPEAT_TOLERANCE and abs(other.kc - without) > KH_TOLERANCE:
             yield ResultWarning(
                 f"With {other.what} the critical Kh is {other.kc:.3f} instead of {without:.3f}, "
                 f"{100.0 * change:+.0f} %.",

@@ -15,8 +15,8 @@ from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from meshes.slip_line import slip_line
 
-# Points in each column: a band of shear is seldom thinner than a fiftieth of the ground's height.
-LEVELS = 100
+# Points in each column: a shear band is seldom thinner than a fiftieth of the height of the ground.
+POINTS_IN_COLUMN = 100
 
 
 def slip_surface(mesh: QuadMesh, state: FieldState, columns: int = 100) -> np.ndarray:
@@ -27,7 +27,7 @@ def slip_surface(mesh: QuadMesh, state: FieldState, columns: int = 100) -> np.nd
     edges = np.linspace(mesh.points[:, 0].min(), mesh.points[:, 0].max(), columns + 1)
     x = 0.5 * (edges[1:] + edges[:-1])
     base, ground = (_line(mesh, name, x)[:, None] for name in ("base", "surface"))
-    z = base + (ground - base) * (np.arange(LEVELS) + 0.5) / LEVELS
+    z = base + (ground - base) * (np.arange(POINTS_IN_COLUMN) + 0.5) / POINTS_IN_COLUMN
     speed = LinearNDInterpolator(mesh.points, np.hypot(*state.displacement.T))
     return slip_line(x, z, speed(np.broadcast_to(x[:, None], z.shape), z))
 

@@ -22,7 +22,7 @@ from fem.errors import UnstableError, answer_or_none
 from fem.limit_load.conic_safety_factor import LARGEST_FACTOR, FactorStart, conic_safety_factor, too_weak
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import (
-    UNDER_GRAVITY,
+    FIXED_UNDER_GRAVITY,
     apply_load,
     at_the_sides,
     gravity_equilibrium,
@@ -38,9 +38,9 @@ from meshes.quad_mesh import QuadMesh
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
-# Divisors of the strength to start from, the ordinary ground first, then ever stronger ground.
-STARTS = (1.0, 0.5, 0.2, 1.0 / LARGEST_FACTOR)
-# A change of the factor that adds as much to the arc length as the reference displacement.
+# Divisors of the strength at which the path starts: the actual ground first, then ever stronger ground.
+FIRST_DIVISORS = (1.0, 0.5, 0.2, 1.0 / LARGEST_FACTOR)
+# Change of the factor whose contribution to the arc length equals that of the reference displacement.
 FACTOR_UNIT = 0.1
 # The reference displacement, in elastic displacements under all of the load.
 DISPLACEMENT_UNIT = 0.1
@@ -205,13 +205,14 @@ def _standing_ground(
     section: Section, mesh: QuadMesh, settings: FemSettings, kh: float, comm: Any, faces: Sequence[ShallowFailure]
 ) -> tuple[PlaneStrain, np.ndarray, np.ndarray, float]:
     """Return the ground in equilibrium under its weight and ``kh``, its constant nodal forces and those of ``kh``
-    (N/m), and the first of ``STARTS`` by which its strength could be divided; raise UnstableError if there is none."""
-    for start in STARTS:
+    (N/m), and the first of ``FIRST_DIVISORS`` by which its strength could be divided; raise UnstableError if there is
+    none."""
+    for start in FIRST_DIVISORS:
         try:
             problem, constant, _ = gravity_equilibrium(section, mesh, settings, comm, faces, start, kh != 0.0)
             load = kh * seismic_load(problem, mesh, section, seismic_sign(section, settings))
             if kh == 0.0 and settings.sides != "periodic":
-                problem.hold(UNDER_GRAVITY)
+                problem.hold(FIXED_UNDER_GRAVITY)
             if kh != 0.0:
                 apply_load(problem, constant, load, settings)
             return problem, constant, load, start

@@ -11,9 +11,9 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.section.stratum import Stratum
 
-STRENGTHENED = ", strengthened from x = "  # between the name of the stratum and the start of the zone
-TIMES = 10.0  # of the largest overburden pressure: the additional cohesion of a strong zone
-ALL = 1e6  # m: a depth below the base
+ZONE_SUFFIX = ", strengthened from x = "  # between the name of the stratum and the start of the zone
+COHESION_RATIO = 10.0  # of the largest overburden pressure: the additional cohesion of a strong zone
+UNLIMITED_DEPTH = 1e6  # m: a depth below the base
 
 
 @dataclass(frozen=True)
@@ -23,12 +23,12 @@ class StrongZone:
     Attributes
     ----------
     start, end : both ends of the zone (m)
-    depth : depth of the zone below the ground (m); ``ALL`` for the whole depth down to the base
+    depth : depth of the zone below the ground (m); ``UNLIMITED_DEPTH`` for the whole depth down to the base
     """
 
     start: float
     end: float
-    depth: float = ALL
+    depth: float = UNLIMITED_DEPTH
 
 
 def with_strong_zones(section: Section, zones: Sequence[StrongZone]) -> Section:
@@ -45,13 +45,13 @@ def with_strong_zones(section: Section, zones: Sequence[StrongZone]) -> Section:
     layers, strata = section.layering, section.strata
     heaviest = max(max(stratum.density_ordinary, stratum.density_seismic) for stratum in strata)
     height = float((layers.left[:, 0] - layers.left[:, -1]).max())
-    added = TIMES * GRAVITY * heaviest * height
+    added = COHESION_RATIO * GRAVITY * heaviest * height
     divided: list[Stratum] = []
     for k, soil in enumerate(strata):
         for zone in zones:
             points = strip_bottom(layers, zone.start, zone.end, k, zone.depth)
             if points:
-                name = f"{soil.name}{STRENGTHENED}{zone.start:.10g} m"
+                name = f"{soil.name}{ZONE_SUFFIX}{zone.start:.10g} m"
                 change = {"cohesion": soil.cohesion + added, "tension": None}
                 divided.append(soil.model_copy(update={"name": name, "bottom": Line(elevation=points), **change}))
         divided.append(soil)

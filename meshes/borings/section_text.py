@@ -13,7 +13,7 @@ from meshes.borings.log import Log
 
 CLAYEY = 50.0  # % of fines from which a layer is taken for cohesive
 STEEPEST = 45.0  # degrees
-WIDER = 1.5  # heights of the section that it goes on past the borings: its sides are meant to be far from a slide
+WIDER = 1.5  # heights of the section by which it extends beyond the borings, so that its sides are far from a slide
 
 
 def text_of(connected: Connected, name: str) -> str:
@@ -38,19 +38,19 @@ def _head(connected: Connected, name: str) -> Iterator[str]:
     base = min(min(log.bottom for log in logs), float(above.min()) - 1.0)  # the lowest stratum is somewhere 1 m thick
     yield f"base = {{ elevation = {math.floor(base * 10.0) / 10.0:g} }}     # the deepest boring; firm ground is better"
     wide = 10.0 * math.ceil(WIDER * (max(log.ground_level for log in logs) - base) / 10.0)
-    yield f'beyond = "{wide:g} m"                 # ground, layers and water go on so far past the borings, level'
+    yield f'beyond = "{wide:g} m"                 # ground, layers and water continue level this far'
     yield ""
     water = [(boring.x, boring.log.water_level) for boring in connected.borings if boring.log.water_level is not None]
     yield "[water]"
     if len(water) > 1:
         x, level = np.array(water).T
         across = np.unique([connected.x[0], *x, connected.x[-1]])
-        comment = "     # continues level past the borings that say it" if len(across) > len(x) else ""
+        comment = "     # level beyond the borings that report it" if len(across) > len(x) else ""
         yield f"table = {_points(across, np.interp(across, x, level))}{comment}"
     elif water:
         yield f"table = {water[0][1]:g}"
     else:
-        yield "# table = 0.0                     # no boring says where the water stands"
+        yield "# table = 0.0                     # no boring reports the water level"
     yield ""
 
 
@@ -68,7 +68,7 @@ def _strata(connected: Connected) -> Iterator[str]:
             yield f"bottom = {{ elevation = {_points(connected.x, connected.bottoms[k])} }}"
         weights = list(dict.fromkeys(layer.unit_weight for layer in layers if layer.unit_weight))
         if weights:
-            more = f"      # the borings also say {', '.join(weights[1:])}" if len(weights) > 1 else ""
+            more = f"      # other borings report {', '.join(weights[1:])}" if len(weights) > 1 else ""
             yield f"density = {_quantity(weights[0])}{more}"
         else:
             yield '# density = "18 kN/m^3"           # not measured: give it'
@@ -88,15 +88,15 @@ def _soil(counts: list[Sample]) -> Iterator[str]:
     fines = [sample.fines for sample in counts if sample.fines is not None]
     clayey = bool(fines) and float(np.mean(fines)) >= CLAYEY
     stiff = max(2.8 * blows, 1.0)
-    yield f'youngs_modulus = "{stiff:.3g} MPa"      # a guess: 2800 kPa times N = {blows:.3g} (highway code)'
-    yield f"poissons_ratio = {0.45 if clayey else 0.33}              # a guess"
+    yield f'youngs_modulus = "{stiff:.3g} MPa"      # estimated: 2800 kPa times N = {blows:.3g} (highway code)'
+    yield f"poissons_ratio = {0.45 if clayey else 0.33}              # estimated"
     if clayey:
-        yield f'cohesion = "{max(6.25 * blows, 1.0):.3g} kPa"          # a guess: 6.25 kPa times N (Terzaghi & Peck)'
+        yield f'cohesion = "{max(6.25 * blows, 1.0):.3g} kPa"          # estimated: 6.25 kPa times N (Terzaghi & Peck)'
         yield 'friction_angle = "0 deg"'
     else:
         yield 'cohesion = "0 kPa"'
         angle = min(STEEPEST, 15.0 + math.sqrt(15.0 * blows))
-        yield f'friction_angle = "{angle:.1f} deg"      # a guess: 15 + √(15 N), at most 45 (highway code)'
+        yield f'friction_angle = "{angle:.1f} deg"      # estimated: 15 + √(15 N), at most 45 (highway code)'
         yield '# liquefies_in = "triggered"      # with a table [earthquake]'
 
 

@@ -120,7 +120,7 @@ class SmoothPlane:
         return GRAVITY * float(np.sin(self.slope))
 
     def speed(self, seconds: float) -> float:
-        """Return the speed (m/s) after a time from rest."""
+        """Return the speed (m/s) of a block that has accelerated uniformly from rest for a time (s)."""
         return self.acceleration * seconds
 
     def distance(self, seconds: float) -> float:

@@ -21,7 +21,7 @@ LESS, LESS_SHARE = 0.1, 0.03
 # A surface that falls by so much (m), and so many times the mean of its upslope third, does not show in that mean.
 FALLS, FALLS_TIMES = 0.5, 3.0
 NEAR_SIDE = 0.05  # of the length of the section: what falls so near to a side slides away from it
-# Discs that lose such a share of their critical Kh on the way to it do not bear it where it is held.
+# Discs whose Kh falls by this share of their critical Kh before they reach it do not resist it as a constant Kh.
 FALLEN = 0.25
 # Shares of the largest slide by which the uphill end of a section moves where a slide goes on behind it; and the
 # largest slide (m) below which that does not matter.

@@ -60,7 +60,10 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
     lower = strict.lower if strict is not None and strict.lower > 0.0 else None
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
     notes += _on_factors(nothing, weight, strict)
-    bracket, unstable = None, ""  # why ground that stands between held sides does not between its own
+    bracket, unstable = (
+        None,
+        "",
+    )  # why ground that stands between fixed sides does not stand with the sides of the settings
     if lower is not None and lower > 1.0:
         bracket, unstable = _between_own_sides(section, fem, bounds_settings, notes)
     notes += _on_bounds(fem, kc, strict, bracket)

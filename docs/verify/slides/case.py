@@ -53,7 +53,7 @@ class Column(Model):
 class UniformSlope(Model):
     """A layer that liquefies under a crust on an endless slope: how far the crust slides under Kh, or on a shaken base.
 
-    Kh is held for ``seconds``, or reverses in ``cycles`` of a ``period``, or is the peak of a ``record``.
+    Kh is constant for ``seconds``, or reverses in ``cycles`` of a ``period``, or is the peak of a ``record``.
     """
 
     kind: Literal["uniform slope"]

@@ -5,7 +5,7 @@ import math
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from fem.path.line_search import LONGEST, MOST_LENGTHS, SLOPE_LEFT, LineSearch
+from fem.path.line_search import LONGEST_STEP, MOST_TRIALS, REMAINING_SLOPE, LineSearch
 
 
 @given(
@@ -23,16 +23,16 @@ def test_the_search_ends_where_the_potential_hardly_falls(kinks, stiffer, first)
     search, tried = LineSearch(slope(0.0)), 0
     while not search.ends(slope(search.part)):
         tried += 1
-    assert tried < MOST_LENGTHS
-    assert 0.0 < search.part <= LONGEST
-    if tried < MOST_LENGTHS - 1:
-        assert abs(slope(search.part)) <= SLOPE_LEFT or math.isclose(search.part, LONGEST)
+    assert tried < MOST_TRIALS
+    assert 0.0 < search.part <= LONGEST_STEP
+    if tried < MOST_TRIALS - 1:
+        assert abs(slope(search.part)) <= REMAINING_SLOPE or math.isclose(search.part, LONGEST_STEP)
 
 
-@given(slopes=st.lists(st.floats(-2.0, 2.0) | st.just(math.nan), min_size=MOST_LENGTHS + 1, max_size=MOST_LENGTHS + 1))
-@example(slopes=[-1.0] * (MOST_LENGTHS + 1))
+@given(slopes=st.lists(st.floats(-2.0, 2.0) | st.just(math.nan), min_size=MOST_TRIALS + 1, max_size=MOST_TRIALS + 1))
+@example(slopes=[-1.0] * (MOST_TRIALS + 1))
 def test_the_search_ends_whatever_the_slopes(slopes) -> None:
     search = LineSearch(slopes[0])
     tried = next(number for number, slope in enumerate(slopes[1:], 1) if search.ends(slope))
-    assert tried <= MOST_LENGTHS
-    assert 0.0 < search.part <= LONGEST
+    assert tried <= MOST_TRIALS
+    assert 0.0 < search.part <= LONGEST_STEP

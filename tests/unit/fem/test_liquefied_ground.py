@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.continuum.liquefied_ground import LEAST, liquefied_section
+from fem.continuum.liquefied_ground import LEAST_STRENGTH_RATIO, liquefied_section
 from fem.limit_load.limit_load import weight_borne
 from fem.settings import FemSettings
 from meshes import generate
@@ -40,7 +40,7 @@ def test_what_is_left_of_a_stratum() -> None:
     half = liquefied_section(section.section, {0: Remains(1.0, 0.5, 0.0)}).strata[0]
     assert math.tan(half.friction_angle) == pytest.approx(0.5 * math.tan(math.radians(32.0)))
     nothing = liquefied_section(section.section, {0: Remains(0.0, 0.0, 0.0)}).strata
-    assert nothing[0].cohesion == pytest.approx(LEAST * stress)
+    assert nothing[0].cohesion == pytest.approx(LEAST_STRENGTH_RATIO * stress)
     assert nothing[1] == section.section.strata[1]
 
 

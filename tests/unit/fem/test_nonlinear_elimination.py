@@ -9,9 +9,9 @@ from mpi4py import MPI
 from fem.continuum.plane_strain import PlaneStrain
 from fem.limit_load.limit_load import critical_limit_load
 from fem.path import newton as continuation
-from fem.path.gravity import UNDER_GRAVITY, at_the_sides, bring_to_rest
+from fem.path.gravity import FIXED_UNDER_GRAVITY, at_the_sides, bring_to_rest
 from fem.path.newton import ProportionalLoad, residual_of
-from fem.path.nonlinear_elimination import ALIKE, LocalSubproblem
+from fem.path.nonlinear_elimination import FINAL_FORCE_RATIO, LocalSubproblem
 from fem.search.adaptive import next_mesh
 from fem.settings import FemSettings
 from meshes.gmsh_model import generate
@@ -41,7 +41,7 @@ class StartedProblem:
 @pytest.fixture
 def started(mesh) -> StartedProblem:
     problem, weight, _ = at_the_sides(BANK_OF_SAND, mesh, SETTINGS, MPI.COMM_SELF)
-    problem.hold(UNDER_GRAVITY)
+    problem.hold(FIXED_UNDER_GRAVITY)
     load = ProportionalLoad(np.zeros_like(weight), weight)
     problem.use_elastic_tangent()
     problem.factorise()
@@ -59,7 +59,9 @@ def test_a_pocket_comes_to_rest_and_nothing_around_it_moves(started) -> None:
     left = np.abs(residual_of(started.problem, started.load, after, 1.0, 1.0)[0])
     before = np.abs(started.unbalanced)
     assert (
-        left[subproblem.components].max() <= 1.01 * ALIKE * before[outside].max() < before[subproblem.components].max()
+        left[subproblem.components].max()
+        <= 1.01 * FINAL_FORCE_RATIO * before[outside].max()
+        < before[subproblem.components].max()
     )
 
 
@@ -82,7 +84,7 @@ def test_a_river_bank_of_bare_sand_comes_to_the_same_rest_with_fewer_corrections
         return path.solves, problem.stress
 
     corrections, stress = settled()
-    monkeypatch.setattr(continuation, "SHORT", 0.0)
+    monkeypatch.setattr(continuation, "ELIMINATION_STEP", 0.0)
     more, same = settled()
     assert corrections < 0.8 * more
     assert np.abs(stress - same).max() < 3e-5 * np.abs(same).max()  # measured: 1.1e-5, 2.5 Pa

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fem.search.face_limits import FaceLimit
-from fem.search.strong_zones import ALL, StrongZone
+from fem.search.strong_zones import UNLIMITED_DEPTH, StrongZone
 from meshes.executor import OneThread
 from tests.support.answers import bounds, fem, results
 from tests.unit.workflow.test_verdicts import by_slices, levee, sunk
@@ -50,16 +50,18 @@ def test_ground_in_front_of_the_levee_is_held_where_its_circle_ends_before() -> 
     section = levee().section
     (structure,) = structures_of(section)
     near = ((52.0, 10.0), (60.0, 9.0), (70.0, 15.0))
-    assert zones_against(section, structure, LEFT, BANK, near, (), 0.5) == (StrongZone(0.0, 48.0, ALL),)
+    assert zones_against(section, structure, LEFT, BANK, near, (), 0.5) == (StrongZone(0.0, 48.0, UNLIMITED_DEPTH),)
 
 
 def test_a_failure_to_the_other_side_is_excluded_behind_the_crest() -> None:
     section = levee().section
     (structure,) = structures_of(section)
     zones = zones_against(section, structure, LEFT, LANDWARD, WHOLE, (), 0.5)
-    assert zones == (StrongZone(72.0, 140.0, ALL),)
+    assert zones == (StrongZone(72.0, 140.0, UNLIMITED_DEPTH),)
     assert zones_against(section, structure, LEFT, LANDWARD, WHOLE, zones, 0.5) is None  # the zone exists already
-    assert zones_against(section, structure, RIGHT, BANK, LANDWARD, (), 0.5) == (StrongZone(0.0, 66.0, ALL),)
+    assert zones_against(section, structure, RIGHT, BANK, LANDWARD, (), 0.5) == (
+        StrongZone(0.0, 66.0, UNLIMITED_DEPTH),
+    )
 
 
 def test_the_side_of_the_river_is_that_of_free_water() -> None:

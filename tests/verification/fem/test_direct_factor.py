@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from fem.errors import UnstableError
-from fem.limit_load.conic_safety_factor import CLOSE
+from fem.limit_load.conic_safety_factor import NEWTON_STEP
 from fem.search.adaptive import AdaptiveSearch
 from fem.search.strength_reduction import SafetyFactor, limit_load_safety_factor, safety_factor
 from fem.settings import FemSettings
@@ -62,7 +62,7 @@ def test_an_embankment_that_spreads_to_both_sides_is_between_its_bounds():
 def test_the_factor_is_the_same_wherever_the_search_begins(guess):
     near = factor_of("taylor_60_10").factor
     result = factor_of("taylor_60_10", guess)
-    assert result.factor == pytest.approx(near, rel=CLOSE**2)
+    assert result.factor == pytest.approx(near, rel=NEWTON_STEP**2)
     assert result.mechanism is not None
     shear = result.mechanism.plastic_shear_strain
     assert np.all(result.mechanism.failed[shear > 0.2 * shear.max()])  # of the strength over the factor
@@ -99,7 +99,7 @@ def test_the_factor_divides_the_strength_exactly():
     weak = Section.parse(data, "weaker")
     wish = case.fem.model_copy(update={"flow": "associated"})
     result = limit_load_safety_factor(weak, generate(weak, case.mesh), wish, 0.0, MPI.COMM_SELF, 1.3)
-    assert result.factor == pytest.approx(1.0, rel=CLOSE**2)
+    assert result.factor == pytest.approx(1.0, rel=NEWTON_STEP**2)
 
 
 def test_ground_that_stands_with_a_twentieth_of_its_strength_has_no_factor():
