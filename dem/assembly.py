@@ -8,7 +8,7 @@ import numpy as np
 from dem.pair_table import LineStrengths, strength_of_each
 from dem.springs import Law, LayerSprings, Mean, Strength
 
-SHORTEST = 12.0  # period, in largest radii: twice as many cells of the neighbour list as it must have
+SHORTEST_PERIOD = 12.0  # largest radii: twice the length that the cells of the neighbour list require
 
 
 class DiscGeometry:
@@ -124,8 +124,8 @@ class DiscBoundary:
 
     def check_period(self, law: Law, largest: float) -> None:
         """Raise ValueError unless the period fits the contact law and the largest radius (m)."""
-        if self.period is not None and (law != "soil" or not self.period[0] >= SHORTEST * largest):
+        if self.period is not None and (law != "soil" or not self.period[0] >= SHORTEST_PERIOD * largest):
             raise ValueError(
-                f"discs: periodic sides need law='soil' and a period of at least {SHORTEST:g} times the largest radius "
-                f"of {largest:g} m; the law is {law!r} and the period {self.period[0]:g} m"
+                f"discs: periodic sides need law='soil' and a period of at least {SHORTEST_PERIOD:g} times the largest "
+                f"radius of {largest:g} m; the law is {law!r} and the period {self.period[0]:g} m"
             )

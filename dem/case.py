@@ -11,12 +11,12 @@ from meshes.section.quantity import Quantity, Strength
 from meshes.section.section import Model, Section
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
-LIQUEFIED = (50.0, 1e6)  # Pa: what residual strengths are, from a slurry to dense ground
+RESIDUAL_STRENGTH_RANGE = (50.0, 1e6)  # Pa: from a slurry to dense ground
 
 
 def _of_liquefied_soil(strength: Quantity) -> Quantity:
     """Check a residual strength (Pa). Raises ValueError with a suggestion for values that no soil has."""
-    least, most = LIQUEFIED
+    least, most = RESIDUAL_STRENGTH_RANGE
     if strength == 0.0 or least <= strength <= most:
         return strength
     factor = 1e3 if strength < least else 1e-3
@@ -140,7 +140,7 @@ LOOSE_SAND = (
     Case(name="low strength", residual=0.0525, strain_potential=0.5),
     Case(name="high strength", residual=0.12, strain_potential=0.38),
 )
-SOFTENED = (Case(stiffness=0.1), Case(stiffness=0.02), Case(stiffness=0.01))  # of the paper
+PAPER_CASES = (Case(stiffness=0.1), Case(stiffness=0.02), Case(stiffness=0.01))  # of the paper
 
 
 def cases_of_loose_sand(section: Section) -> tuple[Case, ...]:
@@ -165,7 +165,7 @@ def cases_of_loose_sand(section: Section) -> tuple[Case, ...]:
             parts.setdefault(whole_soil(stratum.name), []).append(k)
     stress = section.cohesion_field.mean_effective_stress
     means = {soil: float(np.average([stress(k) for k in ks], weights=areas[ks])) for soil, ks in parts.items()}
-    least = LIQUEFIED[0]
+    least = RESIDUAL_STRENGTH_RANGE[0]
     return tuple(
         case.changed(
             residual=0.0,

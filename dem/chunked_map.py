@@ -11,7 +11,7 @@ import numpy as np
 
 from dem.kernels.neighbours import Near, cell_grid, find_pairs
 
-FEW = 20_000  # of fewer discs one thread has found the neighbours before another has begun
+FEW_DISCS = 20_000  # below which one thread is faster than several
 
 
 class Ranges(Protocol):
@@ -30,7 +30,7 @@ def threaded(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
     """Call `work` with as many ranges as threads, if there are so many discs that threads save time."""
 
     def shared(work: Callable[[int, int], Any], n: int) -> list[Any]:
-        if pool is None or threads == 1 or n < FEW:
+        if pool is None or threads == 1 or n < FEW_DISCS:
             return serial(work, n)
         ends = [n * k // threads for k in range(threads + 1)]
         others = [pool.submit(work, *ends_of_range) for ends_of_range in pairwise(ends[1:])]

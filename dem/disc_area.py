@@ -5,7 +5,7 @@ from scipy.spatial import Delaunay
 
 from dem.model import DiscModel
 
-LONG = 4.0  # mean radii: neighbours are nearer; triangles with longer sides bridge the surface
+LONGEST_SIDE = 4.0  # mean radii: distance of neighbours at most; triangles with longer sides lie outside the ground
 
 
 def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
@@ -18,7 +18,7 @@ def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
     corners = Delaunay(points).simplices
     edges = np.roll(points[corners], -1, axis=1) - points[corners]
     lengths = np.hypot(edges[..., 0], edges[..., 1])
-    close = (lengths < LONG * float(start.radius.mean())).all(axis=1)
+    close = (lengths < LONGEST_SIDE * float(start.radius.mean())).all(axis=1)
     corners, edges, lengths = corners[close], edges[close], lengths[close]
     behind = -np.roll(edges, 1, axis=1)
     cosine = (edges * behind).sum(axis=-1) / (lengths * np.roll(lengths, 1, axis=1))

@@ -22,8 +22,8 @@ from meshes.section.base_impedance import base_impedance
 from meshes.section.polyline import downhill
 from meshes.section.section import Section
 
-LOOSER = 0.1  # porosity beyond that asked for
-SOON = 1e-3  # s in which what a record begins or ends with comes on and goes
+POROSITY_TOLERANCE = 0.1  # above the requested porosity
+TAPER = 1e-3  # s: length of the taper at either end of a record
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ class Ground:
     def recorded_acceleration(self, times: np.ndarray, acceleration: np.ndarray) -> Acceleration:
         """Return the acceleration of the discs for a horizontal acceleration (m/s2) given at some times (s), positive
         downslope; zero before and after."""
-        before, after = times[:1] - SOON, times[-1:] + SOON
+        before, after = times[:1] - TAPER, times[-1:] + TAPER
         felt = self.downhill * np.concatenate([[0.0], acceleration, [0.0]])
         return Acceleration(np.concatenate([before, times, after]), felt * np.cos(self.tilt), felt * np.sin(self.tilt))
 
@@ -275,6 +275,6 @@ def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> G
             lambda porosity: random_packing(
                 outline, section.stratum_at, radius, spread=settings.spread, porosity=porosity, seed=settings.seed
             ),
-            settings.porosity + np.arange(0.0, LOOSER, 0.01),
+            settings.porosity + np.arange(0.0, POROSITY_TOLERANCE, 0.01),
         )
     return Ground(packing, kind, radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)

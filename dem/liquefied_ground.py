@@ -16,24 +16,34 @@ from dem.pressure_shear import take_back_shear
 from dem.state import DiscState
 
 REACH = 2.0  # mean diameters: with 1.6 the pressure alone would hold a hundredth of itself as shear
-WATER = 30.0  # stiffness of the pore water over the mean overburden
-VISCOUS = 0.3  # viscosity of volume over density, speed of sound in the water, and reach
-LEAST_STRAIN = 0.004  # at which residual strength is reached: stiffer bonds want shorter steps
-MOST_STRAIN = 0.02  # so that the strength is there before 5 %
+WATER_STIFFNESS = 30.0  # stiffness of the pore water over the mean overburden
+BULK_VISCOSITY = 0.3  # viscosity of volume over density, speed of sound in the water, and reach
+SMALLEST_STRAIN = 0.004  # at which residual strength is reached at the earliest: stiffer bonds require shorter steps
+LARGEST_STRAIN = 0.02  # at which it is reached at the latest, well before 5 %
 SHEAR_MODULUS = 0.23  # of patches of soil discs, over kn: their E is 0.6 kn, with a Poisson's ratio of 0.3
-LOOSE, LOOSER = 0.95, 0.85  # of the median density of a layer: discs at a free surface, looser than that, take this
-SOFTEST = 1.2  # time between two looks at pairs times a bound on their highest frequency
-BALANCED = 0.6  # of the longest time between two looks: with more, ground of clay alone gains energy as it slides
+LOOSE_DENSITY, LOOSEST_DENSITY = (
+    0.95,
+    0.85,
+)  # of the median density of a layer: discs at a free surface, looser than that, take this
+LONGEST_INTERVAL = 1.2  # time between two updates of pair forces, times a bound on their highest angular frequency
+BALANCED_INTERVAL = (
+    0.6  # of the longest time between two looks: with more, ground of clay alone gains energy as it slides
+)
 MOST_STEPS = 4  # between two looks: half a period of the fastest contacts, beyond which these resonate
-ADJUSTS = 40.0  # change of the strength of bonds by the strain, over what the stress held lacks: 1/e within 1/40
-MOST_LACKING = 0.5  # of the strength asked for: ground that turns without strain does work against its bonds as well
-MOST_CHANGE = 0.1  # from list to list
+ADJUSTMENT_RATE = (
+    40.0  # change of the strength of bonds by the strain, over what the stress held lacks: 1/e within 1/40
+)
+LARGEST_DEFICIT = 0.5  # of the requested strength: bonds also resist rotation without strain
+LARGEST_CHANGE = 0.1  # from one neighbour list to the next
 # Of the strength asked for: discs with few neighbours tell little. Beside rough ground that does not liquefy,
 # pressure along lines of centres bears a third of the shear stress, and all of it about single discs.
 LEAST_FACTOR, MOST_FACTOR = 0.1, 2.0
 LEAST_STRENGTH = 1.0  # Pa
-SLIPS, FLOWS = 0.8, 0.9  # share of the strength of bonds: ground with less does not slip, with more all of it does
-NEEDED = 3  # columns of cells in a period
+NO_SLIP_SHARE, FULL_SLIP_SHARE = (
+    0.8,
+    0.9,
+)  # share of the strength of bonds: ground with less does not slip, with more all of it does
+FEWEST_COLUMNS = 3  # columns of cells in a period
 
 
 class Onset(NamedTuple):
@@ -103,11 +113,13 @@ def match_strength(state: DiscState) -> None:
     if not state.rough_base:
         measured[state.liquefied_i[state.fixed[state.liquefied_j]]] = False
         measured[state.liquefied_j[state.fixed[state.liquefied_i]]] = False
-    slipped = np.where(measured, np.clip((used - SLIPS) / (FLOWS - SLIPS), 0.0, 1.0), 0.0) * strain
+    slipped = (
+        np.where(measured, np.clip((used - NO_SLIP_SHARE) / (FULL_SLIP_SHARE - NO_SLIP_SHARE), 0.0, 1.0), 0.0) * strain
+    )
     factor = state.strength_factor
     required = np.maximum(wet[:, bond.STRENGTH] / factor, LEAST_STRENGTH)
-    lacking = np.clip(1.0 - stress / required, -MOST_LACKING, MOST_LACKING)
-    change = np.clip(ADJUSTS * slipped * lacking, -MOST_CHANGE, MOST_CHANGE)
+    lacking = np.clip(1.0 - stress / required, -LARGEST_DEFICIT, LARGEST_DEFICIT)
+    change = np.clip(ADJUSTMENT_RATE * slipped * lacking, -LARGEST_CHANGE, LARGEST_CHANGE)
     now = np.clip(factor * np.exp(change), LEAST_FACTOR, MOST_FACTOR)
     change_strength(state, now / factor)  # at their stiffness, and with it the stable step, unchanged
     state.strength_factor = now
@@ -130,9 +142,9 @@ def liquefy(model: DiscState, onset: Onset) -> None:
             "discs: the laws of liquefied ground need law='soil'; with law='paper', liquefaction reduces the springs"
         )
     reach = model.reach or 2.0 * REACH * float(model.radius[~model.fixed].mean())
-    if model.period is not None and model.period[0] < NEEDED * (reach + model.skin):
+    if model.period is not None and model.period[0] < FEWEST_COLUMNS * (reach + model.skin):
         raise ValueError(
-            f"discs: liquefied ground needs a period of at least {NEEDED * (reach + model.skin):.3g} m, "
+            f"discs: liquefied ground needs a period of at least {FEWEST_COLUMNS * (reach + model.skin):.3g} m, "
             f"three times the range of its pore pressure kernel; it is {model.period[0]:g} m"
         )
     if not len(model.liquefied):
@@ -150,17 +162,19 @@ def liquefy(model: DiscState, onset: Onset) -> None:
     wet[:, bond.AT_X], wet[:, bond.AT_Z] = model.x, model.z
     for k in np.unique(model.layer[new]):
         here = new & (model.layer == k)
-        wet[here, bond.STIFFNESS] = WATER * float(onset.pressure[here].mean())
+        wet[here, bond.STIFFNESS] = WATER_STIFFNESS * float(onset.pressure[here].mean())
     list_liquefied(model)
     model.bonds[new[model.liquefied_i] | new[model.liquefied_j], bond.FRESH] = float(onset.peak)
     density = _densities(model)
     for k in np.unique(model.layer[new]):
         here = new & (model.layer == k)
         middle = np.median(density[here])
-        wet[here, bond.DENSITY] = np.where(density[here] < LOOSER * middle, LOOSE * middle, density[here])
+        wet[here, bond.DENSITY] = np.where(
+            density[here] < LOOSEST_DENSITY * middle, LOOSE_DENSITY * middle, density[here]
+        )
     wet[new, bond.NOW] = density[new]
     speed = np.sqrt(wet[new, bond.STIFFNESS] * model.mass[new] / wet[new, bond.AREA])  # density times speed of sound
-    wet[new, bond.VISCOSITY] = VISCOUS * model.reach * speed
+    wet[new, bond.VISCOSITY] = BULK_VISCOSITY * model.reach * speed
 
 
 def longest_look(model: DiscState) -> tuple[float, int]:
@@ -179,12 +193,12 @@ def longest_look(model: DiscState) -> tuple[float, int]:
     bonds = 2.4 * np.pi * FITTED * steepest * wet[:, bond.STRENGTH] / strain
     square = 2.0 * (bonds + 3.0 * wet[:, bond.STIFFNESS]) * wet[:, bond.AREA] / (model.mass[which] * model.reach**2)
     highest = int(np.argmax(square))
-    return float(SOFTEST / np.sqrt(square[highest])), int(which[highest])
+    return float(LONGEST_INTERVAL / np.sqrt(square[highest])), int(which[highest])
 
 
 def steps_between_looks(model: DiscState, dt: float) -> int:
     """Return the number of steps of dt (s) for which forces of liquefied ground are constant."""
-    return int(np.clip(BALANCED * longest_look(model)[0] / dt, 1, MOST_STEPS))
+    return int(np.clip(BALANCED_INTERVAL * longest_look(model)[0] / dt, 1, MOST_STEPS))
 
 
 def _densities(model: DiscState) -> np.ndarray:

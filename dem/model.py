@@ -32,8 +32,8 @@ from meshes.files import read_checkpoint, write_checkpoint
 
 # what changes its sign when the two discs of a pair change places
 SIGN_CHANGES = ("force_x", "force_z", "rolled", "torque")
-WIDEST = 0.125  # of the skin: across no more do discs of cohesive soil attract each other
-SORT_EVERY = 16  # lists made between two sortings in space
+ATTRACTION_GAP = 0.125  # largest gap, over the skin, across which discs of cohesive soil attract each other
+SORTING_INTERVAL = 16  # neighbour lists between two sortings in space
 
 
 class DiscModel(DiscState):
@@ -142,7 +142,7 @@ class DiscModel(DiscState):
 
     def make_list(self, in_ranges: Ranges = serial) -> None:
         """Make the neighbour list for the present positions; the history of contacts is copied."""
-        if self.lists_made % SORT_EVERY == 0:
+        if self.lists_made % SORTING_INTERVAL == 0:
             x, z = folded(self.x, self.z, self.repeats)
             self.order = spatial_order(x, z, 2.0 * self.radius.mean())
         self.lists_made += 1
@@ -346,4 +346,4 @@ def _table(
     layers: Sequence[LayerSprings], mean: Mean, law: Law, skin: float, strengths: Sequence[Strength | None]
 ) -> PairTable:
     """Return the constants of all contacts, including those with rigid lines."""
-    return with_line_strengths(pair_table(layers, mean, law, WIDEST * skin), strengths, law)
+    return with_line_strengths(pair_table(layers, mean, law, ATTRACTION_GAP * skin), strengths, law)

@@ -4,19 +4,19 @@ import numpy as np
 
 from dem.model import DiscModel
 
-WIDE = 2.0  # mean diameters to either side over which weight is spread
+SPREADING_WIDTH = 2.0  # mean diameters to either side over which weight is spread
 
 
 def effective_overburden(model: DiscModel) -> np.ndarray:
     """Return the vertical effective stress (n,) in Pa at the centres of all discs.
 
     The stress is the weight of all higher discs and of half the disc itself, with the forces of water and of loads on
-    the ground; the weight of each disc is distributed over `WIDE` mean diameters to either side. Fixed discs have no
-    weight.
+    the ground; the weight of each disc is distributed over `SPREADING_WIDTH` mean diameters to either side. Fixed discs
+    have no weight.
     """
     free = np.flatnonzero(~model.fixed)
     down = -model.mass * model.pull[1]
-    width = WIDE * 2.0 * float(model.radius[free].mean())
+    width = SPREADING_WIDTH * 2.0 * float(model.radius[free].mean())
     left, right = float((model.x - model.radius)[free].min()), float((model.x + model.radius)[free].max())
     length = right - left if model.period is None else model.period[0]
     columns = max(3, int(length / width))

@@ -21,7 +21,7 @@ StratumAt = Callable[[np.ndarray, np.ndarray], np.ndarray]
 ROW = np.sqrt(0.75)  # height of a row of a triangular lattice over its spacing
 OVERLAP = 0.01  # of the mean radius, that random packings are left with at most
 SWEEPS = 4000  # that push discs apart, at most
-ABOVE = 4  # rows that side walls stand higher than the surface
+WALL_ROWS = 4  # by which side walls are higher than the surface
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def lattice_box(columns: int, rows: int, radius: float) -> Packing:
         raise ValueError(f"a box needs at least 3 columns and a row, not {columns} and {rows}")
     step = 2.0 * radius
     xs, zs, layers = [], [], []
-    for row in range(-1, rows + ABOVE):
+    for row in range(-1, rows + WALL_ROWS):
         shift = 0.5 * ((row + 1) % 2)
         count = columns - (row + 1) % 2
         inside = (np.arange(count) + shift) * step
@@ -240,7 +240,8 @@ def densest(pack: Callable[[float], Packing], porosities: Iterable[float]) -> Pa
 
 
 def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the centres (n, 2) of boundary discs outside the walls, `ABOVE` rows higher at the sides, and rigid lines.
+    """Return the centres (n, 2) of boundary discs outside the walls, `WALL_ROWS` rows higher at the sides, and rigid
+    lines.
 
     Boundary discs are a diameter apart or a little less. At convex corners the lines extend past each other.
     """
@@ -252,7 +253,7 @@ def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray
     along = edge / length[:, None]
     outward = np.column_stack([along[:, 1], -along[:, 0]])
     wall = along[:, 0] > -1e-9  # a vertical side runs neither way
-    higher = ABOVE * 2.0 * radius * ROW
+    higher = WALL_ROWS * 2.0 * radius * ROW
     far = 10.0 * float(np.ptp(outline[:, 1])) + 100.0 * radius
     centres, lines = [], []
     n = len(corners)

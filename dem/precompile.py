@@ -23,7 +23,7 @@ from dem.springs import LayerSprings
 from meshes.compiled import kernel_folder
 from meshes.executor import Executor, LostError, Processes, Tell
 
-MARK = "discs"  # file beside the kernels: those of the discs are there
+MARK_FILE = "discs"  # name of the file that marks compiled kernels of the discs
 SOIL = LayerSprings(
     "any", kn=1e7, ks=5e6, cn=1e4, ct=1e4, kpn=0.0, kps=0.0, density=2000.0, effective_density=2000.0, friction=0.5,
     cohesion=0.0, contact_cohesion=1.0, rolling_friction=0.1,
@@ -32,7 +32,7 @@ SOIL = LayerSprings(
 
 def precompile(executor: Executor, tell: Tell) -> None:
     """Compile the kernels that take some seconds each, unless they are already compiled."""
-    mark = kernel_folder() / f"{MARK}-{_conditions()}"
+    mark = kernel_folder() / f"{MARK_FILE}-{_conditions()}"
     if not config.DISABLE_JIT and not mark.exists():
         tell("the step loop of the discs is compiled, once for this version of the program")
         executor.compute(_compiled, ("steps", "energies"))

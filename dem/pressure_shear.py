@@ -18,7 +18,7 @@ import numpy as np
 from dem.kernels import liquefied_pairs as bond
 from dem.state import DiscState
 
-NEAREST = 1e-9  # reaches: no pair counts as nearer
+SMALLEST_DISTANCE = 1e-9  # reaches: no pair counts as nearer
 
 
 def take_back_shear(state: DiscState) -> None:
@@ -38,7 +38,7 @@ def take_back_shear(state: DiscState) -> None:
     dx, dz = wet[j, bond.AT_X] - wet[i, bond.AT_X], wet[j, bond.AT_Z] - wet[i, bond.AT_Z]
     images = np.floor(dx / length + 0.5)
     dx, dz = dx - images * length, dz - images * rise
-    apart = np.maximum(np.hypot(dx, dz), NEAREST * state.reach)
+    apart = np.maximum(np.hypot(dx, dz), SMALLEST_DISTANCE * state.reach)
     nx, nz, q = dx / apart, dz / apart, np.minimum(apart / state.reach, 1.0)
     rest, scale = 1.0 - q, 7.0 / (np.pi * state.reach**2)
     width, slope = scale * rest**4 * (1.0 + 4.0 * q), -20.0 * scale * q * rest**3 / state.reach
@@ -56,14 +56,14 @@ def take_back_shear(state: DiscState) -> None:
 
     mean = _mean(over_pairs, i, j, np.where(inside, width, 0.0), np.where(liquefied, area, 0.0), scale)
     of_discs, degree = wet[:, bond.PRESSURE_TERM], wet[:, bond.SHARE]
-    most = np.maximum(np.maximum(degree[i], degree[j]), NEAREST)
+    most = np.maximum(np.maximum(degree[i], degree[j]), SMALLEST_DISTANCE)
     pressure = (2.0 - degree[j] / most) * of_discs[i] + (2.0 - degree[i] / most) * of_discs[j]
     pressure_force = -pressure * area[i] * area[j] * slope
     half, voids = 0.5 * pressure_force * apart, np.where(area > 0.0, area, 1.0)
     along_axes = mean(-shared(0.5 * half * (nx * nx - nz * nz)) / voids)  # (s_xx - s_zz) / 2
     across_axes = mean(-shared(half * nx * nz) / voids)  # s_xz
     lever = shared(share * apart)
-    per_stress = np.where(soft, -2.0 * area / np.maximum(lever, NEAREST * state.reach), 0.0)
+    per_stress = np.where(soft, -2.0 * area / np.maximum(lever, SMALLEST_DISTANCE * state.reach), 0.0)
     first, second = per_stress * along_axes, per_stress * across_axes
     a, b = twice * share * (first[i] + first[j]), twice * share * (second[i] + second[j])
     fx, fz = a * nx + b * nz, b * nx - a * nz

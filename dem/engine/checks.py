@@ -9,7 +9,7 @@ from dem.kernels.motion import all_finite, first_behind
 from dem.model import DiscModel
 
 BALANCE = 1e-3  # of the total energy exchanged
-FASTEST = 0.25  # of a radius, in one step
+LARGEST_DISPLACEMENT = 0.25  # of a radius, in one step
 
 
 def _place(model: DiscModel, disc: int) -> str:
@@ -36,11 +36,11 @@ def check_speed(model: DiscModel, dt: float) -> None:
     speed = np.hypot(model.vx_half, model.vz_half)
     disc = int(np.argmax(speed))
     least = float(model.radius.min())
-    if speed[disc] * dt > FASTEST * least:
+    if speed[disc] * dt > LARGEST_DISPLACEMENT * least:
         raise SpeedError(
             f"{_place(model, disc)} moves at {speed[disc]:.4g} m/s, {speed[disc] * dt / least:.2g} of the smallest "
             f"radius in one step: it could pass through another disc. Use dt <= "
-            f"{FASTEST * least / speed[disc]:.3g} s, or find the cause of this speed."
+            f"{LARGEST_DISPLACEMENT * least / speed[disc]:.3g} s, or find the cause of this speed."
         )
 
 

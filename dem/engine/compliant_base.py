@@ -16,9 +16,9 @@ import numpy as np
 from dem.acceleration import Acceleration, right_of
 from dem.state import DiscState
 
-EVERY = 0.004  # s between two looks at the momentum of the discs
-LEAST_STEPS = 2  # in a look: forces of liquefied ground are constant over several
-DELAY = 0.04  # s; with less than ten looks the lowest row of discs resonates with the base
+UPDATE_INTERVAL = 0.004  # s between two evaluations of the momentum of the discs
+FEWEST_STEPS = 2  # between two evaluations, since forces of liquefied ground are constant over several steps
+DELAY = 0.04  # s; below ten update intervals the lowest row of discs resonates with the base
 
 
 def felt(model: DiscState) -> Acceleration:
@@ -62,7 +62,7 @@ class Look:
     """
 
     def __init__(self, model: DiscState, dt: float) -> None:
-        steps = max(LEAST_STEPS, round(EVERY / dt))
+        steps = max(FEWEST_STEPS, round(UPDATE_INTERVAL / dt))
         self.began, self.end = model.time, model.time + steps * dt
         self.before, self.rate = momentum(model), model.base_rate
 
@@ -73,7 +73,7 @@ class Look:
 
     def is_long_enough(self, model: DiscState, dt: float) -> bool:
         """Return whether enough steps of dt (s) have passed for a measurement of the force on the base."""
-        return round((model.time - self.began) / dt) >= LEAST_STEPS
+        return round((model.time - self.began) / dt) >= FEWEST_STEPS
 
     def rate_at(self, model: DiscState, time: float) -> float:
         """Return the acceleration of the base (m/s2) at a time (s) in the interval, over which it changes linearly."""

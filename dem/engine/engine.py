@@ -33,7 +33,7 @@ from dem.model import DiscModel
 from meshes.executor import deferred_interruption
 
 AUTO_SHARE = 0.2  # of the stable step
-LOOSER = 10.0  # times the gap, where forces of liquefied ground are held
+LIQUEFIED_BALANCE_RATIO = 10.0  # factor on the tolerance where forces of liquefied ground are constant over steps
 CALL_WORK = 2.0e7  # disc-steps in one call of the kernel, about half a second
 CALL_STEPS = 100  # at least: what is done between two calls takes as long as a step or two
 
@@ -301,7 +301,7 @@ class EngineRun:
         energies = engine.measure_layout(model, self.pack())
         model.turnover = energies.turnover
         try:
-            looser = LOOSER if len(model.liquefied) else 1.0
+            looser = LIQUEFIED_BALANCE_RATIO if len(model.liquefied) else 1.0
             check_balance(model, energies, looser * engine.balance)
         except DemError:
             self.update()

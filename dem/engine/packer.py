@@ -32,7 +32,7 @@ from dem.kernels.transpose import CONSTANT_RECORD, SHARED
 from dem.model import DiscModel
 from dem.state import MEMORY, ROLLING_MEMORY
 
-FAR = 1e15  # m: where lanes without a disc are
+FAR_AWAY = 1e15  # m: position of lanes without a disc
 # what a run changes, beside `roll`: arrays of the model in the order of the record of a disc
 _STATE = ("x", "z", "vx_half", "vz_half", "vr_half", "vx", "vz", "vr")
 
@@ -121,7 +121,7 @@ def _shared(model: DiscModel, slices: int) -> np.ndarray:
 
 
 def _far(lanes: np.ndarray) -> np.ndarray:
-    return FAR * (1.0 + lanes)
+    return FAR_AWAY * (1.0 + lanes)
 
 
 def _added_mass(model: DiscModel, slices: int) -> dict[str, np.ndarray]:

@@ -8,11 +8,11 @@ from dem.laboratory.loading import confine, load, probe
 from dem.laboratory.patch import PatchSample
 from dem.laboratory.strength import dilation
 
-STRAIN = 0.15  # axial, at the end
-AFTER = 0.08  # from here on is after the peak
-RATE = 4e-4  # strain per sqrt(m / kn)
-BINS = 30  # intervals of `STRAIN` in which the course of the stress is recorded
-INERTIAL = 6e-3  # inertial number at most; half of both changes the strength by less than seeds do
+LAST_STRAIN = 0.15  # axial strain at the end of the test
+POST_PEAK_STRAIN = 0.08  # axial strain from which the strength after the peak is averaged
+STRAIN_RATE = 4e-4  # strain per sqrt(m / kn)
+BINS = 30  # intervals of `LAST_STRAIN` in which the course of the stress is recorded
+INERTIAL_NUMBER = 6e-3  # at most; halving it and the rate changes the strength by less than the scatter of seeds
 
 
 @dataclass(frozen=True)
@@ -23,11 +23,12 @@ class PatchStrength:
     ----------
     pressure : confining pressure (Pa)
     E : Young's modulus in plane strain of a soil with the stiffness of the confined patch (Pa)
-    peak, after : half the deviator stress (Pa): at the peak, and its mean from a strain of `AFTER` to `STRAIN`
+    peak, after : half the deviator stress (Pa): at the peak, and its mean from a strain of `POST_PEAK_STRAIN` to
+        `LAST_STRAIN`
     dilation : angle of dilation at the peak (rad)
-    course (BINS,) : half the deviator stress in each of `BINS` equal intervals of strain up to `STRAIN` (Pa). The curve
-        of one patch scatters, unlike the curve of a sample with many more grains; so the peak is taken from the mean
-        curve of several patches.
+    course (BINS,) : half the deviator stress in each of `BINS` equal intervals of strain up to `LAST_STRAIN` (Pa). The
+        curve of one patch scatters, unlike the curve of a sample with many more grains; so the peak is taken from the
+        mean curve of several patches.
     """
 
     pressure: float
@@ -41,16 +42,16 @@ class PatchStrength:
 def compress(sample: PatchSample, pressure: float) -> PatchStrength:
     """Confine a sample, measure its stiffness by small strains, and compress it in plane strain.
 
-    Raises DemError if the sample does not come to rest or cannot be compressed to `STRAIN`.
+    Raises DemError if the sample does not come to rest or cannot be compressed to `LAST_STRAIN`.
     """
     patch = sample.patch()
     confine(patch, pressure)
     stiffness, _ = probe(patch, pressure)
-    rate = min(RATE, INERTIAL / patch.inertia(pressure))
-    curve = load(patch, "biaxial", pressure, STRAIN, rate, stiffness, to_the_end=True)
+    rate = min(STRAIN_RATE, INERTIAL_NUMBER / patch.inertia(pressure))
+    curve = load(patch, "biaxial", pressure, LAST_STRAIN, rate, stiffness, to_the_end=True)
     half = 0.5 * curve.deviator
     at = int(np.argmax(half))
-    late = curve.strain > AFTER
+    late = curve.strain > POST_PEAK_STRAIN
     after = float(half[late].mean()) if late.any() else float(half[-1])
-    course = np.interp(STRAIN * (np.arange(BINS) + 0.5) / BINS, curve.strain, half)
+    course = np.interp(LAST_STRAIN * (np.arange(BINS) + 0.5) / BINS, curve.strain, half)
     return PatchStrength(pressure, stiffness.E, float(half[at]), after, dilation(curve, at), course)

@@ -18,8 +18,8 @@ from dem.laboratory.strength import MeasuredStrength, from_plane, from_principal
 from meshes.section.section import Stratum
 
 LARGEST_STRAIN = 0.2
-RATE = 2e-4  # strain per sqrt(m / kn)
-INERTIAL = 3e-3  # number at most: what is weakly confined is tested more slowly
+STRAIN_RATE = 2e-4  # strain per sqrt(m / kn)
+INERTIAL_NUMBER = 3e-3  # at most: weakly confined samples are tested more slowly
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ def element_test(
     pressures: Sequence[float],
     *,
     strain: float = LARGEST_STRAIN,
-    rate: float = RATE,
+    rate: float = STRAIN_RATE,
     threads: int = 1,
 ) -> ElementTest:
     """Test a sample at two or more confining pressures (Pa).
@@ -188,7 +188,7 @@ def element_test(
     pressures : confining pressures (Pa)
     strain : largest strain of both tests
     rate : strain per time sqrt(m / kn), so that all layers are tested equally slowly; it is reduced where the inertial
-        number would exceed `INERTIAL`
+        number would exceed `INERTIAL_NUMBER`
     threads : threads of the engine; the result does not depend on their number
 
     Raises
@@ -216,7 +216,7 @@ def _at_pressure(patch: Patch, pressure: float, strain: float, rate: float) -> P
     confine(patch, pressure)
     bonds = patch.model.set_pore_springs()
     stiffness, skewness = probe(patch, pressure)
-    rate = min(rate, INERTIAL / patch.inertia(pressure))
+    rate = min(rate, INERTIAL_NUMBER / patch.inertia(pressure))
     biaxial = load(patch.copy(), "biaxial", pressure, strain, rate, stiffness)
     shear = load(patch.copy(), "simple shear", pressure, strain, rate, stiffness)
     return PressureTest(

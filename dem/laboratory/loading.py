@@ -15,16 +15,18 @@ from dem.laboratory.plane_elastic import PlaneElastic, lattice_elastic
 
 LoadingKind = Literal["biaxial", "simple shear"]
 
-AT_REST = 1e-3  # of the pressure, and of the mean contact force
-PATIENCE = 20_000.0  # time units until a patch must have come to rest
-FASTEST = 1e-3  # strain per time unit while confined
-PROBE = 1e-2  # stress of a probe over the pressure, about: well above what is left of unrest, and nothing slips yet
+REST_TOLERANCE = 1e-3  # of the pressure, and of the mean contact force
+LONGEST_SETTLING = 20_000.0  # time units until a patch must have come to rest
+CONFINING_RATE = 1e-3  # strain per time unit while confined
+PROBE_STRESS = (
+    1e-2  # stress of a probe over the pressure, about: well above what is left of unrest, and nothing slips yet
+)
 PROBE_TIME, HOLD_TIME = 20.0, 60.0  # time units
 INTERVALS = 160  # of a test: the servo corrects as often
 GROWTH = 40.0  # intervals until one is twice as long as the first: a stiff patch is strong early, a soft one late
 AVERAGE = 2  # intervals in a record
 PAST_PEAK = 2.0, 0.95  # a test ends at this multiple of the peak's strain, if no more than this share of it is left
-LATERAL = 10.0  # times the prescribed rate, at most: a lattice of rigid discs spreads at three times it
+LARGEST_LATERAL_RATE = 10.0  # times the prescribed rate, at most: a lattice of rigid discs spreads at three times it
 REACTION, MEMORY = 1.2, 2.0  # intervals in which the servo takes back an error, and a steady one
 
 
@@ -88,12 +90,12 @@ def confine(patch: Patch, pressure: float) -> None:
     modulus = lattice_elastic(patch.model.springs.layers[0], pores=False).M
     unit = patch.time_unit
     with Press(patch) as press:
-        for _ in range(int(PATIENCE / 3.0)):
+        for _ in range(int(LONGEST_SETTLING / 3.0)):
             now = patch.stress_state()
             error = 0.5 * (now.stress + now.stress.T) + pressure * np.eye(2)
-            if np.abs(error).max() < AT_REST * pressure and now.unbalanced < AT_REST:
+            if np.abs(error).max() < REST_TOLERANCE * pressure and now.unbalanced < REST_TOLERANCE:
                 break
-            limit = FASTEST / unit
+            limit = CONFINING_RATE / unit
             press.strain(np.clip(-error / (3.0 * unit * modulus), -limit, limit), 3.0 * unit)
         else:
             raise ConfinementError(
@@ -111,7 +113,7 @@ def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
     The response of a copy without strain is subtracted, since the state of rest is not perfect. Raises ConfinementError
     if the result is not the stiffness of a stable body, since then the patch still rearranges.
     """
-    size = PROBE * pressure / lattice_elastic(patch.model.springs.layers[0]).M
+    size = PROBE_STRESS * pressure / lattice_elastic(patch.model.springs.layers[0]).M
     ways = {"none": np.zeros((2, 2)), "x": np.diag([-1.0, 0.0]), "z": np.diag([0.0, -1.0])}
     ways["shear"] = np.array([[0.0, 0.5], [0.5, 0.0]])
     responses = {}
@@ -166,7 +168,7 @@ def load(
                 wanted = -(now.stress[lateral_axis, lateral_axis] + pressure) / (stiffness.M * REACTION * interval)
                 steady += wanted / MEMORY
                 drive[lateral_axis, lateral_axis] = np.clip(
-                    wanted + steady, -LATERAL * per_second, LATERAL * per_second
+                    wanted + steady, -LARGEST_LATERAL_RATE * per_second, LARGEST_LATERAL_RATE * per_second
                 )
                 press.strain(drive, interval)
                 now = patch.stress_state()

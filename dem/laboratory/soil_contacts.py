@@ -17,10 +17,12 @@ from meshes.section.section import Section, Stratum
 
 # kn over the stress of the layer: below the first, strength falls; above the second, it does not depend on kn any more,
 # and the time step falls. The second holds where no modulus is given, too.
-SOFTEST, STIFFEST = 200.0, 800.0
+SMALLEST_STIFFNESS, LARGEST_STIFFNESS = 200.0, 800.0
 LEAST_RIGIDITY = 50.0  # E over strength; of clays some 150 to 1000
-FIRM = 200.0  # kn over strength: cohesive ground of less opens its contacts widely, and may be stiffer than STIFFEST
-NEAR = 0.09  # of the strength wanted
+# kn over strength below which the contacts of cohesive ground open widely; it may then be stiffer than
+# LARGEST_STIFFNESS.
+FIRM_STIFFNESS = 200.0
+STRENGTH_TOLERANCE = 0.09  # of the strength wanted
 OVERLAP = 0.5  # of a radius, that soil discs may reach whatever softens
 
 
@@ -179,10 +181,12 @@ def soil_contacts(
         reach = np.minimum(reach, youngs_modulus / LEAST_RIGIDITY)
     aimed = np.minimum(wanted, reach)
     contacts = table.fit(aimed, pressures, cohesive)
-    real = STIFFEST * stress
+    real = LARGEST_STIFFNESS * stress
     if youngs_modulus is not None:
         real = table.normal_stiffness(youngs_modulus, 0.5 * stress, contacts.friction, contacts.cohesion)
-    stiffness = float(np.clip(real, SOFTEST * stress, max(STIFFEST * stress, FIRM * float(aimed.max()))))
+    stiffness = float(
+        np.clip(real, SMALLEST_STIFFNESS * stress, max(LARGEST_STIFFNESS * stress, FIRM_STIFFNESS * float(aimed.max())))
+    )
     gain = table.gained_by_softness(stiffness, pressures, contacts.cohesion)
     contacts = table.fit(aimed / gain, pressures, cohesive)
     contacts = replace(contacts, expected=contacts.expected * gain)
@@ -223,7 +227,7 @@ def _on_strength(contacts: ContactStrength, wanted: np.ndarray, reach: np.ndarra
             f"{pressures[-1] / 1e3:.3g} kPa, the largest strength of discs {contacts.expected[-1] / 1e3:.0f} kPa"
         ]
     miss = contacts.expected / wanted - 1.0
-    if np.abs(miss).max() <= NEAR:
+    if np.abs(miss).max() <= STRENGTH_TOLERANCE:
         return []
     misses = ", ".join(f"{100.0 * m:+.0f} %" for m in miss)
     return [

@@ -35,17 +35,17 @@ from dem.springs import ATTRACTION
 MAP = "strength_map.csv"
 KAPPA = 400.0  # kn over the pressure and the pull of contacts, at which the map was made
 # E / kn goes with kappa to minus this power, without and with cohesion of contacts: stiffer discs have fewer contacts.
-LOOSENS = 0.22, 0.16
-# Soft cohesive discs are stronger, by (SOFT / kappa) to this power: 1.03 times at 154, 1.05 at 95, 1.15 at 54 and 1.33
-# at 29, measured with mu = -0.2 and C/(2 r p) of 0.8 to 6.4.
-SOFT, SOFTER = 15.5, 1.6
+STIFFNESS_POWERS = 0.22, 0.16
+# Soft cohesive discs are stronger, by (SOFT_KAPPA / kappa) to this power: 1.03 times at 154, 1.05 at 95, 1.15 at
+# 54 and 1.33 at 29, measured with mu = -0.2 and C/(2 r p) of 0.8 to 6.4.
+SOFT_KAPPA, SOFT_POWER = 15.5, 1.6
 # Those without cohesion are weaker, since discs pressed into each other dilate less: strength goes with kappa to this
-# power up to `DENSEST`. Of discs that turn it is 0.99, 1.05, 1.11, 1.17 of the pressure at kappa 200, 400, 1600, 6000
-# (mu = 0.35, 16 to 32 seeds each), and 1.64, 1.61, 1.63, 1.87 with mu = 0.6 (12 to 16 seeds, 0.04 to 0.14 of scatter of
-# the mean). A cohesion number of 0.4 leaves a seventh of it (mu = 0.3, discs that do not turn), as the weight of EARLY
-# over it and EARLY does.
-DILATES, DENSEST = 0.05, 6000.0
-EARLY = 0.1  # cohesion number below which the map is even: the axis is the logarithm of what lies beyond
+# power up to `DENSEST_KAPPA`. Of discs that turn it is 0.99, 1.05, 1.11, 1.17 of the pressure at kappa 200, 400, 1600,
+# 6000 (mu = 0.35, 16 to 32 seeds each), and 1.64, 1.61, 1.63, 1.87 with mu = 0.6 (12 to 16 seeds, 0.04 to 0.14 of
+# scatter of the mean). A cohesion number of 0.4 leaves a seventh of it (mu = 0.3, discs that do not turn), as the
+# weight EVEN_COHESION / (number + EVEN_COHESION).
+DILATION_POWER, DENSEST_KAPPA = 0.05, 6000.0
+EVEN_COHESION = 0.1  # cohesion number below which the map is even: the axis is the logarithm of what lies beyond
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class StrengthMap:
         (Pa); cohesion: C over the diameter (Pa), whose attraction adds to the pressure. youngs_modulus: Young's modulus
         (Pa); friction: friction of the contacts (-).
         """
-        power = LOOSENS[cohesion > 0.0]
+        power = STIFFNESS_POWERS[cohesion > 0.0]
         modulus = float(self._at(self.modulus, friction, np.array([cohesion / pressure]))[0])
         stiff = youngs_modulus / modulus / (KAPPA * (pressure + ATTRACTION * cohesion)) ** power
         return float(stiff ** (1.0 / (1.0 - power)))
@@ -104,7 +104,7 @@ class StrengthMap:
     def modulus_over_kn(self, friction: float, cohesion_number: float, kappa: float) -> float:
         """Return Young's modulus in plane strain over kn of patches with these dimensionless numbers."""
         modulus = float(self._at(self.modulus, friction, np.array([cohesion_number]))[0])
-        return modulus * (KAPPA / kappa) ** LOOSENS[cohesion_number > 0.0]
+        return modulus * (KAPPA / kappa) ** STIFFNESS_POWERS[cohesion_number > 0.0]
 
     def gained_by_softness(self, stiffness: float, pressure: np.ndarray, cohesion: float) -> np.ndarray:
         """Return the ratio of the strength of discs with the spring constant kn (N/m) at given pressures (Pa) to the
@@ -112,15 +112,15 @@ class StrengthMap:
         between its values without cohesion and with large cohesion.
         """
         kappa = stiffness / (pressure + ATTRACTION * cohesion)
-        dry = EARLY / (EARLY + cohesion / pressure)
-        dilating = (np.minimum(kappa, DENSEST) / KAPPA) ** DILATES
-        return np.asarray(dry * dilating + (1.0 - dry) * (1.0 + (SOFT / kappa) ** SOFTER))
+        dry = EVEN_COHESION / (EVEN_COHESION + cohesion / pressure)
+        dilating = (np.minimum(kappa, DENSEST_KAPPA) / KAPPA) ** DILATION_POWER
+        return np.asarray(dry * dilating + (1.0 - dry) * (1.0 + (SOFT_KAPPA / kappa) ** SOFT_POWER))
 
     def _at(self, table: np.ndarray, friction: float, number: np.ndarray) -> np.ndarray:
         """Return a table (m, k), interpolated at one friction and some cohesion numbers."""
-        where = np.column_stack([np.broadcast_to(friction, number.shape), np.log(number + EARLY)])
+        where = np.column_stack([np.broadcast_to(friction, number.shape), np.log(number + EVEN_COHESION)])
         between = RegularGridInterpolator(
-            (self.friction, np.log(self.cohesion + EARLY)), np.log(table), bounds_error=False, fill_value=None
+            (self.friction, np.log(self.cohesion + EVEN_COHESION)), np.log(table), bounds_error=False, fill_value=None
         )
         return np.asarray(np.exp(between(where)))
 

@@ -26,13 +26,13 @@ from dem.springs import LayerSprings
 from meshes.executor import SERIAL, Executor, Tell
 
 PARAMETERS: tuple[Parameter, ...] = ("stiffness", "friction", "pore_strength", "strength", "all")
-ONE_AT_A_TIME = PARAMETERS[:3]
+SINGLE_PARAMETERS = PARAMETERS[:3]
 SENSITIVITIES = (0.5, 2.0)
-TOGETHER = 2  # factors that are tried side by side: a search may not depend on the number of workers
+CONCURRENT_FACTORS = 2  # constant, so that the search does not depend on the number of workers
 NARROWINGS = 12  # searches at most once the target is bracketed
 # Ratio of two factors between which no more is looked for: Kh changes by less, and where it jumps it is that of chance.
-NARROWEST = 1.01
-SHORTEST = 0.1  # of a bracket, that a new factor keeps away from its ends
+NARROWEST_BRACKET = 1.01
+SMALLEST_STEP = 0.1  # distance of a new factor from the ends of the bracket, over its length
 
 CalibrationVerdict = Literal["calibrated", "out of reach"]
 Key = tuple[str, float]  # parameter and factor
@@ -221,7 +221,7 @@ def _searched(task: tuple[Calibrator, str, float, bool], _: Tell) -> Search:
 
 def sensitivities(calibrator: Calibrator) -> list[tuple[str, float, Search]]:
     """Return the critical Kh with each parameter halved and doubled, one at a time."""
-    wanted = [("", 1.0), *((p, f) for p in ONE_AT_A_TIME for f in SENSITIVITIES)]
+    wanted = [("", 1.0), *((p, f) for p in SINGLE_PARAMETERS for f in SENSITIVITIES)]
     searches = calibrator.search_all(wanted, fine=False)
     return [(p, f, search) for (p, f), search in zip(wanted, searches, strict=True)]
 
@@ -233,18 +233,18 @@ def choose(calibrator: Calibrator, table: Sequence[tuple[str, float, Search]], t
     """
     base = middle(next(s for p, _, s in table if not p))
     weaker = target < base
-    reached = {p: [middle(s) for q, _, s in table if q == p] for p in ONE_AT_A_TIME}
+    reached = {p: [middle(s) for q, _, s in table if q == p] for p in SINGLE_PARAMETERS}
 
     def able() -> list[str]:
         return [p for p in reached if any((kc - target) * (base - target) <= 0.0 for kc in reached[p])]
 
     if not able():
         low, high = calibrator.settings.factors
-        ends = calibrator.search_all([(p, low if weaker else high) for p in ONE_AT_A_TIME])
-        for p, search in zip(ONE_AT_A_TIME, ends, strict=True):
+        ends = calibrator.search_all([(p, low if weaker else high) for p in SINGLE_PARAMETERS])
+        for p, search in zip(SINGLE_PARAMETERS, ends, strict=True):
             reached[p].append(middle(search))
     if not able():
-        return min(ONE_AT_A_TIME, key=lambda p: min(abs(kc - target) for kc in reached[p]))
+        return min(SINGLE_PARAMETERS, key=lambda p: min(abs(kc - target) for kc in reached[p]))
     moved = {p: abs(middle(s) - base) for p, f, s in table if p and (f < 1.0) == weaker}
     return max(able(), key=lambda p: moved[p])
 
@@ -323,7 +323,7 @@ def calibrate(
         tried |= zip(outwards, calibrator.search_all([(parameter, f) for f in outwards]), strict=True)
     for _ in range(NARROWINGS):
         ends = _bracket(tried, target)
-        if met() or ends is None or ends[1] / ends[0] < NARROWEST:
+        if met() or ends is None or ends[1] / ends[0] < NARROWEST_BRACKET:
             break
         factor = _between(tried, target, *ends)
         tried[factor] = calibrator.search(parameter, factor)
@@ -344,7 +344,7 @@ def _between(tried: dict[float, Search], target: float, low: float, high: float)
     either trial.
     """
     below, above = middle(tried[low]) - target, middle(tried[high]) - target
-    share = float(np.clip(below / (below - above), SHORTEST, 1.0 - SHORTEST))
+    share = float(np.clip(below / (below - above), SMALLEST_STEP, 1.0 - SMALLEST_STEP))
     return float(low * (high / low) ** share)
 
 
@@ -375,7 +375,7 @@ def _outwards(first: float, base: Search | None, target: float, settings: DemSet
         count = 1
     else:
         steps = [f for f in ((0.5 if weaker else 2.0) ** k for k in range(1, 40)) if low < f < high]
-        count = TOGETHER
+        count = CONCURRENT_FACTORS
     steps.append(end)
     for start in range(0, len(steps), count):
         yield steps[start : start + count]

@@ -12,8 +12,8 @@ from dem.model import DiscModel
 from dem.search.equilibrium import Rise, Trial, displacement, try_kh
 from dem.settings import DemSettings, SearchVerdict
 
-PROBE = 0.02  # Kh that shows how far the ground gives way before anything slips
-STRIDE = 0.08  # Kh of the first steps, or the power of two of the width that is nearest
+PROBE_KH = 0.02  # under which the elastic displacement is measured
+FIRST_STEP = 0.08  # Kh of the first steps, or the nearest power of two times the width
 
 OnTrial = Callable[[Trial, DiscModel], None]
 
@@ -91,9 +91,9 @@ def critical_kh(
 
     search = Search()
     width = settings.resolution if resolution is None else resolution
-    step = width * 2.0 ** round(np.log2(STRIDE / width)) if width < STRIDE else width
+    step = width * 2.0 ** round(np.log2(FIRST_STEP / width)) if width < FIRST_STEP else width
     stood = settled.copy()
-    kh, failed = PROBE, float("inf")
+    kh, failed = PROBE_KH, float("inf")
     while True:
         if kh > settings.kh_limit:
             search.verdict, search.reason = (

@@ -4,8 +4,8 @@ and settled again.
 Random packings settle by some per cent of their height. The box is therefore filled above the surface of the section.
 After settling, discs above the surface are removed, and every other disc is assigned to the stratum in which it lies.
 After this cut, surface and interfaces agree with the section. Weight and mass follow from the void ratio of this
-packing: area of the section over area of discs. Settling and cutting are done `ROUNDS` times, the last time with the
-hollows at the surface filled, which is repeated where a column still deviates (`dem.search.levelling`).
+packing: area of the section over area of discs. Settling and cutting are done `LEVELLING_ROUNDS` times, the last time
+with the hollows at the surface filled, which is repeated where a column still deviates (`dem.search.levelling`).
 
 Discs that came to rest under their weight alone have hardly more contacts than equilibrium requires (three each), and
 move at a small share of their strength: the discs of S-13 moved 0.44 m under Kh = 0.1, the continuum 0.10 m. Natural
@@ -34,22 +34,25 @@ from meshes.section.polyline import downhill
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
-ROUNDS = 2
-MORE = 3  # rounds at most beyond these, while a column is further off than
-OFF = 0.5  # mean radii
-SINKS = 0.01  # of the section's height, in settling
-MARGIN = 2.0  # mean radii that the fill is higher still
-RIM = 2.4  # mean radii beyond base and sides that are filled as well, and held: discs on a row of equal ones slide
-DEEP_RIM = 6.0  # the same below the base of periodic ground, where no rigid line stops liquefied discs
-CUT = (
-    0.35  # mean radii below the surface: discs whose centre is higher go, so that the tops are level with it on average
-)
-CYCLES = 3  # in which ground is shaken down
-SHAKES = (0.1, 0.05, 0.025)  # Kh of these, the first under which ground comes to rest: steep slopes fail under little
-PERIODS = 4.0  # of the ground, that a cycle lasts
-LESS = 0.5  # of what the first cycle moved, or
-NOTHING = 0.02  # mean radii, is the most that the last one may move: ground that fails goes on and on
-MOST = 99.0  # per cent of the discs move less than what counts
+LEVELLING_ROUNDS = 2  # times that the ground settles and is cut
+EXTRA_ROUNDS = 3  # largest number of further rounds while the surface of a column deviates by more than
+HEIGHT_TOLERANCE = 0.5  # mean radii
+SINKING = 0.01  # settlement of a random packing over the height of the section
+MARGIN = 2.0  # mean radii by which the fill is higher than the section with this settlement
+# Width (mean radii) of fixed discs beyond base and sides, since discs slide on a row of equal discs; and below the base
+# of periodic ground, where no rigid line stops liquefied discs.
+RIM, DEEP_RIM = 2.4, 6.0
+# Depth (mean radii) below the surface above which discs are removed by their centres, so that the tops of the remaining
+# discs are level with the surface on average.
+CUT_DEPTH = 0.35
+CYCLES = 3  # of shaking
+# Amplitudes of Kh, of which the first is taken under which the ground comes to rest: steep slopes fail under a small
+# Kh.
+SHAKING_KH = (0.1, 0.05, 0.025)
+CYCLE_PERIODS = 4.0  # duration of a cycle over the natural period of the ground
+# Largest movement in the last cycle, over that in the first one, or in mean radii: ground that fails moves on. The
+# movement is that which this percentage of the discs does not exceed.
+MOVEMENT_RATIO, SMALLEST_MOVEMENT, MOVEMENT_PERCENTILE = 0.5, 0.02, 99.0
 LOOSER = (0.0, 0.005, 0.01, 0.02)  # porosity beyond that of the element tests, where walls leave no room for less
 
 
@@ -103,18 +106,18 @@ def deposit(
     soil = soil_layers(section) if soil is None else soil
     layers = [layer.springs(radius, VOID_RATIO) for layer in soil]
     settled = settle(ground, layers, settings, by_shaking=False)
-    for done in range(ROUNDS + MORE):
+    for done in range(LEVELLING_ROUNDS + EXTRA_ROUNDS):
         packing = cut(section, settled, ground)
-        if done >= ROUNDS - 1:
+        if done >= LEVELLING_ROUNDS - 1:
             packing = levelled(section, packing, radius, settings.spread)
         ground = replace(ground, packing=_in_strata(section, packing))
         voids = void_ratio(section, ground.packing)
         layers = [layer.springs(radius, voids) for layer in soil]
         settled = settle(ground, layers, settings, by_shaking=False)
-        if done < ROUNDS - 1:
+        if done < LEVELLING_ROUNDS - 1:
             continue
         settled = densified_by_shaking(settled, ground)
-        if np.abs(misfit(section, settled, radius)).max() <= OFF * radius:
+        if np.abs(misfit(section, settled, radius)).max() <= HEIGHT_TOLERANCE * radius:
             break
     shake(settled, ground)
     if replace_contacts_of_clay(settled, period(settled, ground), ground):
@@ -124,10 +127,10 @@ def deposit(
 
 def densified_by_shaking(settled: DiscModel, ground: Ground) -> DiscModel:
     """Return discs at rest after cycles of Kh in both directions. The discs are unchanged if they keep moving under
-    every Kh of `SHAKES`."""
-    cycle = PERIODS * period(settled, ground)
+    every Kh of `SHAKING_KH`."""
+    cycle = CYCLE_PERIODS * period(settled, ground)
     time = np.linspace(0.0, cycle, 41)
-    for kh in SHAKES:
+    for kh in SHAKING_KH:
         model, moved = settled.copy(), []
         try:
             for _ in range(CYCLES):
@@ -138,10 +141,12 @@ def densified_by_shaking(settled: DiscModel, ground: Ground) -> DiscModel:
                 step_on(model, cycle)
                 model.acceleration = settled.acceleration
                 damp_to_rest(model, ground, "after densification by shaking")
-                moved.append(float(np.percentile(np.hypot(model.x - x, model.z - z)[~model.fixed], MOST)))
+                moved.append(
+                    float(np.percentile(np.hypot(model.x - x, model.z - z)[~model.fixed], MOVEMENT_PERCENTILE))
+                )
         except DemError:
             continue
-        if moved[-1] <= max(LESS * moved[0], NOTHING * ground.radius):
+        if moved[-1] <= max(MOVEMENT_RATIO * moved[0], SMALLEST_MOVEMENT * ground.radius):
             return model
     return settled
 
@@ -156,7 +161,7 @@ def cut(section: Section, settled: DiscModel, ground: Ground) -> Packing:
     """Return a packing of the discs in their present positions, without those above the surface."""
     packing = _packing_of(section, settled)
     level = np.interp(packing.x, *section.ground.T)
-    keep = ~packing.free | (packing.z <= level - CUT * ground.radius)
+    keep = ~packing.free | (packing.z <= level - CUT_DEPTH * ground.radius)
     x, z, size, layer = (values[keep] for values in (packing.x, packing.z, packing.radius, packing.layer))
     return Packing(x, z, size, layer, packing.lines, packing.period)
 
@@ -184,7 +189,7 @@ def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) 
 def _filled(section: Section, settings: DemSettings, radius: float, periodic: bool) -> Ground:
     """Return a random packing that reaches above the surface, with strata stretched in proportion."""
     outline = section.outline()
-    lift = SINKS * float(np.ptp(outline[:, 1])) + MARGIN * radius
+    lift = SINKING * float(np.ptp(outline[:, 1])) + MARGIN * radius
     surface = section.ground
     on_top = np.abs(outline[:, 1] - np.interp(outline[:, 0], *surface.T)) < 1e-6
     base = outline[~on_top]

@@ -23,11 +23,11 @@ from dem.search.undrained_clay import set_strengths
 from dem.settings import DemSettings, TrialVerdict
 from dem.springs import LayerSprings
 
-STEP = 0.9  # of the stable one: what is looked for is rest, and no energies are summed on the way to it
-SETTLED = 1e-4  # unbalanced force ratio under weight
-RISE = 0.05  # Kh that is raised in one period of the ground
-LOOK = 0.25  # of a period between two looks
-PULSE = 1.0 / 32.0  # of a period between two looks while settling
+STEP_SHARE = 0.9  # time step over the stable one: large, since no energies are summed on the way to rest
+SETTLED_FORCE_RATIO = 1e-4  # unbalanced force ratio under weight
+KH_PER_PERIOD = 0.05  # increase of Kh in one natural period of the ground
+CHECK_INTERVAL = 0.25  # natural periods between two checks of rest
+SETTLING_CHECK_INTERVAL = 1.0 / 32.0  # the same while the ground settles
 
 
 class NotSettledError(DemError):
@@ -205,20 +205,20 @@ def shake(model: DiscModel, ground: Ground) -> None:
 
 
 def damp_to_rest(model: DiscModel, ground: Ground, under: str) -> None:
-    """Continue until the unbalanced force ratio is below `SETTLED`.
+    """Continue until the unbalanced force ratio is below `SETTLED_FORCE_RATIO`.
 
     Velocities are set to zero whenever the kinetic energy has passed a peak (kinetic damping, Cundall 1976).
     """
     cycle, start = period(model, ground), model.time
     last = 0.0
     while model.time < start + 40.0 * cycle:
-        last, _ = advance_damped(model, LOOK * cycle, last)
-        if unbalanced_ratio(model) < SETTLED:
+        last, _ = advance_damped(model, CHECK_INTERVAL * cycle, last)
+        if unbalanced_ratio(model) < SETTLED_FORCE_RATIO:
             stop(model)
             return
     raise NotSettledError(
         f"after {model.time - start:.3g} s {under} the ground is not at rest: unbalanced force ratio "
-        f"{unbalanced_ratio(model):.2g}, {SETTLED:g} is required. Use stiffer springs or smaller discs."
+        f"{unbalanced_ratio(model):.2g}, {SETTLED_FORCE_RATIO:g} is required. Use stiffer springs or smaller discs."
     )
 
 
@@ -228,9 +228,9 @@ def advance_damped(model: DiscModel, seconds: float, last: float, threads: int =
 
     model: model of the discs; seconds: model time; threads: threads of the engine.
     """
-    count = round(LOOK / PULSE)
+    count = round(CHECK_INTERVAL / SETTLING_CHECK_INTERVAL)
     most = 0.0
-    with Pulses(model, STEP, threads) as pulses:
+    with Pulses(model, STEP_SHARE, threads) as pulses:
         for _ in range(count):
             pulses.on(seconds / count)
             energy = moving_energy(model)
@@ -257,7 +257,7 @@ def moving_energy(model: DiscModel) -> float:
 
 def step_on(model: DiscModel, seconds: float, threads: int = 1) -> None:
     """Advance the discs without energy balance, at the longest step that is safely stable."""
-    with Pulses(model, STEP, threads) as pulses:
+    with Pulses(model, STEP_SHARE, threads) as pulses:
         pulses.on(seconds)
 
 
@@ -271,17 +271,17 @@ def try_kh(
 ) -> Trial:
     """Raise Kh for discs that stand at a smaller Kh, and decide whether they still stand. `model` is changed.
 
-    Kh rises by `RISE` in a period of the ground, and is then constant, with kinetic damping as in `settle`: dashpots of
-    contacts hardly damp the vibration of the whole ground, which is not the subject of the test. The discs stand if
-    both ratios are below their limits. The discs fail if the displacement since `before` exceeds `growth` times the
-    elastic one and grew at every record of the last period, and neither ratio is below its limit. Otherwise the trial
-    is undecided: after `patience` periods, or when a DemError stopped the discs. settings: settings of the discs; rise:
-    start and end of Kh, and the elastic displacement per Kh (m); threads: threads of the engine.
+    Kh rises by `KH_PER_PERIOD` in a period of the ground, and is then constant, with kinetic damping as in `settle`:
+    dashpots of contacts hardly damp the vibration of the whole ground, which is not the subject of the test. The discs
+    stand if both ratios are below their limits. The discs fail if the displacement since `before` exceeds `growth`
+    times the elastic one and grew at every record of the last period, and neither ratio is below its limit. Otherwise
+    the trial is undecided: after `patience` periods, or when a DemError stopped the discs. settings: settings of the
+    discs; rise: start and end of Kh, and the elastic displacement per Kh (m); threads: threads of the engine.
     """
     from_kh, kh, flexibility = rise
     cycle = period(model, ground)
     start = model.time
-    risen = start + cycle * max(0.5, abs(kh - from_kh) / RISE)
+    risen = start + cycle * max(0.5, abs(kh - from_kh) / KH_PER_PERIOD)
     model.acceleration = ground.shaking(from_kh, kh, start, risen)
     elastic = flexibility * abs(kh)
     seen: list[Rest] = []
@@ -289,10 +289,10 @@ def try_kh(
     while model.time < risen + settings.patience * cycle:
         try:
             if model.time < risen:
-                step_on(model, LOOK * cycle, threads)
+                step_on(model, CHECK_INTERVAL * cycle, threads)
                 most = moving_energy(model)
             else:
-                last, most = advance_damped(model, LOOK * cycle, last, threads)
+                last, most = advance_damped(model, CHECK_INTERVAL * cycle, last, threads)
         except DemError as error:
             return _trial(kh, "undecided", f"{type(error).__name__}: {error}", seen, elastic, model.time - start)
         ratios = unbalanced_ratio(model), kinetic_ratio(model, most)
@@ -304,7 +304,7 @@ def try_kh(
             continue
         if resting:
             return _trial(kh, "stands", "all forces are balanced and no disc moves", seen, elastic, here.time)
-        recent = np.array([rest.displacement for rest in seen[-round(1.0 / LOOK) - 1 :]])
+        recent = np.array([rest.displacement for rest in seen[-round(1.0 / CHECK_INTERVAL) - 1 :]])
         if moving and abs(here.displacement) > settings.ductility * elastic and np.all(np.diff(np.abs(recent)) > 0.0):
             reason = f"the displacement is {abs(here.displacement) / elastic:.1f} times the elastic one and grows"
             return _trial(kh, "fails", reason, seen, elastic, here.time)

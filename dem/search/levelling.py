@@ -13,12 +13,16 @@ from dem.model import DiscModel
 from dem.packing import Packing
 from meshes.section.section import Section
 
-STANDS_OUT = 0.4  # mean radii above the surface: discs whose top is higher go, and none is laid in that would be
-FAR = 0.3  # mean radii: columns further off have a disc exchanged; half a radius is what they are allowed at rest
-DEEP = 4.0  # mean radii below the surface, down to which discs are looked for that can carry one
-SIZES = 9  # radii that are tried for each place
-NEAREST = 8  # discs that are looked at round a place
-TOUCHES = 0.02  # mean radii that a disc may overlap others as it is laid in, as those at rest under weight do
+LARGEST_PROTRUSION = (
+    0.4  # mean radii above the surface: discs whose top is higher go, and none is laid in that would be
+)
+EXCHANGE_DEVIATION = (
+    0.3  # mean radii: columns further off have a disc exchanged; half a radius is what they are allowed at rest
+)
+SEARCH_DEPTH = 4.0  # mean radii below the surface in which supporting discs are searched for
+TRIAL_RADII = 9  # per position
+NEIGHBOURS = 8  # discs around a position that are considered
+INSERTION_OVERLAP = 0.02  # mean radii: overlap of an inserted disc with others, as that of discs at rest under weight
 
 
 def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
@@ -44,7 +48,7 @@ def levelled(section: Section, packing: Packing, radius: float, spread: float) -
     """
     discs = np.column_stack([packing.x, packing.z, packing.radius])
     fixed, discs = discs[~packing.free], discs[packing.free]
-    discs = discs[_above(section, discs) <= STANDS_OUT * radius]
+    discs = discs[_above(section, discs) <= LARGEST_PROTRUSION * radius]
     left, right = section.extent
     ends, around = (left, right), fixed
     if packing.period is not None:
@@ -62,7 +66,10 @@ def _images(discs: np.ndarray, period: tuple[float, float], extent: tuple[float,
     """Return images (n, 3) of the discs of periodic ground, in which discs near one side are repeated beyond the
     other."""
     shift = np.array([*period, 0.0])
-    near_left, near_right = discs[:, 0] < extent[0] + DEEP * radius, discs[:, 0] > extent[1] - DEEP * radius
+    near_left, near_right = (
+        discs[:, 0] < extent[0] + SEARCH_DEPTH * radius,
+        discs[:, 0] > extent[1] - SEARCH_DEPTH * radius,
+    )
     return np.vstack([discs[near_left] + shift, discs[near_right] - shift])
 
 
@@ -82,7 +89,7 @@ def _exchanged(
     left, right = section.extent
     above = _columns(section, discs, radius)
     width = (right - left) / len(above)
-    for column in np.flatnonzero(np.abs(above) > FAR * radius):
+    for column in np.flatnonzero(np.abs(above) > EXCHANGE_DEVIATION * radius):
         sides = slice(max(0, column - 1), column + 2)
         begin, end = left + column * width, left + (column + 1) * width
         ends = max(allowed[0], begin - width), min(allowed[1], end + width)
@@ -90,7 +97,7 @@ def _exchanged(
             np.flatnonzero((group[:, 0] > begin - 4.0 * width) & (group[:, 0] < end + 4.0 * width))
             for group in (discs, fixed)
         )
-        high = _above(section, discs[near]) > -0.5 * DEEP * radius
+        high = _above(section, discs[near]) > -0.5 * SEARCH_DEPTH * radius
         inside = (discs[near, 0] > begin - radius) & (discs[near, 0] < end + radius)
         least, best = np.abs(_columns(section, discs, radius)[sides]).max(), discs
         for gone in near[high & inside]:
@@ -123,13 +130,13 @@ def _fillings(
     ``ends`` is the range of x (m) in which the centres of the new discs may lie.
     """
     # behind a steep face discs lie deep below their own surface and yet beside the places at its toe
-    lowest = np.min([_level(section, discs[:, 0] + DEEP * way) for way in (-radius, 0.0, radius)], axis=0)
-    there = discs[discs[:, 1] > lowest - DEEP * radius]
-    sizes = radius * (np.linspace(1.0 - spread, 1.0 + spread, SIZES) if spread > 0.0 else np.ones(1))
+    lowest = np.min([_level(section, discs[:, 0] + SEARCH_DEPTH * way) for way in (-radius, 0.0, radius)], axis=0)
+    there = discs[discs[:, 1] > lowest - SEARCH_DEPTH * radius]
+    sizes = radius * (np.linspace(1.0 - spread, 1.0 + spread, TRIAL_RADII) if spread > 0.0 else np.ones(1))
     laid = np.zeros((0, 3))
     places = _places(there, np.arange(len(there)), sizes)
     while True:
-        at_surface = np.abs(_above(section, places)) <= STANDS_OUT * radius
+        at_surface = np.abs(_above(section, places)) <= LARGEST_PROTRUSION * radius
         places = places[at_surface & (places[:, 0] >= ends[0]) & (places[:, 0] <= ends[1])]
         places = places[_fits(places, there, radius)]
         if not len(places):
@@ -173,9 +180,9 @@ def _places(discs: np.ndarray, of: np.ndarray, sizes: np.ndarray) -> np.ndarray:
 
 def _fits(places: np.ndarray, discs: np.ndarray, radius: float) -> np.ndarray:
     """Return the mask of new discs that overlap no other disc."""
-    apart, near = cKDTree(discs[:, :2]).query(places[:, :2], k=range(1, min(NEAREST, len(discs)) + 1))
+    apart, near = cKDTree(discs[:, :2]).query(places[:, :2], k=range(1, min(NEIGHBOURS, len(discs)) + 1))
     gap = apart - places[:, 2:] - discs[near, 2]
-    return np.asarray(gap.min(axis=1) >= -TOUCHES * radius)
+    return np.asarray(gap.min(axis=1) >= -INSERTION_OVERLAP * radius)
 
 
 def _above(section: Section, discs: np.ndarray) -> np.ndarray:

@@ -23,23 +23,29 @@ from dem.errors import DemError
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.critical import OnTrial, Search
-from dem.search.equilibrium import STEP, Displacement, Trial, kinetic_ratio, period, unbalanced_ratio
+from dem.search.equilibrium import STEP_SHARE, Displacement, Trial, kinetic_ratio, period, unbalanced_ratio
 from dem.settings import DemSettings
 from meshes.section.quantity import GRAVITY
 
-MACHINE = 65.0  # stiffness of the spring that pushes, in critical Kh over the reach: some five times that of the ground
-SLOWEST, QUICKEST = 0.012, 0.04  # reaches in a period of the ground; half of both changes kc by 1 %
+MACHINE_STIFFNESS = (
+    65.0  # stiffness of the spring that pushes, in critical Kh over the reach: some five times that of the ground
+)
+SLOWEST_RATE, FASTEST_RATE = 0.012, 0.04  # reaches in a period of the ground; half of both changes kc by 1 %
 DAMPING = 0.3  # of the machine, over the critical one of the ground on its spring
 PULSES = 64  # of a period, between two looks at the displacement, at least;
 LARGEST_PHASE = 0.2  # rad of the oscillation on the machine's spring between two looks, at most
 BLOCK = 0.05  # of the reach, over which a point of the curve is a mean
 WINDOW = 4  # blocks over which Kh is averaged for the critical one
-BEYOND = 1.1  # of the reach, where the curve ends: the last window has the reach in its middle
-FORMED = 8.0  # radii that the ground has moved once a band of shear has formed, which is about as wide
-FURTHEST = 8.0  # reaches, where the push ends at last: the sides take more and more part
-APART = 5.0  # times the mean way of all discs: ground that is so far ahead of the rest has come apart from it already
-GROUND = 98  # per cent of the discs move less than what is looked at: single ones that roll far do not stand for ground
-HURRY = 0.1  # reaches in a period of the ground, once the curve is known
+LAST_REACH = 1.1  # of the reach, where the curve ends: the last window has the reach in its middle
+BAND_DISPLACEMENT = 8.0  # radii that the ground has moved once a band of shear has formed, which is about as wide
+LAST_DISPLACEMENT = 8.0  # reaches, where the push ends at last: the sides take more and more part
+DETACHMENT_RATIO = (
+    5.0  # times the mean way of all discs: ground that is so far ahead of the rest has come apart from it already
+)
+GROUND_PERCENTILE = (
+    98  # per cent of the discs move less than what is looked at: single ones that roll far do not stand for ground
+)
+LATE_RATE = 0.1  # reaches in a period of the ground, once the curve is known
 
 
 class Continuum(NamedTuple):
@@ -88,7 +94,11 @@ class DisplacementControl(NamedTuple):
     def speed(self, moved: float, cycle: float) -> float:
         """Return the speed (m/s) of the loading end of the spring when the ground of period ``cycle`` (s) has ``moved``
         (m)."""
-        share = HURRY if moved >= BEYOND * self.reach else np.clip(0.15 * moved / self.reach, SLOWEST, QUICKEST)
+        share = (
+            LATE_RATE
+            if moved >= LAST_REACH * self.reach
+            else np.clip(0.15 * moved / self.reach, SLOWEST_RATE, FASTEST_RATE)
+        )
         return self.reach * float(share) / cycle
 
 
@@ -116,7 +126,7 @@ def pushover_critical_kh(
     search, model, whole, ended = Search(), settled.copy(), False, ""
     reach = settings.ductility * continuum.yielding
     try:
-        machine = DisplacementControl(reach, MACHINE * continuum.kc / reach)
+        machine = DisplacementControl(reach, MACHINE_STIFFNESS * continuum.kc / reach)
         for trial in _points(model, settled, ground, machine, threads, until_failed):
             if trial is None or isinstance(trial, str):
                 whole, ended = True, trial or ""
@@ -178,7 +188,7 @@ def _points(
     moved, speed, end = 0.0, 0.0, 0.0
     most, count, curving, ended = 0.0, 0, True, ""
     since: list[tuple[float, float]] = []
-    with Pulses(model, STEP, threads) as pulses:
+    with Pulses(model, STEP_SHARE, threads) as pulses:
         while curving or not (ended := _failed(model, before, ground, machine, moved)):
             driven = machine.speed(moved, cycle)
             end += driven * pulse
@@ -194,7 +204,7 @@ def _points(
                 there, borne = (float(value) for value in np.mean(since, axis=0))
                 yield _point(model, there, borne, most, model.time - start)
                 most, count, since = max(most, borne), count + 1, []
-            if curving and moved >= BEYOND * machine.reach:
+            if curving and moved >= LAST_REACH * machine.reach:
                 curving = False
                 yield None
                 if not until_failed:
@@ -206,12 +216,12 @@ def _points(
 def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, moved: float) -> str:
     """Return the reason why the test ends at this mean displacement (m), in words; empty while the test continues."""
     way = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
-    most = np.percentile(way, GROUND)
-    if most >= FORMED * ground.radius:
+    most = np.percentile(way, GROUND_PERCENTILE)
+    if most >= BAND_DISPLACEMENT * ground.radius:
         return "where a band of shear has formed"
-    if most >= APART * moved:
+    if most >= DETACHMENT_RATIO * moved:
         return "where a part has separated from the rest"
-    return "at the largest displacement of the test" if moved >= FURTHEST * machine.reach else ""
+    return "at the largest displacement of the test" if moved >= LAST_DISPLACEMENT * machine.reach else ""
 
 
 def _point(model: DiscModel, moved: float, kh: float, most: float, seconds: float) -> Trial:

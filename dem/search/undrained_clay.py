@@ -17,9 +17,9 @@ from dem.disc_area import area_with_voids
 from dem.engine.engine import Engine, largest_step
 from dem.ground import Ground
 from dem.liquefied_ground import (
-    LEAST_STRAIN,
-    MOST_STRAIN,
+    LARGEST_STRAIN,
     SHEAR_MODULUS,
+    SMALLEST_STRAIN,
     Onset,
     change_strength,
     is_liquefying,
@@ -35,10 +35,10 @@ from meshes.section.section import Section
 
 # Strength of rock and concrete over the largest total overburden: a vertical cut of the whole height stands with 0.26.
 # Bonds that are stronger would be stiffer, too, and vibrate on a compliant base.
-ENOUGH = 1.2
+STRENGTH_MARGIN = 1.2
 COLUMNS = 100  # of a section, in which that is found
-STEPS = 20  # in which contacts fade out
-SHARE = 0.5  # of the stable step
+FADING_STEPS = 20  # in which contacts fade out
+STEP_SHARE = 0.5  # of the stable step
 
 
 def replace_contacts_of_clay(model: DiscModel, seconds: float, ground: Ground | None = None) -> bool:
@@ -65,10 +65,10 @@ def replace_contacts_of_clay(model: DiscModel, seconds: float, ground: Ground | 
         return False
     discs = np.isin(model.layer, clay) & ~model.fixed
     liquefy(model, _state_of_clay(model, discs, undrained_strength(model, ground)))
-    for share in np.linspace(0.0, 1.0, STEPS + 1)[1:]:
+    for share in np.linspace(0.0, 1.0, FADING_STEPS + 1)[1:]:
         model.set_springs([replace(s, faded=float(share)) if k in clay else s for k, s in enumerate(layers)])
         set_share(model, np.where(discs, share, 0.0))
-        Engine(dt=SHARE * largest_step(model).seconds, energies=False).run(model, seconds / STEPS)
+        Engine(dt=STEP_SHARE * largest_step(model).seconds, energies=False).run(model, seconds / FADING_STEPS)
     return True
 
 
@@ -90,8 +90,8 @@ def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.nda
     """Return the undrained strength s_u (n,) of all discs of clay in Pa, and 0 for other discs. The parameters are
     explained in `replace_contacts_of_clay`.
 
-    Ground that is too strong to fail, such as rock, gets a multiple (``ENOUGH``) of the largest total overburden as
-    strength.
+    Ground that is too strong to fail, such as rock, gets a multiple (``STRENGTH_MARGIN``) of the largest total
+    overburden as strength.
     """
     layers = model.springs.layers
     strength = np.append([layer.undrained_strength for layer in layers], 0.0)[model.layer]
@@ -101,7 +101,7 @@ def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.nda
     points = np.column_stack(ground.to_section(model.x[here], model.z[here]))
     field = section.cohesion_field
     means = np.array([soil.cohesion for soil in field.means()])[model.layer[here]]
-    most = ENOUGH * _largest_overburden(section)
+    most = STRENGTH_MARGIN * _largest_overburden(section)
     strength[here] = np.minimum(strength[here] * field.at(points, points, model.layer[here]) / means, most)
     return strength
 
@@ -119,5 +119,5 @@ def _state_of_clay(model: DiscModel, discs: np.ndarray, strength: np.ndarray) ->
     discs: mask (n,) of the discs of clay; strength: s_u (n,) of the discs.
     """
     modulus = SHEAR_MODULUS * np.append([layer.kn for layer in model.springs.layers], 1.0)[model.layer]
-    strain = np.clip(strength / modulus, LEAST_STRAIN, MOST_STRAIN)
+    strain = np.clip(strength / modulus, SMALLEST_STRAIN, LARGEST_STRAIN)
     return Onset(discs, area_with_voids(model), effective_overburden(model), strength, strain, peak=False)

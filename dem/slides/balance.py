@@ -17,15 +17,17 @@ from dem.slides.volume import shortening
 from meshes.section.cutting import shown_name
 from meshes.section.sentences import counted
 
-LOST = 0.01  # of the area, beyond what was asked for
-THROUGH = 1.0  # mean radii of overlap with a fixed disc: the centre of one is within the rim of the other
-NEAR = 2.0  # diameters from a side
-PILED = 2.0  # mean radii that the surface at a side rises
-SCATTER = 0.25  # diameters: level ground that liquefies drifts by 0.05 to 0.2 (discs of 1.26 and 0.63 m radius)
+AREA_TOLERANCE = 0.01  # of the area, above the prescribed loss
+PENETRATION = 1.0  # mean radii of overlap with a fixed disc, so that the centre of one disc lies inside the other
+SIDE_DISTANCE = 2.0  # diameters from a side
+PILED_RISE = 2.0  # mean radii that the surface at a side rises
+DRIFT_TOLERANCE = 0.25  # diameters: level ground that liquefies drifts by 0.05 to 0.2 (discs of 1.26 and 0.63 m radius)
 LEAST_STEP = 0.25  # of the step asked for; it is halved, and the slide begun again, where the energy does not balance
-UNACCOUNTED = 0.01  # of the energy exchanged: more is told
-CLOSED = 5e-3  # of the energy exchanged may be unaccounted for with the least step: clay in fast flow collides
-STOPPED = 0.5  # of the largest slide: what has slid so far and ends at a side was stopped by it
+REPORTED_IMBALANCE = 0.01  # of the energy exchanged, above which it is reported
+IMBALANCE_TOLERANCE = (
+    5e-3  # of the energy exchanged may be unaccounted for with the least step: clay in fast flow collides
+)
+STOPPED_SHARE = 0.5  # of the largest slide: ground at a side that has slid as far was stopped by the side
 
 
 def ground_area(model: DiscModel, ground: Ground) -> float:
@@ -69,20 +71,20 @@ def pressed_through(model: DiscModel) -> int:
     i, j = model.pair_i, model.pair_j
     wall = model.fixed[i] != model.fixed[j]
     over = model.radius[i] + model.radius[j] - model.distance()
-    deep = wall & (over > THROUGH * 0.5 * (model.radius[i] + model.radius[j]))
+    deep = wall & (over > PENETRATION * 0.5 * (model.radius[i] + model.radius[j]))
     moving = np.where(model.fixed[i[deep]], j[deep], i[deep])
     return len(np.unique(moving))
 
 
 def energy_tolerance(step_share: float) -> float:
     """Return the share of the exchanged energy that may be unaccounted for with a time step over the one asked for."""
-    return CLOSED if step_share <= LEAST_STEP else BALANCE
+    return IMBALANCE_TOLERANCE if step_share <= LEAST_STEP else BALANCE
 
 
 def on_energy(energies: EnergyBalance) -> list[str]:
     """Return a note on energy that is unaccounted for; empty if it is less than a hundredth of what was exchanged."""
     share = abs(energies.gap) / energies.turnover if energies.turnover > 0.0 else 0.0
-    if share <= UNACCOUNTED:
+    if share <= REPORTED_IMBALANCE:
         return []
     return [f"{100.0 * share:.2g} % of the energy that the discs exchanged is unaccounted for"]
 
@@ -113,7 +115,7 @@ class AtSide(NamedTuple):
     Attributes
     ----------
     name : "left" or "right"
-    came : number of surface discs that slid to within `NEAR` diameters of the side
+    came : number of surface discs that slid to within `SIDE_DISTANCE` diameters of the side
     furthest : largest slide of these discs, over the largest slide of the surface
     rise : rise of the surface at the side (m)
     piled : whether ground has piled up at the side
@@ -134,14 +136,14 @@ def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSid
     surface = Surface.of(start, ground)
     slide = np.abs(surface.movement(model, ground)[0])
     there = ground.to_section(model.x[surface.discs], model.z[surface.discs])[0]
-    reach = NEAR * 2.0 * ground.radius
+    reach = SIDE_DISTANCE * 2.0 * ground.radius
     sides = []
     for name, side in (("left", before[0, 0]), ("right", before[-1, 0])):
         came = (np.abs(there - side) < reach) & (np.abs(surface.x - side) >= reach) & (slide > ground.radius)
         near_before, near_after = (line[np.abs(line[:, 0] - side) < reach, 1] for line in (before, after))
         rise = float(near_after.mean() - near_before.mean()) if len(near_before) and len(near_after) else 0.0
         furthest = float(slide[came].max() / slide.max()) if came.any() else 0.0
-        sides.append(AtSide(name, int(came.sum()), furthest, rise, rise > PILED * ground.radius))
+        sides.append(AtSide(name, int(came.sum()), furthest, rise, rise > PILED_RISE * ground.radius))
     return sides
 
 
@@ -151,7 +153,7 @@ def stopped_by(sides: Sequence[AtSide]) -> str | None:
     A side counts as having stopped the slide if ground piled up there, or if ground there slid at least half as far as
     the largest slide.
     """
-    reached = [side for side in sides if side.piled or side.furthest > STOPPED]
+    reached = [side for side in sides if side.piled or side.furthest > STOPPED_SHARE]
     return max(reached, key=lambda side: (side.furthest, side.rise)).name if reached else None
 
 
@@ -176,11 +178,11 @@ def within_scatter(far: float, radius: float) -> list[str]:
 
     far: largest slide (m); radius: mean radius of the discs (m).
     """
-    if abs(far) >= SCATTER * 2.0 * radius:
+    if abs(far) >= DRIFT_TOLERANCE * 2.0 * radius:
         return []
     return [
-        f"the largest slide is less than {SCATTER * 2.0 * radius:.2g} m, a quarter of a disc: level ground that "
-        "liquefies moves as far, in either direction, because of its random packing alone; a smaller radius would "
+        f"the largest slide is less than {DRIFT_TOLERANCE * 2.0 * radius:.2g} m, a quarter of a disc: level ground "
+        "that liquefies moves as far, in either direction, because of its random packing alone; a smaller radius would "
         "show whether this ground slides"
     ]
 

@@ -19,13 +19,13 @@ from dem.springs import SMOOTH, LayerSprings
 
 G = 9.81  # m/s2
 WALL, FLOOR, GATE = range(3)  # numbers of the rigid lines
-SINKS = 0.015  # of the height, in settling
+SINKING = 0.015  # of the height, in settling
 SPREAD = 0.2  # half the width of the range of radii, over the mean radius
 ROUGHNESS = 0.4  # mean radii that the tops of the floor's discs lie below z = 0, at most
-AT_REST = 1e-7  # of g times the height: kinetic energy per mass
-STILL = 1e-3  # of the width
-SECONDS = 60.0  # sqrt(height / g), until which a column has settled
-FADES = 5.0  # sqrt(height / g), in which the contacts of clay fade out
+REST_ENERGY = 1e-7  # of g times the height: kinetic energy per mass
+REST_DISPLACEMENT = 1e-3  # of the width
+LONGEST_SETTLING = 60.0  # sqrt(height / g), until which a column has settled
+FADING_TIME = 5.0  # sqrt(height / g), in which the contacts of clay fade out
 
 LayersOf = Callable[[float], Sequence[LayerSprings]]  # void ratio to springs
 
@@ -68,7 +68,7 @@ class SoilColumn:
         reach: float = 8.0,
     ) -> None:
         self.width, self.height, self.radius = width, height, radius
-        x, z, r = _packed(width, height * (1.0 + SINKS), radius, seed)
+        x, z, r = _packed(width, height * (1.0 + SINKING), radius, seed)
         floor = _rough_floor(np.random.default_rng(1000 + seed), radius, -3.0 * radius, reach * width)
         void_ratio = width * height / float(np.sum(np.pi * r**2)) - 1.0
         lines = np.array([
@@ -105,14 +105,14 @@ class SoilColumn:
     def settle(self) -> None:
         """Let the column settle with the gate closed; clay is undrained from then on. Raises DemError."""
         self._come_to_rest()
-        if replace_contacts_of_clay(self.model, FADES * self.unit):
+        if replace_contacts_of_clay(self.model, FADING_TIME * self.unit):
             self._come_to_rest()
 
     def _come_to_rest(self) -> None:
         free = ~self.model.fixed
-        for _ in range(round(SECONDS)):
+        for _ in range(round(LONGEST_SETTLING)):
             Engine(dt=0.5 * largest_step(self.model).seconds, energies=False).run(self.model, self.unit)
-            if 0.5 * np.mean((self.model.vx**2 + self.model.vz**2)[free]) < AT_REST * G * self.height:
+            if 0.5 * np.mean((self.model.vx**2 + self.model.vz**2)[free]) < REST_ENERGY * G * self.height:
                 return
 
     def release(self, *, longest: float = 12.0) -> UntilRest:
@@ -130,7 +130,9 @@ class SoilColumn:
         """
         if len(self.model.lines) > GATE:
             self.model.remove_lines([GATE])
-        return run_until_rest(self.model, still=STILL * self.width, longest=longest * self.unit, every=0.5 * self.unit)
+        return run_until_rest(
+            self.model, still=REST_DISPLACEMENT * self.width, longest=longest * self.unit, every=0.5 * self.unit
+        )
 
 
 def _packed(width: float, height: float, radius: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -12,14 +12,14 @@ from dem.settings import SlideSettings
 from dem.springs import Law
 from meshes.section.quantity import GRAVITY
 
-FADE = 20  # steps in which springs change at an onset that takes time
+FADING_STEPS = 20  # steps in which springs change during an onset
 # s in which Kh comes on before anything liquefies; in the paper all happens at once. Soil discs have the stiffness of
 # their soil, and the shock would move them several times as far as Kh does
-LEAD: Mapping[Law, float] = {"paper": 0.0, "soil": 2.0}
-SAME = 1e-6  # s: times that differ by less are one
-APART = 1e-6  # s between the two ends of a step of a record
-PER_CYCLE = 64  # points in time
-EDGE = 1.0  # cycles in which the motion comes, and in which it goes: half of each counts
+LEAD_TIME: Mapping[Law, float] = {"paper": 0.0, "soil": 2.0}
+TIME_TOLERANCE = 1e-6  # s: difference up to which two times are equal
+STEP_DURATION = 1e-6  # s between the two ends of a step of a record
+POINTS_PER_CYCLE = 64  # points in time
+TAPER_CYCLES = 1.0  # cycles of the taper at the beginning and at the end; half of each counts
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,16 +71,20 @@ class BaseMotion:
     def share(self, stratum: int, since: float) -> float:
         """Return the degree of liquefaction of a stratum, 0 to 1, rounded to steps."""
         since -= self.starts[stratum]
-        if since < -SAME:
+        if since < -TIME_TOLERANCE:
             return 0.0
-        return 1.0 if self.onset == 0.0 else min(1.0, (np.floor(FADE * since / self.onset + SAME) + 1.0) / FADE)
+        return (
+            1.0
+            if self.onset == 0.0
+            else min(1.0, (np.floor(FADING_STEPS * since / self.onset + TIME_TOLERANCE) + 1.0) / FADING_STEPS)
+        )
 
     def wait(self, since: float, longest: float) -> float:
         """Return the time to the next change of springs (s), at most ``longest``."""
         starts = {self.first, *self.starts.values()}
-        waits = [start - since for start in starts if start - since > SAME]
-        going = self.onset > 0.0 and any(-SAME <= since - start < self.onset for start in starts)
-        return min([longest, *waits, *([self.onset / FADE] if going else [])])
+        waits = [start - since for start in starts if start - since > TIME_TOLERANCE]
+        going = self.onset > 0.0 and any(-TIME_TOLERANCE <= since - start < self.onset for start in starts)
+        return min([longest, *waits, *([self.onset / FADING_STEPS] if going else [])])
 
 
 def cycles(
@@ -105,7 +109,7 @@ def cycles(
         return None
     onset = settings.onset_of(law)
     time, acceleration = cyclic_acceleration(settings.kh, settings.kh_cycles, settings.kh_period)
-    time, acceleration = np.append(0.0, time + onset + APART), np.append(0.0, acceleration)
+    time, acceleration = np.append(0.0, time + onset + STEP_DURATION), np.append(0.0, acceleration)
     if settings.liquefies_at != "F_L":
         return Shaking(time, acceleration, dict.fromkeys(strata, onset + settings.liquefies_at))
     over, shares = settings.kh_cycles * settings.kh_period, passed or {}
@@ -118,7 +122,7 @@ def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], setting
 
     start: discs at rest; ground: the ground in which the discs lie; settings: settings of the slide.
     """
-    lead, onset = LEAD[start.law], settings.onset_of(start.law)
+    lead, onset = LEAD_TIME[start.law], settings.onset_of(start.law)
     begin = lead + onset
     return BaseMotion(
         acceleration=ground.constant_acceleration(
@@ -177,10 +181,10 @@ def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.nda
     """
     if not (cycles > 0.0 and period > 0.0):
         raise ValueError(f"expected positive cycles and a positive period, not {cycles} and {period} s")
-    last = max(cycles, EDGE) + EDGE  # in cycles; a whole one at least comes and goes
-    phase = np.linspace(0.0, last, int(np.ceil(PER_CYCLE * last)) + 1)
-    inside = np.clip(np.minimum(phase, last - phase) / EDGE, 0.0, 1.0)
+    last = max(cycles, TAPER_CYCLES) + TAPER_CYCLES  # in cycles; a whole one at least comes and goes
+    phase = np.linspace(0.0, last, int(np.ceil(POINTS_PER_CYCLE * last)) + 1)
+    inside = np.clip(np.minimum(phase, last - phase) / TAPER_CYCLES, 0.0, 1.0)
     window = 0.5 - 0.5 * np.cos(np.pi * inside)
-    rises = np.where(phase < 0.5 * last, 1.0, -1.0) * 0.5 * np.pi * np.sin(np.pi * inside) / EDGE  # a cycle
+    rises = np.where(phase < 0.5 * last, 1.0, -1.0) * 0.5 * np.pi * np.sin(np.pi * inside) / TAPER_CYCLES  # a cycle
     acceleration = window * np.cos(2.0 * np.pi * phase) + rises * np.sin(2.0 * np.pi * phase) / (2.0 * np.pi)
     return period * phase, kh * GRAVITY * acceleration

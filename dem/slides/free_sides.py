@@ -4,8 +4,8 @@ rest acts on the sides.
 Walls that do not move would hold a slope that continues beyond the section. Therefore the wall discs of a side move
 horizontally, in strips two diameters high, above the lowest stratum that liquefies there. Each strip is a plate between
 the ground in the section, which pushes with a force N, and the ground beyond, which pushes with its force at rest N_0
-and takes waves away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877). In each time interval `EVERY` the
-velocity v of a strip increases by
+and takes waves away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877). In each time interval
+`UPDATE_INTERVAL` the velocity v of a strip increases by
 
     Δv = `RELIEF` ((N - N_0) / (ρ V_p h) - v),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν).
 
@@ -13,8 +13,8 @@ Here h is the height of a strip and V_p the velocity of P-waves. As a stratum li
 ground settles by the water that drains. The stress σ'_v is the vertical effective stress of the section at the side,
 times the ratio of the weight of all discs to the weight of the section. Both sides of level ground therefore carry the
 same force. The discs nearest to each side are heavier or lighter by a few per cent; under such a difference liquefied
-ground would drift without end. Walls move by `ROOM` diameters at most, since the floor ends there. Positive velocities
-are outwards.
+ground would drift without end. Walls move by `WALL_DISTANCE` diameters at most, since the floor ends there. Positive
+velocities are outwards.
 """
 
 from collections.abc import Sequence
@@ -30,13 +30,13 @@ from dem.overburden import effective_overburden
 from dem.springs import wave_speeds
 from meshes.section.section import Section, Stratum
 
-EVERY = 0.04  # s between two updates of the velocities of the walls
-STEP = 0.8  # of the stable one, while they settle
+UPDATE_INTERVAL = 0.04  # s between two updates of the velocities of the walls
+STEP_SHARE = 0.8  # of the stable one, while they settle
 RELIEF = 0.5
-STRIP, ROOM = 2.0, 2.5  # mean diameters
+STRIP_WIDTH, WALL_DISTANCE = 2.0, 2.5  # mean diameters
 POINTS = 20  # of a strip, over which stresses are averaged
-SETTLING = 4.0  # s in which the sides are released before a slide
-DAMPED = 0.9  # of the velocities, left after each time EVERY of that
+SETTLING_TIME = 4.0  # s in which the sides are released before a slide
+DAMPING_FACTOR = 0.9  # of the velocities, left after each UPDATE_INTERVAL of that
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +98,7 @@ class FreeSides:
         x, z = self.ground.to_section(start.x, start.z)
         beyond = outwards * (x - section.extent[1 if outwards > 0 else 0])
         foot = min(levels[k + 1] for k in wet)
-        count = max(1, round((levels[0] - foot) / (STRIP * diameter)))
+        count = max(1, round((levels[0] - foot) / (STRIP_WIDTH * diameter)))
         height, strips = (levels[0] - foot) / count, []
         for number in range(count):
             low = foot + number * height
@@ -138,10 +138,10 @@ class FreeSides:
         out = model.copy()
         self.open(out)
         out.set_velocity(0.0, 0.0)
-        for _ in range(round(SETTLING / EVERY)):
+        for _ in range(round(SETTLING_TIME / UPDATE_INTERVAL)):
             self.follow(out, 0.0)
-            Engine(dt=STEP * largest_step(out).seconds, energies=False).run(out, EVERY)
-            out.set_velocity(DAMPED * out.vx, DAMPED * out.vz)
+            Engine(dt=STEP_SHARE * largest_step(out).seconds, energies=False).run(out, UPDATE_INTERVAL)
+            out.set_velocity(DAMPING_FACTOR * out.vx, DAMPING_FACTOR * out.vz)
         out.set_velocity(0.0, 0.0)
         self.places = out.x.copy()
         return out
@@ -151,7 +151,7 @@ class FreeSides:
         lines = model.lines.copy()
         upright = np.abs(lines[:, 2]) > np.abs(lines[:, 3])
         for outwards in {strip.outwards for strip in self.strips}:
-            lines[upright & (np.sign(lines[:, 2]) == -outwards), 0] += 2.0 * outwards * ROOM * self.diameter
+            lines[upright & (np.sign(lines[:, 2]) == -outwards), 0] += 2.0 * outwards * WALL_DISTANCE * self.diameter
         model.lines = lines
 
     def follow(self, model: DiscModel, share: float) -> None:
@@ -164,14 +164,14 @@ class FreeSides:
             speed = strip.outwards * float(model.vx[strip.wall].mean())
             speed += RELIEF * (excess / strip.impedance - speed)
             moved = self._moved(model, strip)
-            if abs(moved) >= ROOM * self.diameter and speed * moved > 0.0:
+            if abs(moved) >= WALL_DISTANCE * self.diameter and speed * moved > 0.0:
                 speed = 0.0
             vx[strip.wall] = strip.outwards * speed
         model.vx, model.vx_half = vx, np.where(model.fixed, vx, model.vx_half)
 
     def stopped(self, model: DiscModel) -> set[str]:
         """Return the sides ("left", "right") that can move no further outwards, or that are walls which do not move."""
-        limit = (ROOM - 0.1) * self.diameter
+        limit = (WALL_DISTANCE - 0.1) * self.diameter
         free = {strip.side for strip in self.strips}
         at_end = {strip.side for strip in self.strips if abs(self._moved(model, strip)) >= limit}
         return {"left", "right"} - free | at_end

@@ -22,8 +22,8 @@ from dem.liquefied_ground import is_liquefying, liquefy, set_share
 from dem.model import DiscModel
 from dem.settings import SlideSettings
 from dem.slides.balance import (
+    AREA_TOLERANCE,
     LEAST_STEP,
-    LOST,
     at_the_sides,
     both_sides,
     deepest_overlap,
@@ -37,8 +37,8 @@ from dem.slides.balance import (
     thin_layers,
     within_scatter,
 )
-from dem.slides.drive import SAME, Shaking, constant_kh, cycles, recorded_motion
-from dem.slides.free_sides import EVERY, FreeSides
+from dem.slides.drive import TIME_TOLERANCE, Shaking, constant_kh, cycles, recorded_motion
+from dem.slides.free_sides import UPDATE_INTERVAL, FreeSides
 from dem.slides.liquefied_strength import liquefied, onset, weaken_clay
 from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.runout import loose_share, on_loose_mass
@@ -48,11 +48,11 @@ from dem.slides.volume import swollen, undrained, volume_change
 from meshes.files import whole
 from meshes.section.sentences import counted
 
-FAR = 0.25  # of the section's height, that a slide is longer than before it is asked whether it needs Kh at all
-FLOWS = 0.25  # of the height of the ground's surface: a slide by weight alone that is longer is a flow failure
-ALONE = 20.0  # s for which that is looked at
-LOOK = 0.5  # s between two rows of the history
-KEEP = 2.0  # s of the clock between two checkpoints: no more is computed again after a stop
+LONG_SLIDE = 0.25  # of the height of the section: longer slides are also computed under the weight alone
+FLOW_SLIDE = 0.25  # of the height of the ground's surface: a slide by weight alone that is longer is a flow failure
+WEIGHT_ALONE_TIME = 20.0  # s of such a computation
+HISTORY_INTERVAL = 0.5  # s between two rows of the history
+CHECKPOINT_INTERVAL = 2.0  # s of wall-clock time between two checkpoints
 
 OnLook = Callable[[DiscModel, Row, bool], None]
 
@@ -110,7 +110,7 @@ class Slider:
         gives_way = shaking is not None and not shaking.of_the_base and start.law == "soil"
         self.impedance = ground.base_impedance() if gives_way else 0.0
         self.cut: set[int] = set()
-        self.frame = max(1, round(settings.duration / LOOK / settings.frames))
+        self.frame = max(1, round(settings.duration / HISTORY_INTERVAL / settings.frames))
         self.saved_at = -np.inf  # when the last checkpoint was left (s)
         self.undrained = undrained(start, strata if case is not None else [])
         self.area_per_disc = area_per_disc(start, start) if self.undrained else np.zeros(0)
@@ -152,17 +152,17 @@ class Slider:
         """Continue to the next record or change of springs, with walls that follow the ground where it continues, and
         with a shorter time step where a new neighbour list requires it."""
         model = self.model
-        end = model.time + self.motion.wait(model.time - self.start.time, LOOK)
+        end = model.time + self.motion.wait(model.time - self.start.time, HISTORY_INTERVAL)
         engine = self._engine(threads)
         while True:  # at least a step
             if self.sides.strips:
                 since = model.time - self.start.time
                 self.sides.follow(model, max(self.motion.share(k, since) for k in self.strata))
             try:
-                engine.run(model, min(EVERY if self.sides.strips else np.inf, end - model.time))
+                engine.run(model, min(UPDATE_INTERVAL if self.sides.strips else np.inf, end - model.time))
             except StepTooLargeError:
                 engine = self._engine(threads)
-            if end - model.time <= max(SAME, 0.5 * float(engine.dt)):
+            if end - model.time <= max(TIME_TOLERANCE, 0.5 * float(engine.dt)):
                 break
 
     def _engine(self, threads: int) -> Engine:
@@ -197,7 +197,7 @@ class Slider:
     def _liquefy(self) -> None:
         """Set the springs of the layers to the degree of liquefaction at the current time."""
         since = self.model.time - self.start.time
-        if since < self.motion.first - SAME:
+        if since < self.motion.first - TIME_TOLERANCE:
             return
         model, law, case = self.model, self.model.law, self.case
         shares = {k: share for k in self.strata if (share := self.motion.share(k, since)) > 0.0}
@@ -219,7 +219,7 @@ class Slider:
     def _drained(self) -> dict[int, float]:
         """Return the share of the volume of strata lost by drainage so far."""
         since = self.model.time - self.start.time
-        if self.case is None or since < self.motion.first - SAME:
+        if self.case is None or since < self.motion.first - TIME_TOLERANCE:
             return {}
         return {k: self.motion.share(k, since) * self.case.volumetric_strain for k in self.strata}
 
@@ -301,7 +301,7 @@ class Slider:
         slide, model, start = self.slide, self.model, self.start
         height = float(np.ptp(start.z[~start.fixed]))
         far = max((row.slide_max_m for row in slide.rows), default=0.0)
-        driven = self.by_weight and self.case is not None and self.settings.kh > 0.0 and far > FAR * height
+        driven = self.by_weight and self.case is not None and self.settings.kh > 0.0 and far > LONG_SLIDE * height
         notes = self._flow() if driven else []
         walls = self.sides.stopped(model)
         sides = [side for side in both_sides(model, start, self.ground) if side.name in walls]
@@ -324,7 +324,7 @@ class Slider:
         softer = [] if start.law == "soil" else self.strata
         expected = expected_loss(start, model, softer, before, self._drained())
         slide.area_lost_share = (before - after - expected) / before
-        if slide.area_lost_share <= LOST:
+        if slide.area_lost_share <= AREA_TOLERANCE:
             return []
         change = 100.0 * volume_change(start, model)
         most = [f"{start.springs.layers[k].name} {change[k]:+.1f} %" for k in np.argsort(change)[:4]]
@@ -341,13 +341,13 @@ class Slider:
         face is flatter. To tell both apart, the displacement without Kh is compared with the height of the face. The
         slide under Kh is no measure: it depends on the duration of Kh, on the slope below, and on the sides of the box.
         """
-        settings = self.settings.changed(kh=0.0, duration=ALONE)
+        settings = self.settings.changed(kh=0.0, duration=WEIGHT_ALONE_TIME)
         alone = Slider(
             self.start, self.ground, self.strata, self.case, settings, free_sides=bool(self.sides.strips)
         ).run()
         far = max(row.slide_max_m for row in alone.rows)
         self.slide.slide_by_weight_m = far
-        self.slide.flows = far > FLOWS * float(np.ptp(self.surface.z))
+        self.slide.flows = far > FLOW_SLIDE * float(np.ptp(self.surface.z))
         if not self.slide.flows:
             return []
         case = self.case
@@ -363,7 +363,7 @@ class Slider:
 
         The rows are written first: rows later than the checkpoint are dropped when it is read.
         """
-        young = time.monotonic() - self.saved_at < KEEP and not self.slide.reason
+        young = time.monotonic() - self.saved_at < CHECKPOINT_INTERVAL and not self.slide.reason
         if self.folder is None or young:
             return
         slide = self.slide

@@ -10,7 +10,7 @@ from dem.disc_area import area_with_voids
 from dem.ground import Ground
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.liquefied_bonds import FITTED
-from dem.liquefied_ground import LEAST_STRAIN, MOST_STRAIN, SHEAR_MODULUS, Onset, change_strength, is_liquefying
+from dem.liquefied_ground import LARGEST_STRAIN, SHEAR_MODULUS, SMALLEST_STRAIN, Onset, change_strength, is_liquefying
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
 from dem.springs import Law, LayerSprings
@@ -18,7 +18,7 @@ from meshes.section.section import Section
 from meshes.section.strain_potential import BEYOND, stress_at_potential
 
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
-NOTHING = 1e-6  # Pa
+NO_STRENGTH = 1e-6  # Pa
 # Shear modulus of elastic bonds in simple shear over the strength at their limit, over the strain of a bond there.
 ELASTIC = 0.25 * np.pi * FITTED
 
@@ -65,13 +65,13 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
 
     The strength is given as a ratio of the vertical effective stress at that time, as a stress, or as shares of the
     friction and cohesion of the soil (`Case.remains_of`). The residual strength is reached at a shear strain s/G, with
-    the shear modulus G by the case, but at most `MOST_STRAIN`; ground with a strain potential reaches it only beyond
+    the shear modulus G by the case, but at most `LARGEST_STRAIN`; ground with a strain potential reaches it only beyond
     that potential (`meshes.section.strain_potential`). model: model of the discs; ground: the ground in which the discs
     lie; strata: numbers of those that liquefy; case: stiffness and strength after liquefaction.
     """
     pressure, section = effective_overburden(model), ground.section
     consolidated = pressure - _not_consolidated(model, ground)
-    strength, strain = np.zeros(len(model)), np.full(len(model), LEAST_STRAIN)
+    strength, strain = np.zeros(len(model)), np.full(len(model), SMALLEST_STRAIN)
     knee, soft_to = np.zeros(len(model)), np.zeros(len(model))
     for k in strata:
         here, layer = model.layer == k, model.springs.layers[k]
@@ -86,10 +86,10 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
         strength[here] += remaining.residual * np.maximum(consolidated[here], 0.0) + remaining.strength
         modulus = case.stiffness * SHEAR_MODULUS * layer.kn
         strain[here] = np.maximum(
-            1.0 / (modulus / np.maximum(strength[here], NOTHING) + 1.0 / MOST_STRAIN), LEAST_STRAIN
+            1.0 / (modulus / np.maximum(strength[here], NO_STRENGTH) + 1.0 / LARGEST_STRAIN), SMALLEST_STRAIN
         )
         if remaining.strain_potential > 0.0:
-            wanted = np.maximum(strength[here], NOTHING)
+            wanted = np.maximum(strength[here], NO_STRENGTH)
             strain[here] = ELASTIC * (remaining.strain_potential + BEYOND)
             knee[here] = stress_at_potential(pressure[here], wanted) / wanted
             soft_to[here] = remaining.strain_potential / (remaining.strain_potential + BEYOND)

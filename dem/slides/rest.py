@@ -11,9 +11,11 @@ import numpy as np
 
 WINDOW = 5.0  # s
 STILL_SHARE = 2e-3  # of the largest slide: what moves on by less in a window is no movement, far below the scatter
-SWING = 3.0  # times what counts as still, about where the ground has come to lie: little damps the swing of firm ground
-LATELY = 10.0  # s
-LITTLE = 0.01  # of the total energy exchanged, in a window
+SWING_RATIO = (
+    3.0  # times what counts as still, about where the ground has come to lie: little damps the swing of firm ground
+)
+RECENT_TIME = 10.0  # s
+SMALL_ENERGY_SHARE = 0.01  # of the total energy exchanged, in a window
 
 
 def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: float) -> bool:
@@ -35,13 +37,13 @@ def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: flo
     late, middle = since > -1e-9, 0.5 * WINDOW
     earlier, later = where[late & (since < middle + 1e-9)], where[since > middle - 1e-9]
     moved_on = 2.0 * np.abs(later.mean(axis=0) - earlier.mean(axis=0))
-    return bool(moved_on.max() < still and np.ptp(where[late], axis=0).max() < SWING * still)
+    return bool(moved_on.max() < still and np.ptp(where[late], axis=0).max() < SWING_RATIO * still)
 
 
 def moved_lately(times: Sequence[float], moved: Sequence[float]) -> float:
     """Return the displacement within the last 10 s (m); times (n,): times of the records (s), moved (n,): displacement
     at each time (m)."""
-    first = int(np.searchsorted(np.asarray(times, float), times[-1] - LATELY - 1e-9))
+    first = int(np.searchsorted(np.asarray(times, float), times[-1] - RECENT_TIME - 1e-9))
     return float(np.ptp(np.asarray(moved, float)[first:]))
 
 
@@ -54,7 +56,7 @@ def residual_motion_source(times: Sequence[float], weight: Sequence[float], shak
     first = int(np.searchsorted(time, time[-1] - WINDOW - 1e-9))
     by_weight, by_shaking = (max(float(work[-1] - work[first]), 0.0) for work in (weight, shaking))
     total = by_weight + by_shaking
-    if total <= LITTLE * float(np.ptp(weight) + np.ptp(shaking)):
+    if total <= SMALL_ENERGY_SHARE * float(np.ptp(weight) + np.ptp(shaking)):
         return "no energy is supplied any more: the slide slows down, or oscillates"
     share = by_weight / total
     message = f"in its last {WINDOW:g} s {100.0 * share:.0f} % of the energy came from weight, the rest from shaking"

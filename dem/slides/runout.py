@@ -15,10 +15,12 @@ from scipy.spatial import cKDTree
 from dem.liquefied_ground import is_liquefying
 from dem.model import DiscModel
 
-NEARLY = 0.25  # mean radii between the rims of discs that still belong together: so much room has one in a cage
-BONDED = 1.0  # the same of liquefied discs and of undrained clay, which bonds hold up to two diameters apart
-TELL = 0.01  # share of the mass outside the connected ground above which it is reported
-FULL = 0.5  # of a row of discs: columns with less are beyond the front
+GAP_OF_NEIGHBOURS = (
+    0.25  # mean radii between the rims of discs that still belong together: so much room has one in a cage
+)
+GAP_OF_BONDED = 1.0  # the same for liquefied discs and undrained clay, whose bonds reach two diameters
+REPORTED_MASS = 0.01  # share of the mass outside the connected ground above which it is reported
+FULL_ROW = 0.5  # of a row of discs: columns with less are beyond the front
 
 
 @dataclass(frozen=True)
@@ -60,8 +62,8 @@ def connected_ground(model: DiscModel) -> np.ndarray:
     free = np.flatnonzero(~model.fixed)
     places, r = np.column_stack([model.x, model.z])[free], model.radius[free]
     bonded, mean = is_liquefying(model)[free], float(r.mean())
-    i, j = cKDTree(places).query_pairs(2.0 * float(r.max()) + BONDED * mean, output_type="ndarray").T
-    nearly = np.where(bonded[i] & bonded[j], BONDED, NEARLY) * mean
+    i, j = cKDTree(places).query_pairs(2.0 * float(r.max()) + GAP_OF_BONDED * mean, output_type="ndarray").T
+    nearly = np.where(bonded[i] & bonded[j], GAP_OF_BONDED, GAP_OF_NEIGHBOURS) * mean
     near = np.hypot(*(places[j] - places[i]).T) < r[i] + r[j] + nearly
     links = coo_matrix((np.ones(int(near.sum())), (i[near], j[near])), shape=(len(free), len(free)))
     _, part = connected_components(links, directed=False)
@@ -90,7 +92,7 @@ def loose_share(model: DiscModel) -> float:
 
 def on_loose_mass(share: float) -> list[str]:
     """Return a sentence on the share of the mass that has left the connected ground; empty if the share is small."""
-    if share <= TELL:
+    if share <= REPORTED_MASS:
         return []
     return [f"{100.0 * share:.0f} % of the mass has left the connected ground: single discs flew or rolled away"]
 
@@ -146,7 +148,7 @@ def deposit_profile(model: DiscModel, width: float | None = None) -> np.ndarray:
     top = np.full(column.max() + 1, -np.inf)
     np.maximum.at(top, column, z + r)
     area = np.bincount(column, np.pi * r**2, len(top))
-    last = int(np.flatnonzero(area > FULL * step * 2.0 * float(r.mean()) * np.pi / 4.0).max(initial=0))
+    last = int(np.flatnonzero(area > FULL_ROW * step * 2.0 * float(r.mean()) * np.pi / 4.0).max(initial=0))
     middle = x.min() + (np.arange(len(top)) + 0.5) * step
     there = np.isfinite(top[: last + 1])
     return np.column_stack([middle[: last + 1][there], top[: last + 1][there]])

@@ -7,7 +7,7 @@ import numpy as np
 
 from dem.slides.rest import moved_lately
 
-MOVES = 2.0  # times what Kh alone does, beyond which a disc of the surface slides
+SLIDING_RATIO = 2.0  # displacement over that under Kh alone from which a disc of the surface slides
 
 
 def stopped_at(side: str) -> str:
@@ -110,7 +110,7 @@ class Slide:
             "moved_lately_m": moved_lately([row.time_s for row in self.rows], [row.slide_max_m for row in self.rows]),
         }
         if alone is not None:
-            moving = np.array(self.slide) > MOVES * np.maximum(np.array(alone.slide), 0.0)
+            moving = np.array(self.slide) > SLIDING_RATIO * np.maximum(np.array(alone.slide), 0.0)
             half = len(moving) // 2
             out["slides_over_share"] = float(moving.mean())
             out["slides_over_share_uphill"] = float(moving[:half].mean())

@@ -13,8 +13,8 @@ from dem.model import DiscModel
 from meshes.section.section import Section
 from meshes.slip_line import slip_line
 
-WIDTH = 4.0  # from one column to the next, in mean radii
-REACH = 3.0  # mean radii within which discs move as one: a band of shear is eight to ten of them wide
+COLUMN_WIDTH = 4.0  # from one column to the next, in mean radii
+NEIGHBOUR_RADIUS = 3.0  # mean radii within which discs move as one: a band of shear is eight to ten of them wide
 
 
 @dataclass(frozen=True)
@@ -50,17 +50,17 @@ def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndar
     """Return the slip surface between discs that moved since `before` and discs at rest, see `slip_line`; empty if none
     moved.
 
-    The displacement at a point is the mean displacement of the discs within `REACH`, fixed discs included.
+    The displacement at a point is the mean displacement of the discs within `NEIGHBOUR_RADIUS`, fixed discs included.
     """
     x, z = ground.to_section(before.x, before.z)
     moved = np.column_stack(ground.to_section_axes(model.x - before.x, model.z - before.z))
     free = ~model.fixed
-    columns = np.arange(x[free].min(), x[free].max(), WIDTH * ground.radius)
+    columns = np.arange(x[free].min(), x[free].max(), COLUMN_WIDTH * ground.radius)
     levels = np.arange(z[free].min(), z[free].max() + ground.radius, ground.radius)
     points = np.stack(np.meshgrid(columns, levels, indexing="ij"), axis=-1)
     inside = cKDTree(np.column_stack([x, z])[free]).query(points)[0] <= 1.5 * ground.radius
     speed = np.full(inside.shape, np.nan)
-    near = cKDTree(np.column_stack([x, z])).query_ball_point(points[inside], REACH * ground.radius)
+    near = cKDTree(np.column_stack([x, z])).query_ball_point(points[inside], NEIGHBOUR_RADIUS * ground.radius)
     speed[inside] = [np.hypot(*moved[discs].mean(axis=0)) for discs in near]
     return slip_line(columns, points[..., 1], speed)
 

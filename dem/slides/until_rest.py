@@ -9,10 +9,10 @@ from dem.engine.engine import Engine, largest_step
 from dem.errors import StepTooLargeError
 from dem.model import DiscModel
 
-SHARE = 0.5  # of the stable step
-SHORTER = 0.8  # times the step, where a step became too long on the way
-LOOKS = 3  # in a row in which nothing moves
-MOST = 0.98  # of the mass has to lie still: single discs that roll on are not waited for
+STEP_SHARE = 0.5  # of the stable step
+STEP_REDUCTION = 0.8  # factor on a time step that has become too long
+CHECKS_AT_REST = 3  # consecutive checks without movement
+MASS_AT_REST = 0.98  # share of the mass that must be at rest; single discs may roll on
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def run_until_rest(
     longest: float,
     every: float = 0.5,
     at_least: float = 0.0,
-    step_share: float = SHARE,
+    step_share: float = STEP_SHARE,
     on_look: Callable[[DiscModel], None] | None = None,
 ) -> UntilRest:
     """Run discs until 98 % of their mass moves less than `still` between records, three times in a row.
@@ -84,18 +84,18 @@ def run_until_rest(
     begin, free = model.time, ~model.fixed
     times, moved = [], []
     quiet = 0
-    while model.time - begin < longest - 1e-9 and quiet < LOOKS:
+    while model.time - begin < longest - 1e-9 and quiet < CHECKS_AT_REST:
         before = np.array([model.x, model.z])
         _advance(model, every, step_share)
         way = np.hypot(*(np.array([model.x, model.z]) - before))[free]
         order = np.argsort(way)
         share = np.cumsum(model.mass[free][order]) / model.mass[free].sum()
-        moved.append(float(way[order][min(int(np.searchsorted(share, MOST)), len(way) - 1)]))
+        moved.append(float(way[order][min(int(np.searchsorted(share, MASS_AT_REST)), len(way) - 1)]))
         times.append(model.time - begin)
         quiet = quiet + 1 if moved[-1] < still and times[-1] >= at_least else 0
         if on_look is not None:
             on_look(model)
-    return UntilRest(quiet >= LOOKS, model.time - begin, np.array(times), np.array(moved))
+    return UntilRest(quiet >= CHECKS_AT_REST, model.time - begin, np.array(times), np.array(moved))
 
 
 def _advance(model: DiscModel, seconds: float, share: float) -> None:
@@ -107,7 +107,7 @@ def _advance(model: DiscModel, seconds: float, share: float) -> None:
             engine.run(model, end - model.time)
             return
         except StepTooLargeError:
-            share *= SHORTER
+            share *= STEP_REDUCTION
             if end - model.time < 1e-9:
                 return
     engine.run(model, end - model.time)

@@ -15,8 +15,8 @@ import numpy as np
 from dem.disc_area import area_per_disc
 from dem.model import DiscModel
 
-HEARD = 0.003  # of the area: less is left alone, so that ground at rest is not stirred
-PACE = 0.002  # of the area at one look: what holds the ground changes little
+SMALLEST_ERROR = 0.003  # of the area: smaller errors are not corrected, so that ground at rest is not disturbed
+LARGEST_CORRECTION = 0.002  # of the area in one update
 
 
 def undrained(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
@@ -66,5 +66,5 @@ def swollen(
     for k, size in zip(strata, sizes, strict=True):
         gave_way = max(0.0, 2.0 * (shortening(model, [k]) - shortening(start, [k])))
         missing = before[k] * (1.0 - drained.get(k, 0.0) - gave_way) / now[k] - 1.0
-        out.append(size * (1.0 + PACE) if missing > HEARD else size)
+        out.append(size * (1.0 + LARGEST_CORRECTION) if missing > SMALLEST_ERROR else size)
     return out

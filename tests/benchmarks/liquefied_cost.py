@@ -14,7 +14,7 @@ import numpy as np
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, EngineRun, largest_step
-from dem.liquefied_ground import LEAST_STRAIN, Onset, liquefy, set_share
+from dem.liquefied_ground import SMALLEST_STRAIN, Onset, liquefy, set_share
 from dem.model import DiscModel
 from tests.benchmarks.dem_throughput import box
 from tests.support.liquefied import GRAVITY, sand, with_voids
@@ -42,7 +42,7 @@ def model_of(elements: int, share: float) -> DiscModel:
         depth = model.z[free].max() - model.z
         pressure = np.maximum(BUOYANT * GRAVITY * depth, 0.0)
         n = len(model)
-        liquefy(model, Onset(layer == 1, with_voids(model), pressure, RATIO * pressure, np.full(n, LEAST_STRAIN)))
+        liquefy(model, Onset(layer == 1, with_voids(model), pressure, RATIO * pressure, np.full(n, SMALLEST_STRAIN)))
         set_share(model, np.ones(n))
     return model
 

@@ -11,7 +11,7 @@ from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.kernels.liquefied_pairs import DENSITY as RHO0
 from dem.kernels.liquefied_pairs import STIFFNESS, STRAIN, STRENGTH
-from dem.liquefied_ground import LEAST_STRAIN, Onset, liquefy, set_share
+from dem.liquefied_ground import SMALLEST_STRAIN, Onset, liquefy, set_share
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
 from dem.springs import LayerSprings, Strength, soil_discs
@@ -57,7 +57,7 @@ class ShearedBox:
     @classmethod
     def of(
         cls, seed: int, strength: float, *, columns: int = 24, rows: int = 10, radius: float = 0.5,
-        pressure: float = 3.0e5, strain: float = LEAST_STRAIN,
+        pressure: float = 3.0e5, strain: float = SMALLEST_STRAIN,
     ) -> "ShearedBox":  # fmt: skip
         """At rest; strength in Pa."""
         packing = tied_packing(columns, rows, radius, porosity=VOIDS / (1.0 + VOIDS), seed=seed)
@@ -128,7 +128,7 @@ class LayeredSlope:
             self.on(1.0, energies=False)
         self.on(2.0, energies=False)
         n, overburden, wet = len(model), effective_overburden(model), model.layer == 0
-        liquefy(model, Onset(wet, with_voids(model), overburden, ratio * overburden, np.full(n, LEAST_STRAIN)))
+        liquefy(model, Onset(wet, with_voids(model), overburden, ratio * overburden, np.full(n, SMALLEST_STRAIN)))
         for share in np.arange(1, 21) / 20:
             model.set_springs([replace(layers[0], faded=float(share)), layers[1]])
             set_share(model, np.where(wet, share, 0.0))
@@ -203,7 +203,7 @@ class Slump:
     def let_go(self) -> tuple[float, float]:
         """Run-out of 98 % of the mass over the height, once it has come to rest; share of the mass that is loose."""
         model, free = self.model, self.free
-        model.liquefied[free, STRENGTH], model.liquefied[free, STRAIN] = self.strength, LEAST_STRAIN
+        model.liquefied[free, STRENGTH], model.liquefied[free, STRAIN] = self.strength, SMALLEST_STRAIN
         model.strength_factor[free] = 1.0
         for _ in range(10):
             self.on(np.sqrt(self.HEIGHT / GRAVITY))

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from dem.case import SOFTENED, Case, cases_of_loose_sand
+from dem.case import PAPER_CASES, Case, cases_of_loose_sand
 from meshes.section.polyline import Line
 from meshes.section.section import Section, Stratum
 from workflow.config import FILES, Config
@@ -99,7 +99,7 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
         by = "[earthquake]" if derived else "default" if default else "slide.kh"
         yield "shaking of the slides", config.slide.shaking, by
     heads = [name for name, _ in case_heads(config)]
-    assumed = config.slide.cases in (SOFTENED, cases_of_loose_sand(config.section))
+    assumed = config.slide.cases in (PAPER_CASES, cases_of_loose_sand(config.section))
     for number, names, *left in case_rows(config):
         phrase = ", ".join(f"{head} {value}" for head, value in zip(heads, left, strict=True) if head != "name")
         derived = int(number) > len(config.slide.cases)

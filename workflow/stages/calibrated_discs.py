@@ -20,7 +20,7 @@ from dem.laboratory.layer_check import LayerCheck
 from dem.laboratory.soil_contacts import soil_layers
 from dem.model import DiscModel
 from dem.precompile import precompile
-from dem.search.calibration import ONE_AT_A_TIME, Calibration, Key, calibrated, changed, key_of
+from dem.search.calibration import SINGLE_PARAMETERS, Calibration, Key, calibrated, changed, key_of
 from dem.search.critical import Search
 from dem.search.deposit import Deposit
 from dem.search.equilibrium import Trial, unbalanced_ratio
@@ -196,7 +196,7 @@ def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor
     discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
     continuum = continuum_for(config, store)
     soil, calibrates = config.dem.model == "soil", config.dem.parameter != "none"
-    wanted = (PUSHOVERS if soil else 1 + NARROWING + 2 * len(ONE_AT_A_TIME)) if calibrates else 1
+    wanted = (PUSHOVERS if soil else 1 + NARROWING + 2 * len(SINGLE_PARAMETERS)) if calibrates else 1
     share_of = SearchShare(wanted, POINTS if soil else 8)
 
     def on_trial(trial: Trial) -> None:

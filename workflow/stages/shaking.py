@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from dem.settings import AVERAGE
-from dem.slides.drive import APART, Shaking, cycles
+from dem.slides.drive import STEP_DURATION, Shaking, cycles
 from workflow.config import Config
 from workflow.earthquake import accelerogram
 from workflow.earthquake.column import column_of
@@ -54,7 +54,7 @@ def _passed(config: Config, strata: Sequence[int]) -> dict[int, float]:
 def _record(config: Config) -> tuple[np.ndarray, np.ndarray]:
     """Return times (s), rising, and accelerations (m/s²) of the record that [slide] names."""
     record = accelerogram.read(Path(config.slide.accelerogram), config.slide.unit, config.slide.component)
-    return record.time + APART * np.append(0.0, np.cumsum(np.diff(record.time) <= 0.0)), record.acceleration
+    return record.time + STEP_DURATION * np.append(0.0, np.cumsum(np.diff(record.time) <= 0.0)), record.acceleration
 
 
 def _average(config: Config) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,7 @@ import pytest
 
 from dem.assembly import DiscMaterials
 from dem.packing import Packing
-from dem.search.levelling import STANDS_OUT, TOUCHES, levelled, misfit
+from dem.search.levelling import INSERTION_OVERLAP, LARGEST_PROTRUSION, levelled, misfit
 from meshes.section.section import Section
 from tests.support.dem_cases import SOIL
 from tests.support.sections import layer
@@ -56,7 +56,7 @@ def test_a_hollow_is_filled() -> None:
     hollow = (np.abs(packing.x - 18.0) < 1.8) & (packing.z > TOP - 2.0 * RADIUS)
     before, after = without(packing, hollow), levelled(ground, without(packing, hollow), RADIUS, SPREAD)
     assert off(ground, before).min() < -1.9 * RADIUS
-    assert np.abs(off(ground, after)).max() <= STANDS_OUT * RADIUS
+    assert np.abs(off(ground, after)).max() <= LARGEST_PROTRUSION * RADIUS
     assert (after.radius >= (1.0 - SPREAD) * RADIUS - 1e-9).all()
     assert (after.radius <= (1.0 + SPREAD) * RADIUS + 1e-9).all()
 
@@ -67,7 +67,7 @@ def test_what_stands_out_goes() -> None:
     packing = rows(ground)
     packing.z[(np.abs(packing.x - 18.0) < 1.8) & packing.free] += 0.5 * RADIUS
     after = levelled(ground, packing, RADIUS, SPREAD)
-    assert (after.z + after.radius)[after.free].max() <= TOP + STANDS_OUT * RADIUS + 1e-9
+    assert (after.z + after.radius)[after.free].max() <= TOP + LARGEST_PROTRUSION * RADIUS + 1e-9
 
 
 @pytest.mark.parametrize("surface", [LEVEL, FACE])
@@ -82,7 +82,7 @@ def test_new_discs_overlap_none_and_rest_on_two(surface: list[list[float]]) -> N
     assert new.sum() >= 3
     gap = np.hypot(after.x[new, None] - after.x, after.z[new, None] - after.z) - after.radius[new, None] - after.radius
     gap[gap == -2.0 * after.radius[new, None]] = np.inf  # itself
-    assert gap.min() >= -TOUCHES * RADIUS - 1e-9
+    assert gap.min() >= -INSERTION_OVERLAP * RADIUS - 1e-9
     assert ((gap < 1e-9).sum(axis=1) >= 2).all()
 
 
@@ -93,7 +93,7 @@ def test_new_discs_at_the_toe_of_a_quay_overlap_none_behind_it() -> None:
     after = levelled(section(QUAY), before, RADIUS, SPREAD)
     assert len(after.x) > 3
     apart = np.hypot(after.x[:, None] - after.x, after.z[:, None] - after.z) - after.radius[:, None] - after.radius
-    assert apart[np.triu_indices(len(after.x), 1)].min() >= -TOUCHES * RADIUS - 1e-9
+    assert apart[np.triu_indices(len(after.x), 1)].min() >= -INSERTION_OVERLAP * RADIUS - 1e-9
 
 
 def test_the_same_discs_give_the_same_surface() -> None:

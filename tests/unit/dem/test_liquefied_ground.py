@@ -27,9 +27,9 @@ from dem.kernels.liquefied_pairs import (
 )
 from dem.kernels.liquefied_stress import measured_shear
 from dem.liquefied_ground import (
-    ADJUSTS,
-    LEAST_STRAIN,
-    MOST_STRAIN,
+    ADJUSTMENT_RATE,
+    LARGEST_STRAIN,
+    SMALLEST_STRAIN,
     Onset,
     is_liquefying,
     liquefy,
@@ -64,7 +64,7 @@ def heap(gravity: float = GRAVITY, base: bool = True, seed: int = 3, soft: bool 
         DiscGeometry(x, z, radius, layer), DiscMaterials(layers, law="soil", turns=False), gravity=(0.0, -gravity)
     )
     n = len(model)
-    strain, knee, soft_to = (0.4, 0.1, 0.8) if soft else (LEAST_STRAIN, 0.0, 0.0)
+    strain, knee, soft_to = (0.4, 0.1, 0.8) if soft else (SMALLEST_STRAIN, 0.0, 0.0)
     strains = np.full(n, strain)
     liquefy(model, Onset(layer == 0, with_voids(model), np.full(n, 5e4), np.full(n, 1e4), strains, knee, soft_to))
     set_share(model, np.ones(n))
@@ -219,7 +219,7 @@ def affine(strain: np.ndarray) -> tuple[DiscModel, np.ndarray]:
     model = DiscModel.create(
         DiscGeometry(*at, 0.5, np.zeros(900, int)), DiscMaterials([replace(LOOSE, faded=1.0)], law="soil", turns=False)
     )
-    liquefy(model, Onset(np.ones(900, bool), with_voids(model), *np.full((3, 900), [[5e4], [1e4], [LEAST_STRAIN]])))
+    liquefy(model, Onset(np.ones(900, bool), with_voids(model), *np.full((3, 900), [[5e4], [1e4], [SMALLEST_STRAIN]])))
     set_share(model, np.ones(900))
     i, j = model.liquefied_i, model.liquefied_j
     apart = at[:, j] - at[:, i]
@@ -259,7 +259,7 @@ def test_bonds_hold_less_where_the_ground_holds_more_than_was_asked() -> None:
     inside = (np.abs(model.x - 13.0) < 9.0) & (np.abs(model.z - 13.0) < 9.0)
     model.x, model.z = model.x_list + way[0], model.z_list + way[1]
     match_strength(model)
-    expected = np.exp(ADJUSTS * 0.02 * (1.0 - FITTED))
+    expected = np.exp(ADJUSTMENT_RATE * 0.02 * (1.0 - FITTED))
     assert model.strength_factor[inside].mean() == pytest.approx(expected, rel=0.02)
     assert model.liquefied[:, STRENGTH] == pytest.approx(1e4 * model.strength_factor)
     model, way = affine(np.array([[0.0, 0.02], [-0.02, 0.0]]))
@@ -349,15 +349,15 @@ def test_residual_strength_of_a_case(level: tuple[DiscModel, Ground]) -> None:
     assert (ratio.discs == loose).all()
     assert ratio.strength[loose] == pytest.approx(0.1 * effective_overburden(model)[loose])
     assert (ratio.strength[~loose] == 0.0).all()
-    assert (ratio.strain[loose] == LEAST_STRAIN).all()
+    assert (ratio.strain[loose] == SMALLEST_STRAIN).all()
     firm = onset(model, ground, [1], Case(residual_strength="8 kPa", stiffness=0.05))
     assert firm.strength[loose] == pytest.approx(8e3)
     modulus = 0.05 * SHEAR_MODULUS * LOOSE.kn
-    assert firm.strain[loose] == pytest.approx(1.0 / (modulus / 8e3 + 1.0 / MOST_STRAIN))
+    assert firm.strain[loose] == pytest.approx(1.0 / (modulus / 8e3 + 1.0 / LARGEST_STRAIN))
     assert ratio.area[~model.fixed] == pytest.approx(2.0 * np.sqrt(3.0) * RADIUS**2, rel=0.01)
     liquefy(model, ratio)
     assert model.liquefied[loose, STRENGTH] == pytest.approx(ratio.strength[loose])
-    assert model.liquefied[loose, STRAIN] == pytest.approx(LEAST_STRAIN)
+    assert model.liquefied[loose, STRAIN] == pytest.approx(SMALLEST_STRAIN)
 
 
 def test_contacts_fade_in_soil_discs_alone() -> None:

@@ -35,7 +35,7 @@ assert told and not {"take_steps", "energies", "find_pairs", "stable_step"} & se
 def test_a_run_compiles_none_of_them_again(tmp_path: Path) -> None:
     config = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     subprocess.run([sys.executable, "-c", PROGRAM], env=config, check=True)
-    assert list(tmp_path.glob(f"*/{precompile.MARK}-*"))
+    assert list(tmp_path.glob(f"*/{precompile.MARK_FILE}-*"))
 
 
 def test_they_are_compiled_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,7 @@ from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.search.equilibrium import settle
 from dem.settings import DemSettings, SlideSettings
-from dem.slides.balance import LEAST_STEP, UNACCOUNTED, energy_tolerance, on_energy
+from dem.slides.balance import LEAST_STEP, REPORTED_IMBALANCE, energy_tolerance, on_energy
 from dem.slides.drive import Shaking
 from dem.slides.liquefaction import Slider
 from dem.slides.liquefied_strength import liquefied
@@ -177,7 +177,7 @@ def test_a_slide_whose_energy_does_not_balance_begins_again_with_half_the_step(
 
 def test_the_shortest_step_has_a_wider_tolerance_of_the_energy_and_what_it_leaves_is_told(start: DiscModel) -> None:
     assert energy_tolerance(1.0) == energy_tolerance(0.5) == BALANCE
-    assert BALANCE < energy_tolerance(LEAST_STEP) < UNACCOUNTED
+    assert BALANCE < energy_tolerance(LEAST_STEP) < REPORTED_IMBALANCE
     balance = Engine().run(start.copy(), steps=100)
     assert balance is not None
     assert on_energy(balance) == []

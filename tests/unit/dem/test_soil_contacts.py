@@ -5,7 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dem.laboratory.soil_contacts import FIRM, SOFTEST, STIFFEST, mohr_coulomb_strength, soil_layers
+from dem.laboratory.soil_contacts import (
+    FIRM_STIFFNESS,
+    LARGEST_STIFFNESS,
+    SMALLEST_STIFFNESS,
+    mohr_coulomb_strength,
+    soil_layers,
+)
 from dem.laboratory.strength_map import strength_map
 from meshes.section.section import Section
 from tests.support import SECTIONS
@@ -94,18 +100,18 @@ def test_every_layer_of_s13() -> None:
         np.isfinite(at_stress.rolling_friction) == spring.turns
         for at_stress, spring in zip(springs, layers.values(), strict=True)
     )
-    assert all(entry.stiffness >= SOFTEST * entry.stress for entry in layers.values())
+    assert all(entry.stiffness >= SMALLEST_STIFFNESS * entry.stress for entry in layers.values())
     assert "as strong as this soil" in layers["10 Base"].notes[0]
 
 
 def test_contacts_of_stiff_ground_are_as_soft_as_their_strength_allows() -> None:
     """The stiffest contacts decide the time step of all discs: gravel would halve it, and rock quarter it."""
     gravel = soil_layers(homogeneous(youngs_modulus="500 MPa", cohesion="0 kPa", friction_angle="40 deg"))[0]
-    assert gravel.stiffness == pytest.approx(STIFFEST * gravel.stress)
+    assert gravel.stiffness == pytest.approx(LARGEST_STIFFNESS * gravel.stress)
     assert gravel.expected == pytest.approx(gravel.wanted, rel=0.1)
     assert "softer than the soil" in gravel.notes[-1]
     clay = soil_layers(homogeneous(youngs_modulus="2 GPa", cohesion="900 kPa", friction_angle="0 deg"))[0]
-    assert clay.stiffness == pytest.approx(FIRM * clay.wanted[-1])
+    assert clay.stiffness == pytest.approx(FIRM_STIFFNESS * clay.wanted[-1])
     assert clay.expected == pytest.approx(clay.wanted, rel=0.1)
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dem.case import LOOSE_SAND, SOFTENED, Case
+from dem.case import LOOSE_SAND, PAPER_CASES, Case
 from meshes.errors import InputError
 from tests.support.sections import analysed, slope
 from workflow.earthquake.triggering.consequences import limiting_shear_strain
@@ -49,7 +49,7 @@ def test_strengths_are_the_ratios_times_the_mean_stress_of_the_soil() -> None:
 
 def test_the_paper_s_discs_have_the_paper_s_cases_and_its_kh() -> None:
     config = analysed(liquefied(dem={"model": "paper"}))
-    assert config.cases == SOFTENED
+    assert config.cases == PAPER_CASES
     assert (config.slide.kh, config.slide.kh_cycles) == (0.1, None)
     assert not [text for text in config.notices if text.startswith("slide")]
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import curve_fit
 
 from dem.acceleration import Acceleration
-from dem.engine.compliant_base import EVERY
+from dem.engine.compliant_base import UPDATE_INTERVAL
 from dem.engine.engine import Engine, largest_step
 from dem.laboratory.soil_contacts import soil_contacts
 from dem.model import DiscModel
@@ -127,7 +127,7 @@ def test_discs_in_free_flight_leave_the_base_at_rest(column: Column, steps: floa
     model.set_springs([replace(layer, contact_cohesion=0.0, faded=1.0) for layer in model.springs.layers])
     model.base_impedance = column.impedance
     model.set_velocity(0.0, 0.0)
-    model.last_dt = EVERY / steps
+    model.last_dt = UPDATE_INTERVAL / steps
     model.acceleration = Acceleration(model.time + np.array([0.0, 1.0]), np.array([0.0, 1.0]), np.zeros(2))
     Engine(dt=model.last_dt, energies=False).run(model, 0.9)
     assert np.abs(model.vx[~model.fixed]).max() == pytest.approx(0.4, abs=0.01)

@@ -17,7 +17,7 @@ from dem.search import pushover
 from dem.search.calibration import Calibrator, calibrate, calibrated
 from dem.search.critical import Search
 from dem.search.equilibrium import Trial, settle, step_on, stop
-from dem.search.pushover import BEYOND, FORMED, FURTHEST, Continuum, pushover_critical_kh
+from dem.search.pushover import BAND_DISPLACEMENT, LAST_DISPLACEMENT, LAST_REACH, Continuum, pushover_critical_kh
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, Strength, soil_discs
 from tests.support.dem_cases import FLOOR, GRAVITY, RADIUS, SOIL
@@ -82,8 +82,12 @@ def test_a_push_tells_where_and_why_it_ends() -> None:
     ground, model, short = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
     long = short._replace(yielding=2.0 * RADIUS / SETTINGS.ductility)
     for (item, loaded), way, why in (
-        (sliding_block(), FURTHEST * SETTINGS.ductility * short.yielding, "at the largest displacement of the test"),
-        (pushover_critical_kh(model, ground, SETTINGS, long), FORMED * RADIUS, "a band of shear has formed"),
+        (
+            sliding_block(),
+            LAST_DISPLACEMENT * SETTINGS.ductility * short.yielding,
+            "at the largest displacement of the test",
+        ),
+        (pushover_critical_kh(model, ground, SETTINGS, long), BAND_DISPLACEMENT * RADIUS, "a band of shear has formed"),
     ):
         assert item.reason.endswith(why)
         assert f"the test continued to a displacement of {(loaded.x - model.x).mean():.2g} m" in item.reason
@@ -127,7 +131,7 @@ def test_the_curve_is_elastic_and_then_level() -> None:
     assert elastic.sum() >= 3
     assert kh[elastic] == pytest.approx(moved[elastic] * MU / yielding, rel=0.05)
     assert kh[moved > 1.3 * yielding] == pytest.approx(MU, rel=0.05)
-    assert result.trials[-1].displacement_m <= BEYOND * SETTINGS.ductility * yielding
+    assert result.trials[-1].displacement_m <= LAST_REACH * SETTINGS.ductility * yielding
 
 
 @pytest.mark.slow

@@ -8,13 +8,13 @@ from scipy.integrate import trapezoid
 
 from dem.laboratory.element_test_programme import ElementTestProgramme, compressed
 from dem.laboratory.layer_check import LayerCheck
-from dem.laboratory.soil_contacts import STIFFEST, SoilLayer, soil_layers
+from dem.laboratory.soil_contacts import LARGEST_STIFFNESS, SoilLayer, soil_layers
 from dem.model import DiscModel
 from dem.search.critical import Search
 from dem.search.deposit import Deposit, deposit
 from dem.search.levelling import misfit
 from dem.search.pushover import Continuum, pushover_critical_kh
-from dem.slides.balance import LOST
+from dem.slides.balance import AREA_TOLERANCE
 from dem.slides.liquefaction import Slider
 from dem.slides.slide import Slide
 from dem.slides.slip import compare, slip_surface
@@ -78,13 +78,17 @@ def slides(with_shaking: Config, ground: Deposit) -> list[Slide]:
 
 def test_sands_are_the_soil(checks: dict[str, LayerCheck], layers: list[SoilLayer]) -> None:
     """On average E within 20 %, the angle within 2 degrees; E of one layer scatters by 10 %, its strength by 7 %. Where
-    E is beyond what contacts of STIFFEST times the stress give, E / kn = 0.493 (kappa / 400)^-0.22, it is that.
+    E is beyond what contacts of LARGEST_STIFFNESS times the stress give, E / kn = 0.493 (kappa / 400)^-0.22, it is
+    that.
 
     At the layer's stress four fifths of the peak are left at 15 % of compression.
     """
     sands = [check for check in checks.values() if check.c_soil_Pa == 0.0]
     assert len(sands) == 7
-    stiffest = {soil.stratum.name: 0.493 * STIFFEST * (STIFFEST / 200.0) ** -0.22 * soil.stress for soil in layers}
+    stiffest = {
+        soil.stratum.name: 0.493 * LARGEST_STIFFNESS * (LARGEST_STIFFNESS / 200.0) ** -0.22 * soil.stress
+        for soil in layers
+    }
     moduli = [min(check.E_soil_Pa, stiffest[check.stratum]) for check in sands]
     for check, modulus in zip(sands, moduli, strict=True):
         assert check.E_discs_Pa == pytest.approx(modulus, rel=0.3)
@@ -148,7 +152,7 @@ def test_slides_come_to_rest_where_one_can_believe_it(slides: list[Slide]) -> No
         assert slide.seconds_simulated <= 60.0  # 29
         assert slide.overlap < 0.5
         assert slide.escaped == 0
-        assert slide.area_lost_share < LOST
+        assert slide.area_lost_share < AREA_TOLERANCE
     # The stiffness of the paper's cases does not count for sand that keeps a residual strength. It slides 1.14 m by the
     # limiting strains of 25 and 16 % of its blow counts, 1.07 and 1.14 m in other packings, about 3 m in the field.
     first, last = (slide.rows[-1] for slide in slides)

@@ -17,7 +17,7 @@ from dem.model import DiscModel
 from dem.search.deposit import deposit
 from dem.search.equilibrium import settle
 from dem.settings import DemSettings, SlideSettings
-from dem.slides.liquefaction import LOOK, Slider
+from dem.slides.liquefaction import HISTORY_INTERVAL, Slider
 from meshes.section.quantity import GRAVITY
 from tests.support.dem_cases import FLOOR, KN, MASS, RADIUS, SOIL
 from tests.support.water import WATER, section, soil
@@ -97,7 +97,9 @@ def test_ground_that_sinks_into_liquefied_ground_is_carried_by_the_water_that_it
     sank = moved & (model.layer == 0) & (model.z < start.z) & reaches
     assert np.count_nonzero(sank) > 3
     assert (more[sank] > 0.0).all()
-    since = 2.0 * model.radius * WATER * LOOK * np.abs(model.vz)  # that of a disc's width over its way since the look
+    since = (
+        2.0 * model.radius * WATER * HISTORY_INTERVAL * np.abs(model.vz)
+    )  # that of a disc's width over its way since the look
     assert (np.abs(more - expected) < 1.2 * since + 0.01 * WATER * np.pi * model.radius**2).all()
 
 
