@@ -13,13 +13,13 @@ from fem.mpm.points import MaterialPoints
 from meshes.section.quantity import GRAVITY
 
 COURANT = 0.7  # time step over the time in which the fastest wave crosses a cell
-STRIPE = 8  # columns of cells that belong together
-DRIFT = 0.5  # of a cell, that points may go before they are sorted again
-BATCH = 0.02  # s, after which the time step follows the fastest point
-FILTER = 3  # power of what the grid does not return of a velocity, that decays
+STRIPE_WIDTH = 8  # columns of cells that belong together
+SORTING_DISTANCE = 0.5  # of a cell: movement of points after which they are sorted again
+BATCH_TIME = 0.02  # s, after which the time step follows the fastest point
+FILTER_POWER = 3  # power of the operator that removes velocities which the grid cannot resolve
 FILTER_STEPS = 25  # after which velocities are filtered at the end of a batch: the filter costs as much as three steps
 
-ARRAYS = ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "side")  # of the points
+POINT_ARRAYS = ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "side")  # of the points
 
 ShakingHistory = Callable[[np.ndarray], np.ndarray]
 
@@ -104,7 +104,7 @@ class MaterialPointEngine:
         columns, rows = grid.shape
         self._nodes, self._velocity = np.zeros((columns, rows, kernel.NODE)), np.zeros((columns, rows, 4))
         self._gained = np.zeros((columns, 2))
-        stripes = 1 if grid.periodic and columns < 2 * STRIPE else -(-columns // STRIPE)
+        stripes = 1 if grid.periodic and columns < 2 * STRIPE_WIDTH else -(-columns // STRIPE_WIDTH)
         if grid.periodic and stripes % 2 and stripes > 1:
             stripes -= 1  # even, so that the last one is no neighbour of its like
         self._stripes = np.arange(stripes, dtype=np.int64)
@@ -128,7 +128,7 @@ class MaterialPointEngine:
         """
         end = self.time + seconds
         while self.time < end - 1e-9:
-            batch = min(BATCH, end - self.time)
+            batch = min(BATCH_TIME, end - self.time)
             fastest = float(np.sqrt((self.points.v**2).sum(axis=1).max(initial=0.0)))
             if not np.isfinite(fastest):
                 raise FloatingPointError(f"the material points have no finite velocity at {self.time:.2f} s")
@@ -144,7 +144,7 @@ class MaterialPointEngine:
                 if self.steps - self._filtered[1] >= FILTER_STEPS:
                     self._filter(pool, self.time - self._filtered[0])
                     self._filtered = self.time, self.steps
-            if np.abs(self.points.x - self._sorted_at).max() > DRIFT * self.grid.cell:
+            if np.abs(self.points.x - self._sorted_at).max() > SORTING_DISTANCE * self.grid.cell:
                 self._sort()
 
     def original(self, values: np.ndarray) -> np.ndarray:
@@ -165,7 +165,7 @@ class MaterialPointEngine:
 
     def snapshot(self) -> dict[str, np.ndarray]:
         """Return the state of the engine as a mapping of names to arrays, from which `restore` continues."""
-        state = {name: getattr(self.points, name) for name in ARRAYS}
+        state = {name: getattr(self.points, name) for name in POINT_ARRAYS}
         state |= {
             "order": self.order,
             "gained": self._gained,
@@ -178,7 +178,7 @@ class MaterialPointEngine:
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
         """Restore a state that `snapshot` of an engine with the same ground returned."""
-        for name in ARRAYS:
+        for name in POINT_ARRAYS:
             getattr(self.points, name)[:] = state[name]
         self.order, self._offsets, self._sorted_at = state["order"], state["offsets"], state["sorted_at"]
         self._gained[:], self._sums[:], self.base[:] = state["gained"], state["sums"], state["base"]
@@ -234,7 +234,7 @@ class MaterialPointEngine:
             return
         v, affine, at_rest = points.v.copy(), points.affine.copy(), np.zeros(grid_motion.BASE)
         v[:, 0] -= self.base[grid_motion.NEW]
-        for _ in range(FILTER):
+        for _ in range(FILTER_POWER):
             self._scatter(pool, v, affine, 0.0)
             self._move_grid(pool, 0.0, 0.0, at_rest)
             list(pool.map(lambda stripe: kernel.take_off(
@@ -253,7 +253,7 @@ class MaterialPointEngine:
         stripe = np.minimum(i // width, len(self._stripes) - 1)
         order = np.lexsort((j, i, stripe))
         if not np.array_equal(order, np.arange(len(order))):
-            for name in ARRAYS:
+            for name in POINT_ARRAYS:
                 array = getattr(points, name)
                 array[:] = array[order]
             self.order = self.order[order]

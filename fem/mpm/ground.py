@@ -22,22 +22,22 @@ from meshes.section.layering import middles
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
-TINY = 1e-6  # m
+LENGTH_TOLERANCE = 1e-6  # m
 FIXED_STRIP = (
     1.25  # cells beside a free-field side in which the ground can hardly sink: they are no part of the surface
 )
-LEAST_FORCE = 1e-3  # N/m: that on points of free-field sides which nothing presses; they are known by it
+SMALLEST_FORCE = 1e-3  # N/m: on unloaded points of free-field sides, which are identified by a force other than zero
 BORDER = 3  # cells of rigid ground around the section
-FAR = 0.25  # of the section's width, that ground may leave it by at free-field sides
+ROOM_BEYOND_SIDES = 0.25  # of the width of the section: space beyond free-field sides
 HEADROOM = 6  # cells above its highest point
-SKIN = 0.25  # of a cell: ground above a liquefying stratum that is thinner does not count as a crust
+THINNEST_CRUST = 0.25  # of a cell: ground above a liquefying stratum that is thinner does not count as a crust
 COLUMNS = 1000  # of a section, in which the thickness of the crust is measured
-RIGID = 1e15  # Pa: cohesion of that ground
-STEEPEST = 0.3  # slope up to which rows of nodes follow layers
-THINNEST = 0.25  # of the spacing of points: a layer that is thinner in a column has none there
+RIGID_COHESION = 1e15  # Pa: cohesion of that ground
+STEEPEST_ROW = 0.3  # slope up to which rows of nodes follow layers
+THINNEST_LAYER = 0.25  # of the spacing of points: a layer that is thinner in a column has none there
 # m/s: stiffer ground is given the stiffness with which compression waves travel so fast, since the time step is as long
 # as waves allow. With 250 m/s ground that is shaken above a weak layer swings, and slides up to half as far again.
-FASTEST = 500.0
+FASTEST_WAVE = 500.0
 # Above it a nearly incompressible skeleton makes waves fast and pressures rough, and slides no different.
 LARGEST_POISSON = 0.45
 
@@ -56,7 +56,7 @@ class PointGround:
     effective (n,) : vertical effective stress of each point before the earthquake (Pa), compression positive
     consolidated (n,) : vertical effective stress with only the share of surcharges to which the ground has consolidated
         (Pa); residual strength ratios refer to this stress
-    softened : strata whose stiffness was reduced, see ``FASTEST``
+    softened : strata whose stiffness was reduced, see ``FASTEST_WAVE``
     sides : boundary condition of the sides
     room : length (m) of floor beyond each free-field or smooth side, over which ground that leaves the section can
         slide; 0 for other sides
@@ -86,7 +86,7 @@ class PointGround:
         levels = layering.interfaces(x)
         wet = (levels[:, :-1] - levels[:, 1:] > layering.tolerance) & liquefies
         thickness = (levels[:, 0] - levels[np.arange(len(x)), wet.argmax(axis=1)])[wet.any(axis=1)]
-        covered = thickness[thickness > SKIN * self.grid.cell]
+        covered = thickness[thickness > THINNEST_CRUST * self.grid.cell]
         return float(np.median(covered)) if len(covered) else np.inf
 
 
@@ -108,7 +108,7 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
     area = float(section.layering.areas().sum())
     cell = width / max(8, round(width / np.sqrt(area / cells)))
     spacing = 0.5 * cell
-    room = round(FAR * width / cell) if sides in ("free-field", "smooth") else 0
+    room = round(ROOM_BEYOND_SIDES * width / cell) if sides in ("free-field", "smooth") else 0
     ends_there = periodic or sides == "smooth"
     x, top, bottom, stratum = _columns(section, spacing, 0 if ends_there else BORDER + room)
     places, volumes, owners, is_top = _fill(x, top, bottom, stratum, spacing)
@@ -143,13 +143,13 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
     section, cell = ground.section, ground.grid.cell
     points, (left, right) = ground.points.subset(np.argsort(order)), section.extent
     places = points.x + ground.offset
-    base = section.layering.interfaces(np.clip(places[:, 0], left + TINY, right - TINY))[:, -1]
+    base = section.layering.interfaces(np.clip(places[:, 0], left + LENGTH_TOLERANCE, right - LENGTH_TOLERANCE))[:, -1]
     remaining = (points.stratum >= 0) | (places[:, 1] < base)
     points.stress[(points.stratum < 0) & ((places[:, 0] < left) | (places[:, 0] > right))] = 0.0  # nothing weighs on it
     height = points.state[:, kernel.VOLUME] / (0.5 * cell)
     for inwards, distance in ((1.0, places[:, 0] - left), (-1.0, right - places[:, 0])):
         at_side = (points.stratum >= 0) & (distance < 0.5 * cell)
-        points.side[at_side] = inwards * np.maximum(-points.stress[at_side, 0] * height[at_side], LEAST_FORCE)
+        points.side[at_side] = inwards * np.maximum(-points.stress[at_side, 0] * height[at_side], SMALLEST_FORCE)
     free = np.minimum(places[:, 0] - left, right - places[:, 0])[ground.surface] > FIXED_STRIP * cell
     return replace(
         ground,
@@ -162,8 +162,8 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
 
 
 def _dip(section: Section) -> float:
-    """Return the median slope dz/dx over the length of the lower edges of strata that liquefy, at most `STEEPEST`; 0 if
-    no stratum liquefies."""
+    """Return the median slope dz/dx over the length of the lower edges of strata that liquefy, at most `STEEPEST_ROW`;
+    0 if no stratum liquefies."""
     layering = section.layering
     liquefies = np.array([bool(stratum.liquefies_in) for stratum in section.strata])
     there = layering.present() & liquefies
@@ -172,7 +172,7 @@ def _dip(section: Section) -> float:
         return 0.0
     length, order = np.broadcast_to(layering.width[:, None], there.shape)[there], np.argsort(slopes)
     reached = np.cumsum(length[order]) - 0.5 * length[order]
-    return float(np.clip(np.interp(0.5 * length.sum(), reached, slopes[order]), -STEEPEST, STEEPEST))
+    return float(np.clip(np.interp(0.5 * length.sum(), reached, slopes[order]), -STEEPEST_ROW, STEEPEST_ROW))
 
 
 def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -205,7 +205,7 @@ def _fill(
     for column, at in enumerate(x):
         first = True
         for high, low, stratum in zip(top[column], bottom[column], owner[column], strict=True):
-            if high - low < THINNEST * spacing:
+            if high - low < THINNEST_LAYER * spacing:
                 continue
             count = max(1, round((high - low) / spacing))
             z = high - (high - low) * (np.arange(count) + 0.5) / count
@@ -255,11 +255,11 @@ def _soil(
     poisson = [min(s.poissons_ratio, LARGEST_POISSON) for s in strata]
     young, softened = [], []
     for s, nu, rho in zip(strata, poisson, mass, strict=True):
-        most = rho * FASTEST**2 * (1.0 + nu) * (1.0 - 2.0 * nu) / (1.0 - nu)
+        most = rho * FASTEST_WAVE**2 * (1.0 + nu) * (1.0 - 2.0 * nu) / (1.0 - nu)
         young.append(min(s.youngs_modulus, most))
         if s.youngs_modulus > most:
             softened.append(s.name)
-    cohesion = np.where(inside, section.cohesion_field.at(places, places, k), RIGID)
+    cohesion = np.where(inside, section.cohesion_field.at(places, places, k), RIGID_COHESION)
     friction = np.where(inside, of([s.friction_angle for s in strata]), 0.0)
     tension = np.where(inside, of([np.inf if s.tension is None else s.tension for s in strata]), np.inf)
     weight = of([s.density_ordinary / rho for s, rho in zip(strata, mass, strict=True)])
@@ -279,10 +279,12 @@ def _grid(
     base = levels[:, -1]
     support = np.full(shape, grid_motion.FREE, dtype=np.int8)
     if sides == "smooth":
-        below = z < levels[:, :1] + cell - TINY  # up to the first row of nodes that is not in the ground
+        below = z < levels[:, :1] + cell - LENGTH_TOLERANCE  # up to the first row of nodes that is not in the ground
         beyond = np.maximum(left - x, x - right)[:, None]
-        support[below & (beyond > -TINY)] = grid_motion.WALL
-        reached = np.where(z < levels[:, :1] - TINY, 1.5, 0.5) * cell  # up to there the ground inside slides along it
+        support[below & (beyond > -LENGTH_TOLERANCE)] = grid_motion.WALL
+        reached = (
+            np.where(z < levels[:, :1] - LENGTH_TOLERANCE, 1.5, 0.5) * cell
+        )  # up to there the ground inside slides along it
         support[below & (beyond > reached)] = grid_motion.FIXED
     support[z <= base[:, None] - (BORDER - 1) * cell] = grid_motion.FIXED
     if sides == "free-field":

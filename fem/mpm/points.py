@@ -10,7 +10,7 @@ import numpy as np
 
 from fem.kernels import material_points as kernel
 
-UNLIMITED = 1e30  # Pa: tension without a cut-off
+UNLIMITED_TENSION = 1e30  # Pa: tension without a cut-off
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,10 +111,10 @@ class MaterialPoints:
         """Set the strength of the points ``where``: cohesion (Pa), friction angle (rad), largest mean tension (Pa)."""
         c, phi, limit = (np.asarray(value, dtype=float) for value in (cohesion, friction, tension))
         with np.errstate(divide="ignore", invalid="ignore"):
-            apex = np.where(np.tan(phi) > 0.0, c / np.tan(phi), UNLIMITED)
+            apex = np.where(np.tan(phi) > 0.0, c / np.tan(phi), UNLIMITED_TENSION)
         self.properties[where, kernel.STRENGTH] = c * np.cos(phi)
         self.properties[where, kernel.SIN_PHI] = np.sin(phi)
-        self.properties[where, kernel.LIMIT] = np.minimum(np.minimum(limit, apex), UNLIMITED)
+        self.properties[where, kernel.LIMIT] = np.minimum(np.minimum(limit, apex), UNLIMITED_TENSION)
 
     def scale_shear(self, where: np.ndarray, factor: float) -> None:
         """Multiply the shear stress of points ``where``, without its viscous part, by a factor; the mean stress is

@@ -11,8 +11,8 @@ from fem.continuum.liquefied_ground import LEAST_STRENGTH_RATIO, UNDRAINED_POISS
 from fem.kernels import grid_motion
 from fem.kernels import material_points as kernel
 from fem.mpm.engine import MaterialPointEngine, ShakingHistory
-from fem.mpm.ground import FAR, PointGround, with_free_sides
-from fem.mpm.points import UNLIMITED
+from fem.mpm.ground import ROOM_BEYOND_SIDES, PointGround, with_free_sides
+from fem.mpm.points import UNLIMITED_TENSION
 from fem.mpm.slide_record import PointSlide
 from fem.mpm.weak_edges import edge_strength, thickness_over_width
 from meshes.files import read_checkpoint, write_checkpoint
@@ -21,27 +21,30 @@ from meshes.section.strain_potential import BEYOND, LARGEST_SHARE, stress_at_pot
 from meshes.slip_line import running_median
 
 DAMPING = 0.7  # with which the ground comes to rest under its weight
-SETTLE, LONGEST_SETTLING = 0.5, 30.0  # s between two looks at that, and after which it is given up
-STILL = 1e-4  # m: movement between those looks with which the ground is at rest
-LOOK = 0.5  # s between two looks
+SETTLING_CHECK_INTERVAL, LONGEST_SETTLING = (
+    0.5,
+    30.0,
+)  # s between two checks of equilibrium under weight, and until the search for it is given up
+REST_DISPLACEMENT = 1e-4  # m: movement between two checks up to which the ground is at rest
+CHECK_INTERVAL = 0.5  # s between two checks
 ONSET_STEPS = 20  # in which strength changes as ground liquefies
 # 1/s: with which velocities of points decay that the grid cannot resolve. The first one counts. The smaller one keeps
 # more noise; the difference of the two, in coarse cells, is part of the method's interval.
-DECAYS = (10.0, 1.0)
+DECAY_RATES = (10.0, 1.0)
 # s: viscosity over stiffness of liquefied ground that has not strained by its potential. With it ground comes to rest
 # where it would if its stiffness were lost slowly, and does not swing for minutes; the loops of sand take that energy.
-CREEP = 5.0
-KEEP = 10.0  # s of the clock between two checkpoints
-LOSS = 0.02  # of the total energy exchanged that may be out of balance before a slide is doubted
+CREEP_TIME = 5.0
+CHECKPOINT_INTERVAL = 10.0  # s of wall-clock time between two checkpoints
+ENERGY_TOLERANCE = 0.02  # of the total energy exchanged: imbalance above which there is a warning
 # Properties that change as ground liquefies, and their columns, and that of the force at free-field sides, in what is
 # remembered of them.
-CHANGED = (
+CHANGED_COLUMNS = (
     kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT, kernel.SHEAR, kernel.BULK, kernel.SOFT, kernel.KNEE, kernel.VISCOUS,
 )  # fmt: skip
 STRENGTH, SINE, LIMIT, SHEAR, BULK, SOFT, KNEE, VISCOUS, SIDE = range(9)
-ENGINE, BEGAN = "engine_", "began_"  # begin the names of arrays in a checkpoint
-LISTS, ENDED = ("times", "slide", "settlement"), ("reason", "stopped_by", "settled")
-SMOOTH = 2.0  # m of the surface over which movement is averaged, and three points at least
+ENGINE_PREFIX, START_PREFIX = "engine_", "began_"  # begin the names of arrays in a checkpoint
+RECORDED_LISTS, END_FIELDS = ("times", "slide", "settlement"), ("reason", "stopped_by", "settled")
+SMOOTHING_LENGTH = 2.0  # m of the surface over which movement is averaged, and three points at least
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,27 +117,27 @@ class PointSlider:
     def _come_to_rest(self) -> None:
         """Continue with damping until the ground is at rest; raises FloatingPointError as `settle` does."""
         points, moved = self.ground.points, np.inf
-        while moved >= STILL:
+        while moved >= REST_DISPLACEMENT:
             if self.engine.time > LONGEST_SETTLING:
                 raise FloatingPointError(
                     f"the ground does not come to rest under its weight within {LONGEST_SETTLING:g} s: it moved "
-                    f"{moved:.2g} m in the last {SETTLE:g} s"
+                    f"{moved:.2g} m in the last {SETTLING_CHECK_INTERVAL:g} s"
                 )
             before, order = points.x.copy(), self.engine.order.copy()
-            self.engine.run(SETTLE, damping=DAMPING)
+            self.engine.run(SETTLING_CHECK_INTERVAL, damping=DAMPING)
             moved = float(np.abs(self.engine.original(points.x)[order] - before).max())
 
     def run(
         self,
         programme: SlideProgramme,
         on_look: Callable[[float, np.ndarray], None] | None = None,
-        decay: float = DECAYS[0],
+        decay: float = DECAY_RATES[0],
         checkpoint: Path | None = None,
     ) -> PointSlide:
         """Continue until the surface is at rest or the time is over. The function ``on_look`` is called regularly with
         the time and the slide so far.
 
-        ``decay`` (1/s) is the rate at which velocities that the grid cannot resolve are damped, see ``DECAYS``.
+        ``decay`` (1/s) is the rate at which velocities that the grid cannot resolve are damped, see ``DECAY_RATES``.
         ``checkpoint`` is a file from which an interrupted slide continues. ``programme`` gives the times of shaking and
         liquefaction.
         """
@@ -149,7 +152,7 @@ class PointSlider:
         while not slide.reason:
             self._liquefy(programme, shares)
             under_way = any(-1e-9 <= self.engine.time - start < programme.onset for start in programme.starts.values())
-            seconds = min(LOOK, programme.onset / ONSET_STEPS) if under_way else LOOK
+            seconds = min(CHECK_INTERVAL, programme.onset / ONSET_STEPS) if under_way else CHECK_INTERVAL
             self.engine.run(seconds, lambda times: self.sign * programme.shaking(times))
             self._look(slide)
             if on_look is not None:
@@ -157,12 +160,12 @@ class PointSlider:
             slide.stopped_by = self._side_reached()
             if slide.at_rest(programme.still, programme.rest_from):
                 slide.settled, slide.reason = True, "the surface has come to rest"
-            elif slide.stopped_by and slide.slide_max > FAR * float(np.ptp(self.ground.section.extent)):
+            elif slide.stopped_by and slide.slide_max > ROOM_BEYOND_SIDES * float(np.ptp(self.ground.section.extent)):
                 where = "out of the section at" if self.ground.room > 0.0 else "across the section to"
                 slide.reason = f"the ground has moved {where} the {slide.stopped_by} side"
             elif self.engine.time >= programme.duration - 1e-9:
                 slide.reason = f"still moving after {programme.duration:.3g} s"
-            if checkpoint is not None and (slide.reason or time.monotonic() - saved_at > KEEP):
+            if checkpoint is not None and (slide.reason or time.monotonic() - saved_at > CHECKPOINT_INTERVAL):
                 self._keep(checkpoint, slide, shares)
                 saved_at = time.monotonic()
         slide.after = self._surface()
@@ -173,13 +176,13 @@ class PointSlider:
     def _keep(self, path: Path, slide: PointSlide, shares: Mapping[int, float]) -> None:
         """Write a checkpoint: the engine, the slide so far, and the ``shares`` of strength that the strata have
         lost."""
-        arrays = {ENGINE + name: array for name, array in self.engine.snapshot().items()}
-        arrays |= {name: np.array(getattr(slide, name)) for name in (*LISTS, "before")}
+        arrays = {ENGINE_PREFIX + name: array for name, array in self.engine.snapshot().items()}
+        arrays |= {name: np.array(getattr(slide, name)) for name in (*RECORDED_LISTS, "before")}
         plain = {
             "shares": [*shares.values()],
-            **{name: getattr(slide, name) for name in ENDED},
+            **{name: getattr(slide, name) for name in END_FIELDS},
         }
-        write_checkpoint(path, arrays | {BEGAN + name: array for name, array in self.began.items()}, plain)
+        write_checkpoint(path, arrays | {START_PREFIX + name: array for name, array in self.began.items()}, plain)
 
     def _resume(self, path: Path, slide: PointSlide, shares: dict[int, float]) -> None:
         """If there is a checkpoint, restore engine, slide and shares from it, so that the computation continues with
@@ -189,8 +192,8 @@ class PointSlider:
             arrays, plain = read_checkpoint(path)
         except OSError:
             return
-        self.engine.restore(_of(arrays, ENGINE))
-        self.began |= _of(arrays, BEGAN)
+        self.engine.restore(_of(arrays, ENGINE_PREFIX))
+        self.began |= _of(arrays, START_PREFIX)
         shares.update(zip(list(shares), plain["shares"], strict=True))
         slide.times = [float(time) for time in arrays["times"]]
         slide.slide, slide.settlement, slide.before = (
@@ -198,7 +201,7 @@ class PointSlider:
             list(arrays["settlement"]),
             arrays["before"],
         )
-        for name in ENDED:
+        for name in END_FIELDS:
             setattr(slide, name, plain[name])
 
     def _remember(self, programme: SlideProgramme) -> None:
@@ -206,7 +209,7 @@ class PointSlider:
         stratum with which each point liquefies (-1 for none).
         """
         points, original = self.ground.points, self.engine.original
-        before = original(np.column_stack([points.properties[:, CHANGED], points.side]))
+        before = original(np.column_stack([points.properties[:, CHANGED_COLUMNS], points.side]))
         height = original(points.state[:, kernel.VOLUME]) / (0.5 * self.ground.grid.cell)
         after, stratum = before.copy(), original(points.stratum)
         potential, knee = np.zeros(len(stratum)), np.zeros(len(stratum))
@@ -219,7 +222,7 @@ class PointSlider:
             if friction == 0.0:
                 cohesion = np.maximum(cohesion, LEAST_STRENGTH_RATIO * stress)
             after[in_stratum, STRENGTH], after[in_stratum, SINE] = cohesion * np.cos(friction), np.sin(friction)
-            after[in_stratum, LIMIT] = UNLIMITED if friction == 0.0 else cohesion / np.tan(friction)
+            after[in_stratum, LIMIT] = UNLIMITED_TENSION if friction == 0.0 else cohesion / np.tan(friction)
             if friction == 0.0 and remains.strain_potential > 0.0:
                 potential[in_stratum] = remains.strain_potential
                 knee[in_stratum] = stress_at_potential(np.maximum(stress, 1.0), cohesion)
@@ -273,7 +276,7 @@ class PointSlider:
         soft = np.minimum(knee[strains] / (potential[strains] * share), stiff)
         after[strains, SHEAR] = stiff
         after[strains, BULK] += (stiff - hard) / 3.0  # λ + G at the same bulk modulus λ + 2 G / 3
-        after[strains, SOFT], after[strains, KNEE], after[strains, VISCOUS] = soft, knee[strains], CREEP * soft
+        after[strains, SOFT], after[strains, KNEE], after[strains, VISCOUS] = soft, knee[strains], CREEP_TIME * soft
         before[strains, SOFT] = hard
 
     def _columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -295,7 +298,9 @@ class PointSlider:
             in_stratum = self.began["liquefies"][order] == k
             before, after = (self.began[name][order][in_stratum] for name in ("before", "after"))
             now = before + share * (after - before)
-            apex = np.divide(now[:, STRENGTH], now[:, SINE], out=np.full(len(now), UNLIMITED), where=now[:, SINE] > 0.0)
+            apex = np.divide(
+                now[:, STRENGTH], now[:, SINE], out=np.full(len(now), UNLIMITED_TENSION), where=now[:, SINE] > 0.0
+            )
             now[:, LIMIT] = np.minimum(np.maximum(before[:, LIMIT], after[:, LIMIT]), apex)
             strains = after[:, KNEE] > 0.0
             if strains.any():
@@ -303,7 +308,10 @@ class PointSlider:
                 now[potential] = before[potential] * (after[potential] / before[potential]) ** share
                 now[:, KNEE] = after[:, KNEE]
                 points.scale_shear(np.flatnonzero(in_stratum)[strains], (1.0 - share) / (1.0 - shares[k]))
-            points.properties[np.ix_(in_stratum, CHANGED)], points.side[in_stratum] = now[:, :SIDE], now[:, SIDE]
+            points.properties[np.ix_(in_stratum, CHANGED_COLUMNS)], points.side[in_stratum] = (
+                now[:, :SIDE],
+                now[:, SIDE],
+            )
             draining = programme.drained / programme.onset if 0.0 < share < 1.0 else 0.0
             points.properties[points.stratum == k, kernel.DRAINS] = draining
             shares[k] = share
@@ -316,10 +324,10 @@ class PointSlider:
         slide.settlement.append(self._smoothed(-moved[:, 1]))
 
     def _smoothed(self, values: np.ndarray) -> np.ndarray:
-        """Return the running median over a length of ``SMOOTH`` along the surface, so that single points that roll away
-        do not count as a slide.
+        """Return the running median over a length of ``SMOOTHING_LENGTH`` along the surface, so that single points that
+        roll away do not count as a slide.
         """
-        return running_median(values, max(1, round(0.5 * SMOOTH / (0.5 * self.ground.grid.cell))))
+        return running_median(values, max(1, round(0.5 * SMOOTHING_LENGTH / (0.5 * self.ground.grid.cell))))
 
     def _surface(self) -> np.ndarray:
         """Return the positions (k, 2) of the top of the points at the surface, from left to right, in the section

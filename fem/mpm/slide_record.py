@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-WINDOW, WINDOWS = 5.0, 3  # s, and number, of windows in which the surface must not move
+WINDOW_LENGTH, WINDOWS = 5.0, 3  # s, and number, of windows in which the surface must not move
 # Of the largest slide: what it changes less by in a window is no movement, far below what the method knows. The rest of
 # the surface may creep by more, since a few metres of it do so long after the slide.
 STILL_SHARE, CREEP_SHARE = 2e-3, 1e-2
@@ -12,7 +12,7 @@ STILL_SHARE, CREEP_SHARE = 2e-3, 1e-2
 
 def earliest_rest(rest_from: float) -> float:
     """Return the earliest time (s) at which a surface that may come to rest from ``rest_from`` (s) on is at rest."""
-    return rest_from + WINDOWS * WINDOW
+    return rest_from + WINDOWS * WINDOW_LENGTH
 
 
 @dataclass
@@ -65,7 +65,7 @@ class PointSlide:
         times = np.array(self.times)
         if times[-1] < earliest_rest(max(rest_from, times[0])) - 1e-9:
             return False
-        window, slide = ((times[-1] - times) / WINDOW).astype(int), np.array(self.slide)
+        window, slide = ((times[-1] - times) / WINDOW_LENGTH).astype(int), np.array(self.slide)
 
         def change(values: np.ndarray) -> float:
             means = np.array([values[window == k].mean(axis=0) for k in range(WINDOWS)])

@@ -26,9 +26,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-BELOW = 2.0  # cells under a layer, down to which its strength reaches
-HOLDS = 1e4  # stiffness of ground that holds over that of ground that shears, where only their order counts
-STEEPEST = 1.0  # slope up to which edges in neighbouring columns are one edge
+CELLS_BELOW = 2.0  # cells below a layer that have its strength
+STIFF_RATIO = 1e4  # stiffness of ground that does not shear over that of ground that shears; only their order matters
+STEEPEST_EDGE = 1.0  # slope up to which edges in neighbouring columns are one edge
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ def _equilibrium(z: np.ndarray, height: np.ndarray, above: np.ndarray, weak: np.
     upper = z - 0.5 - knot
     hats[np.arange(len(z)), knot - first], hats[np.arange(len(z)), knot - first + 1] = 1.0 - upper, upper
     force = height * above
-    stiffness = hats.T @ (np.where(weak, force, HOLDS * force)[:, None] * hats)
+    stiffness = hats.T @ (np.where(weak, force, STIFF_RATIO * force)[:, None] * hats)
     strains = np.linalg.lstsq(stiffness, hats.T @ force, rcond=None)[0]
     return hats @ strains, float(strains.sum())
 
@@ -212,11 +212,11 @@ def _rows(edge: _Edge, edges: dict[int, list[_Edge]], layer: np.ndarray, cell: f
     node = (edge.column + 1) // 2
     heights = [edge.z]
     for column in range(2 * node - 2, 2 * node + 2):
-        far = STEEPEST * 0.5 * cell * abs(column - edge.column) + 1e-9
+        far = STEEPEST_EDGE * 0.5 * cell * abs(column - edge.column) + 1e-9
         heights += [
             other.z
             for other in edges.get(column, ())
             if other.below == edge.below and layer[other.donor] == layer[edge.donor] and abs(other.z - edge.z) <= far
         ]
-    low = min(heights) / cell - (BELOW if edge.below else 1.0)
+    low = min(heights) / cell - (CELLS_BELOW if edge.below else 1.0)
     return int(np.ceil(low - 1e-6)), int(np.ceil(max(heights) / cell + 1.0 - 1e-6)) - 1

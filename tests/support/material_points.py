@@ -15,7 +15,7 @@ from fem.mpm import (
     SlideProgramme,
     ground_of,
 )
-from fem.mpm.slide import DECAYS
+from fem.mpm.slide import DECAY_RATES
 from fem.mpm.weak_edges import edge_strength
 from fem.settings import Sides
 from meshes.section.liquefies import Remains
@@ -136,7 +136,7 @@ class EndlessSlope:
 
         remains = Remains(0.0, 0.0, *((self.strength, 0.0) if self.as_ratio else (0.0, self.strength)))
         slide = slider.run(
-            SlideProgramme(acceleration, {1: 0.0}, {1: remains}, 0.05, end, end, still=1e-9), decay=DECAYS[1]
+            SlideProgramme(acceleration, {1: 0.0}, {1: remains}, 0.05, end, end, still=1e-9), decay=DECAY_RATES[1]
         )
         return float(np.mean(slide.slide[-1])) * upright
 
@@ -159,7 +159,7 @@ def slump(weight_over_strength: float, cells: int, steps: int) -> RunOut:
     if steps > 1:
         engine = column.let_go_slowly(weight_over_strength, steps)
     else:
-        engine = column.engine(DECAYS[1])
+        engine = column.engine(DECAY_RATES[1])
         engine.run(25.0 * column.unit)
     away = np.abs(engine.points.x[engine.points.stratum == 0, 0] - (engine.grid.shape[0] // 2) * engine.grid.cell)
     return RunOut(front(engine) / height - 2.0, float(np.quantile(away, 0.99)) / height - 2.0)

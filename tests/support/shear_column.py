@@ -13,7 +13,7 @@ from numba import njit
 from docs.verify.slides.case import UniformSlope
 from docs.verify.slides.points import BELOW, POISSON, YOUNG, cell_size
 from docs.verify.slides.shaking import shaking_of_slope
-from fem.mpm.ground import FASTEST
+from fem.mpm.ground import FASTEST_WAVE
 from meshes.section.quantity import GRAVITY
 
 SPRINGS = 120  # in the height of the column
@@ -37,7 +37,7 @@ def crust_slide(wanted: UniformSlope, folder: Path) -> float:
     normal = wanted.density * GRAVITY * np.cos(wanted.angle) * (firm + weak + crust - middle)
     liquefied = (middle > firm) & (middle < firm + weak)
     strength = np.where(liquefied, wanted.left.residual * normal, STRONG)
-    waves = wanted.density * FASTEST**2 * (1.0 - 2.0 * POISSON) / (2.0 * (1.0 - POISSON))
+    waves = wanted.density * FASTEST_WAVE**2 * (1.0 - 2.0 * POISSON) / (2.0 * (1.0 - POISSON))
     shear = min(YOUNG / (2.0 * (1.0 + POISSON)), waves)
     time, acceleration = shaking_of_slope(wanted, folder)
     step = 0.5 * height / np.sqrt(shear / wanted.density)

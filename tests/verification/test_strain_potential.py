@@ -14,7 +14,7 @@ from docs.verify.slides.uniform_slope import UNIT_WEIGHT, UniformSlope
 from fem.kernels import material_points as kernel
 from fem.mpm import PointSlider, SlideProgramme, ground_of
 from fem.mpm.points import MaterialPoints, PointSoil
-from fem.mpm.slide import CREEP
+from fem.mpm.slide import CREEP_TIME
 from meshes.section.liquefies import Remains
 from meshes.section.quantity import GRAVITY
 from meshes.section.strain_potential import BEYOND, stress_at_potential
@@ -67,7 +67,7 @@ def test_stress_of_a_point_follows_two_straight_lines_and_back() -> None:
 def test_a_point_holds_its_residual_strength_past_its_potential() -> None:
     """Beyond 55 % of strain the shear stress is the residual strength, however fast it is strained."""
     points = point()
-    points.properties[0, kernel.VISCOUS] = CREEP * points.properties[0, kernel.SOFT]
+    points.properties[0, kernel.VISCOUS] = CREEP_TIME * points.properties[0, kernel.SOFT]
     stress, lost = sheared(points, np.full(400, 0.01))
     assert stress[60:] == pytest.approx(STRENGTH, rel=1e-9)
     assert lost == pytest.approx((4.0 - POTENTIAL - BEYOND) * STRENGTH, rel=0.05)
@@ -82,7 +82,7 @@ def crust_of_points(slope: EndlessSlope, cell: float) -> float:
     knee = stress_at_potential(effective, np.full(len(effective), STRENGTH))
     points.properties[layer, kernel.SOFT], points.properties[layer, kernel.KNEE] = knee / POTENTIAL, knee
     points.properties[layer, kernel.SHEAR] = (STRENGTH - knee) / BEYOND
-    points.properties[layer, kernel.VISCOUS] = CREEP * knee / POTENTIAL
+    points.properties[layer, kernel.VISCOUS] = CREEP_TIME * knee / POTENTIAL
     points.scale_shear(layer, 0.0)
     engine.run(50.0)
     return float(points.displacement[points.stratum == 1, 0].mean())

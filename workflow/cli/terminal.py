@@ -40,8 +40,8 @@ NAME_WIDTH = 10  # characters of the column of strata: names in a narrower one c
 SEVERAL = (tables.STRATA_HEADS[6], tables.STRATA_HEADS[7])
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
-EVERY = 10.0  # s between two lines where there is no terminal
-AT_ONCE = 0.2  # s on a terminal, where the line changes in place
+LINE_INTERVAL = 10.0  # s between two lines where there is no terminal
+TERMINAL_INTERVAL = 0.2  # s on a terminal, where the line changes in place
 
 
 def say(line: str) -> None:
@@ -265,7 +265,7 @@ class Counted:
         if self.before is None:
             self.before = done  # there already when it began: they say nothing of the time left
         now = time.monotonic()
-        every = AT_ONCE if self.console.is_terminal else EVERY
+        every = TERMINAL_INTERVAL if self.console.is_terminal else LINE_INTERVAL
         if self.silent or (done < total and now - self.last < every):
             return
         self.last = now

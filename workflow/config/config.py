@@ -32,7 +32,7 @@ REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns
 K_MAX = "k_max"  # in place of the Kh of the slides: what the record gives the ground above the slip surface
 # Settings of [slide] that other tables can decide, and the words that say which.
 OPEN = {"kh": (K_MAX, EARTHQUAKE), **dict.fromkeys(CYCLES, (EARTHQUAKE,))}
-NOT_YET = 0.1  # in their places until `config_after_triggering` puts the numbers there; all of these keys allow it
+PLACEHOLDER = 0.1  # of numbers that `config_after_triggering` computes; all of these keys allow it
 FILES = (
     ("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("earthquake", "record"),
     ("report", "logo"),
@@ -42,8 +42,8 @@ FILES = (
 # Tables of published slopes and known slides: what others found, for `noshiro verify`. A run does not need them.
 FOUND_BY_OTHERS = ("published", "known")
 
-# Notices that say what was done, and leave nothing to do.
-DONE = (
+# Notices of actions of the program that require nothing of the user.
+ACTIONS_TAKEN = (
     "thins out to nothing at", "is a wedge thinner than", "discs have its mean throughout", " follows from "
     "[earthquake]: ",
     "ground, layers and water continue for",
@@ -53,7 +53,7 @@ DONE = (
 def notice_lines(notices: Iterable[str]) -> list[str]:
     """Return notices as lines that commands print. Notes state what the program did; warnings may require an action of
     the user."""
-    return [f"{'Note' if any(words in text for words in DONE) else 'Warning'}: {text}." for text in notices]
+    return [f"{'Note' if any(words in text for words in ACTIONS_TAKEN) else 'Warning'}: {text}." for text in notices]
 
 
 class Config(Tables):
@@ -187,7 +187,7 @@ class Config(Tables):
                 data = merged(data, {"slide": {"cases": []}, "triggering": {"cases": list(CASE_NAMES)}})
             left_open = {key: slide[key] for key in OPEN if isinstance(slide.get(key), str) and slide[key] in OPEN[key]}
             if left_open:
-                data = merged(data, {"slide": dict.fromkeys(left_open, NOT_YET)})
+                data = merged(data, {"slide": dict.fromkeys(left_open, PLACEHOLDER)})
         config = cls._validated(data, source)
         config._left_open = left_open
         if config.uncertain.numbers:

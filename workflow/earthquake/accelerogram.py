@@ -16,10 +16,10 @@ from workflow.earthquake.recorded_series import RecordedSeries
 
 GAL = 0.01  # m/s²
 # The largest accelerations ever recorded are about 4 g; what is above ten is another quantity or unit.
-STRONG, IMPOSSIBLE, FAINT = 3.0 * GRAVITY, 10.0 * GRAVITY, 0.001 * GRAVITY
-COARSE = 0.1  # s, a step that leaves out what lies above 5 Hz
-OFFSET = 0.01  # of the peak
-STATED = 0.05  # by which the peak may differ from that of the heading
+STRONG_MOTION, LARGEST_ACCELERATION, FAINT_MOTION = 3.0 * GRAVITY, 10.0 * GRAVITY, 0.001 * GRAVITY
+COARSE_STEP = 0.1  # s, a step that leaves out what lies above 5 Hz
+LARGEST_OFFSET = 0.01  # of the peak
+PEAK_TOLERANCE = 0.05  # by which the peak may differ from that of the heading
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
     remarks: list[str] = []
     if not values.any():
         raise ValueError("holds only zeros; expected a record of ground motion")
-    if abs(series.time[0]) > COARSE:
+    if abs(series.time[0]) > COARSE_STEP:
         remarks.append(f"the times of the record begin at {series.time[0]:.6g} s, and are counted from there")
         series = replace(series, time=series.time - series.time[0])
     if measured.motion != "acceleration":
@@ -148,7 +148,7 @@ def _accelerogram(name: str, series: RecordedSeries, unit: str) -> Accelerogram:
         values, notes = _without_offset(series.time, values)
         remarks += notes
     record = Accelerogram(name, series.format, series.time, values)
-    if record.peak >= IMPOSSIBLE:
+    if record.peak >= LARGEST_ACCELERATION:
         raise ValueError(
             f'the peak of the record is {record.peak / GRAVITY:.3g} g with the unit "{series.unit or unit}"; no '
             "recorded ground motion is as large: check the unit, and that the values are accelerations"
@@ -205,7 +205,7 @@ def _without_offset(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, l
     """
     mean = float(0.5 * (values[1:] + values[:-1]) @ np.diff(time)) / max(float(time[-1] - time[0]), 1e-9)
     middle, peak = float(np.median(values)), float(np.abs(values).max())
-    if abs(mean) <= OFFSET * peak:
+    if abs(mean) <= LARGEST_OFFSET * peak:
         return values, []
     size = f"{mean / GAL:.3g} gal, {100.0 * abs(mean) / peak:.2g} % of its peak"
     shifted = abs(middle - mean) <= 0.25 * abs(mean) and abs(mean) < 0.5 * peak
@@ -222,16 +222,16 @@ def _warnings(record: Accelerogram, stated: float | None) -> Iterator[str]:
     if text := _size(record.peak):
         yield text
     longest = float(np.diff(record.time).max())
-    if longest > (1.0 + 1e-9) * COARSE:
+    if longest > (1.0 + 1e-9) * COARSE_STEP:
         steps = f"the time steps of the record are up to {longest:g} s long"
-        yield f"{steps}; expected up to {COARSE:g} s; check their unit"
-    if stated is not None and abs(record.peak - stated) > STATED * stated:
+        yield f"{steps}; expected up to {COARSE_STEP:g} s; check their unit"
+    if stated is not None and abs(record.peak - stated) > PEAK_TOLERANCE * stated:
         yield f"the peak of the record is {record.peak / GAL:.4g} gal, where its heading says {stated / GAL:.4g} gal"
 
 
 def _size(peak: float) -> str:
-    if peak > STRONG:
-        return f"the peak of the record is {peak / GRAVITY:.3g} g, above {STRONG / GRAVITY:g} g; check its unit"
-    if peak < FAINT:
-        return f"the peak of the record is {peak / GAL:.3g} gal, below {FAINT / GAL:.2g} gal; check its unit"
+    if peak > STRONG_MOTION:
+        return f"the peak of the record is {peak / GRAVITY:.3g} g, above {STRONG_MOTION / GRAVITY:g} g; check its unit"
+    if peak < FAINT_MOTION:
+        return f"the peak of the record is {peak / GAL:.3g} gal, below {FAINT_MOTION / GAL:.2g} gal; check its unit"
     return ""

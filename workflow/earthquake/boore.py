@@ -20,11 +20,11 @@ Slip = Literal["unknown", "strike-slip", "normal", "reverse"]
 # Coefficients of the peak acceleration, in the order of the equations, revision of 2014-07-15.
 EVENT: dict[Slip, float] = {"unknown": 0.4473, "strike-slip": 0.4856, "normal": 0.2459, "reverse": 0.4539}
 HINGE, BELOW, BELOW_SQUARED, ABOVE = 5.5, 1.431, 0.05053, -0.1662
-SPREADING, WITH_MAGNITUDE, ANELASTIC, NEAR, REFERENCE_MAGNITUDE = -1.134, 0.1917, -0.008088, 4.5, 4.5
+SPREADING, WITH_MAGNITUDE, ANELASTIC, NEAR_DEPTH, REFERENCE_MAGNITUDE = -1.134, 0.1917, -0.008088, 4.5, 4.5
 LINEAR, V_LIMIT, V_REFERENCE = -0.6, 1500.0, 760.0
 F3, F4, F5 = 0.1, -0.15, -0.00701
 TAU, PHI = (0.398, 0.348), (0.695, 0.495)
-PHI_FAR, FAR, PHI_SOFT, SOFT = 0.1, (110.0, 270.0), 0.07, (225.0, 300.0)
+PHI_FAR, FAR_DISTANCES, PHI_SOFT, SOFT_VELOCITIES = 0.1, (110.0, 270.0), 0.07, (225.0, 300.0)
 
 
 def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> PeakMotion:
@@ -46,7 +46,7 @@ def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> Pea
     )
     above = magnitude - HINGE
     event = EVENT[slip] + (ABOVE * above if above > 0.0 else BELOW * above + BELOW_SQUARED * above**2)
-    far = math.hypot(kilometres, NEAR)
+    far = math.hypot(kilometres, NEAR_DEPTH)
     path = (SPREADING + WITH_MAGNITUDE * (magnitude - REFERENCE_MAGNITUDE)) * math.log(far) + ANELASTIC * (far - 1.0)
     rock = math.exp(event + path)
     softer = F4 * (math.exp(F5 * (min(velocity, V_REFERENCE) - 360.0)) - math.exp(F5 * (V_REFERENCE - 360.0)))
@@ -61,6 +61,6 @@ def _spread(magnitude: float, kilometres: float, velocity: float) -> float:
     """Return the standard deviation of ln A from its parts between earthquakes (τ) and within one earthquake (φ). The
     standard deviation is smaller on soft ground, and larger far away."""
     tau, phi = (float(np.interp(magnitude, (4.5, 5.5), ends)) for ends in (TAU, PHI))
-    phi += PHI_FAR * float(np.interp(math.log(max(kilometres, 0.1)), np.log(FAR), (0.0, 1.0)))
-    phi -= PHI_SOFT * float(np.interp(math.log(velocity), np.log(SOFT), (1.0, 0.0)))
+    phi += PHI_FAR * float(np.interp(math.log(max(kilometres, 0.1)), np.log(FAR_DISTANCES), (0.0, 1.0)))
+    phi -= PHI_SOFT * float(np.interp(math.log(velocity), np.log(SOFT_VELOCITIES), (1.0, 0.0)))
     return math.hypot(tau, phi)

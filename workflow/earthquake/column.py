@@ -14,8 +14,8 @@ from workflow.earthquake import accelerogram
 from workflow.earthquake.settings import SiteResponseSettings
 from workflow.earthquake.site_response import ColumnLayer, HalfSpace, Response, response
 
-THICKEST = 1.0  # m: layers are divided, so that strains are reported with depth
-AT_REST = 0.5  # horizontal over vertical effective stress, for the mean that stiffness depends on
+THICKEST_SUBLAYER = 1.0  # m: layers are divided, so that strains are reported with depth
+K0_OF_COLUMN = 0.5  # horizontal over vertical effective stress, for the mean that stiffness depends on
 MAKDISI = "F. I. Makdisi, H. B. Seed, J. Geotech. Eng. Div. 104 (1978) 849-867"
 
 
@@ -77,13 +77,13 @@ def _layers(section: Section, settings: SiteResponseSettings, x: float) -> tuple
         thick = float(levels[k] - levels[k + 1])
         if thick <= 1e-6:
             continue
-        count = max(1, int(np.ceil(thick / THICKEST)))
+        count = max(1, int(np.ceil(thick / THICKEST_SUBLAYER)))
         density = stratum.density_seismic
         measured = value_of_stratum(settings.velocities, stratum.name)
         velocity = measured or float(np.sqrt(stratum.youngs_modulus / (2.0 * density * (1.0 + stratum.poissons_ratio))))
         for part in range(count):
             depth = float(levels[0] - levels[k]) + (part + 0.5) * thick / count
-            stress = overburden(section, x, depth).effective * (1.0 + 2.0 * AT_REST) / 3.0
+            stress = overburden(section, x, depth).effective * (1.0 + 2.0 * K0_OF_COLUMN) / 3.0
             plastic = value_of_stratum(settings.plasticity, stratum.name) or 0.0
             layers.append(ColumnLayer(thick / count, density, velocity, stress, plastic))
             strata.append(stratum.name)

@@ -15,11 +15,13 @@ from meshes.section.quantity import GRAVITY
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.attenuation import PeakMotion, Site
 
-SHARE = 0.65  # of the peak: the mean of the cycles that count (Seed & Idriss 1971), as in the cyclic stress ratio
-LARGEST = 1.0  # of the Kh that slides take
-POWER = 0.34  # by which the strength of sand falls with the number of cycles, N^-0.34 (Idriss & Boulanger 2008)
+SHARE_OF_PEAK = (
+    0.65  # of the peak: the mean of the cycles that count (Seed & Idriss 1971), as in the cyclic stress ratio
+)
+LARGEST_KH = 1.0  # of the Kh that slides take
+CYCLE_POWER = 0.34  # by which the strength of sand falls with the number of cycles, N^-0.34 (Idriss & Boulanger 2008)
 CYCLES_OF_7_5 = 15.0  # uniform cycles of an earthquake of magnitude 7.5 (Seed & Idriss 1982)
-REFERENCE = 7.5  # the magnitude where an input gives none: the one at which triggering relations are drawn
+REFERENCE_MAGNITUDE = 7.5  # the magnitude where an input gives none: the one at which triggering relations are drawn
 SITES: Mapping[Site, float] = {
     "rock": 0.0,
     "average": 0.27,
@@ -45,7 +47,7 @@ def cycles_of_magnitude(magnitude: float) -> float:
     The number is 15 at M 7.5, 7 at 6.5, and at least 1; the limit of 1.8 of MSF is disregarded.
     """
     factor = max(6.9 * math.exp(-magnitude / 4.0) - 0.058, 0.2)
-    return max(1.0, CYCLES_OF_7_5 * factor ** (-1.0 / POWER))
+    return max(1.0, CYCLES_OF_7_5 * factor ** (-1.0 / CYCLE_POWER))
 
 
 def mean_period(magnitude: float, distance: float | None = None, site: Site = "average") -> float:
@@ -64,7 +66,7 @@ def cycles_of_record(record: Accelerogram) -> float:
     largest)^(1/0.34)."""
     waves = np.split(np.abs(record.acceleration), np.flatnonzero(np.diff(np.sign(record.acceleration))) + 1)
     peaks = np.array([wave.max() for wave in waves if len(wave)])
-    return float(0.5 * np.sum((peaks / (SHARE * record.peak)) ** (1.0 / POWER)))
+    return float(0.5 * np.sum((peaks / (SHARE_OF_PEAK * record.peak)) ** (1.0 / CYCLE_POWER)))
 
 
 def mean_period_of_record(record: Accelerogram) -> float:
@@ -92,16 +94,16 @@ def equivalent_kh(
     record : record of the ground surface, which determines cycles and mean period
     """
     peak = motion.median / GRAVITY
-    words = f"{SHARE:g} of the peak of {peak:.3g} g (Seed & Idriss 1971)"
-    kh = min(LARGEST, round(SHARE * peak, 3))
-    words += f", at most {LARGEST:g}" if kh == LARGEST else ""
+    words = f"{SHARE_OF_PEAK:g} of the peak of {peak:.3g} g (Seed & Idriss 1971)"
+    kh = min(LARGEST_KH, round(SHARE_OF_PEAK * peak, 3))
+    words += f", at most {LARGEST_KH:g}" if kh == LARGEST_KH else ""
     if record is not None:
         cycles, period = cycles_of_record(record), mean_period_of_record(record)
         counted = f"counted in {record.name}, with its mean period"
     else:
-        cycles = cycles_of_magnitude(REFERENCE if magnitude is None else magnitude)
-        period = mean_period(REFERENCE if magnitude is None else magnitude, distance, site)
-        of = f"M {REFERENCE:g}, since no magnitude is given," if magnitude is None else f"M {magnitude:g}"
+        cycles = cycles_of_magnitude(REFERENCE_MAGNITUDE if magnitude is None else magnitude)
+        period = mean_period(REFERENCE_MAGNITUDE if magnitude is None else magnitude, distance, site)
+        of = f"M {REFERENCE_MAGNITUDE:g}, since no magnitude is given," if magnitude is None else f"M {magnitude:g}"
         counted = f"of {of} (Idriss & Boulanger 2008) with its mean period (Rathje et al. 2004)"
     cycles, period = round(cycles, 1), round(period, 2)
     return EquivalentKh(

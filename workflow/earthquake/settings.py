@@ -13,18 +13,24 @@ from meshes.errors import InputError
 from meshes.section.motion_units import RecordComponent, RecordScale, RecordUnit, motion_unit
 from meshes.section.quantity import GRAVITY, NUMBER_AND_UNIT, Coordinate, Density, Kind, Length, with_a_point
 from meshes.section.section import Model
-from workflow.earthquake.accelerogram import STRONG, Accelerogram
+from workflow.earthquake.accelerogram import STRONG_MOTION, Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.attenuation import GAL, Mechanism, PeakMotion, Site, fukushima_tanaka, si_midorikawa
 from workflow.earthquake.boore import Slip, boore
-from workflow.earthquake.equivalent_kh import REFERENCE, EquivalentKh, cycles_of_magnitude, equivalent_kh, mean_period
+from workflow.earthquake.equivalent_kh import (
+    REFERENCE_MAGNITUDE,
+    EquivalentKh,
+    cycles_of_magnitude,
+    equivalent_kh,
+    mean_period,
+)
 
 EARTHQUAKE = "earthquake"  # in place of the Kh of the slides, its cycles and period: those that stand for [earthquake]
 CYCLES = ("kh_cycles", "kh_period")
 SHAKES = ("kh", "kh_seconds", "accelerogram", *CYCLES)  # keys of [slide], each of which says how the ground shakes
-ALIKE = 0.05  # by which the peak of a record may differ from the one that is given beside it
-PLAIN_IN_G = 1.5  # below it a plain number of m/s² may be one of g
-FIRM = 760.0  # m/s, within the range of what asks for vs30, where it is missing and other problems are looked for
+PEAK_TOLERANCE = 0.05  # by which the peak of a record may differ from the one that is given beside it
+LARGEST_PLAIN_IN_G = 1.5  # below it a plain number of m/s² may be one of g
+FIRM_VS30 = 760.0  # m/s, within the range of what asks for vs30, where it is missing and other problems are looked for
 
 Relation = Literal["si_midorikawa", "fukushima_tanaka", "boore"]
 
@@ -158,7 +164,7 @@ class EarthquakeSettings(Model):
         if slide is not None and (cycles := self.driving(slide)) is not None:
             notices.append(f"slide, kh = {cycles.kh:g} follows from [earthquake]: {cycles.words}")
         elif slide is not None and self.is_assumed(slide):
-            magnitude = REFERENCE if self.magnitude is None else self.magnitude
+            magnitude = REFERENCE_MAGNITUDE if self.magnitude is None else self.magnitude
             why, remedy = "no shaking of the slides is given", "give [earthquake], a record"
             if self != EarthquakeSettings():
                 why = "[earthquake] has no peak acceleration"
@@ -193,7 +199,7 @@ class EarthquakeSettings(Model):
         except InputError as error:
             return f"earthquake, record is not used beside peak_acceleration, and cannot be read: {error.problems[0]}"
         peak = float(self.peak_acceleration)
-        if abs(record.peak / peak - 1.0) <= ALIKE:
+        if abs(record.peak / peak - 1.0) <= PEAK_TOLERANCE:
             return ""
         return (
             f"earthquake, peak_acceleration of {peak / GRAVITY:.3g} g is used, and {record.name}, whose peak is "
@@ -207,7 +213,7 @@ class EarthquakeSettings(Model):
             return ""
         peak = float(self.peak_acceleration)
         plain = not isinstance(getattr(self.peak_acceleration, "written", peak), str)
-        if peak > STRONG or (plain and peak < PLAIN_IN_G):
+        if peak > STRONG_MOTION or (plain and peak < LARGEST_PLAIN_IN_G):
             unit = "a plain number, in m/s^2" if plain else "as written"
             return f"earthquake, peak_acceleration is {peak / GRAVITY:.3g} g, {unit}; check its unit"
         return ""
@@ -320,7 +326,7 @@ def assumed_loading(magnitude: float | None) -> dict[str, float]:
     residual strength is exceeded.
     """
     kh = float(SlideSettings.model_fields["kh"].default)
-    magnitude = REFERENCE if magnitude is None else magnitude
+    magnitude = REFERENCE_MAGNITUDE if magnitude is None else magnitude
     return {
         "kh": kh,
         "kh_cycles": round(cycles_of_magnitude(magnitude), 1),
@@ -335,7 +341,7 @@ def expected(settings: EarthquakeSettings, magnitude: float, distance: float) ->
         if settings.vs30 is None:
             problems.append('relation = "boore": expected vs30, the mean V_s of the uppermost 30 m (m/s)')
         try:
-            motion = boore(magnitude, distance, settings.vs30 or FIRM, settings.slip)
+            motion = boore(magnitude, distance, settings.vs30 or FIRM_VS30, settings.slip)
         except InputError as error:
             problems += error.problems
         if problems:

@@ -14,14 +14,14 @@ from meshes.section.quantity import GRAVITY
 
 SOURCE = "P. B. Schnabel, J. Lysmer, H. B. Seed, SHAKE, EERC 72-12 (1972); curves of M. B. Darendeli (2001)"
 ATMOSPHERE = 101_325.0  # Pa
-EFFECTIVE = 0.65  # of the largest strain, that stiffness and damping are taken at
+EFFECTIVE_STRAIN_RATIO = 0.65  # of the largest strain, that stiffness and damping are taken at
 # Rounds at most; the largest change of a stiffness or a damping at which they end, and up to which there is an answer.
-ROUNDS, CLOSE, ENOUGH = 150, 0.002, 0.05
+MOST_ITERATIONS, TOLERANCE, LOOSE_TOLERANCE = 150, 0.002, 0.05
 # Largest shear strains above which there is a warning, and above which there is no answer.
-LARGE, TOO_LARGE = 0.005, 0.015
+LARGE_STRAIN, LARGEST_STRAIN = 0.005, 0.015
 # Of Darendeli (2001): curvature, the coefficients of his damping, 10 cycles at 1 Hz.
 CURVATURE, CYCLES = 0.919, 10.0
-LEAST_STRAIN = 1e-7
+SMALLEST_STRAIN = 1e-7
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def stiffness_and_damping(strain: float, mean_stress: float, plasticity: float) 
     """
     pressure = max(mean_stress, 1e3) / ATMOSPHERE
     reference = (0.0352 + 0.0010 * plasticity) * pressure**0.3483  # %
-    gamma = 100.0 * max(strain, LEAST_STRAIN)
+    gamma = 100.0 * max(strain, SMALLEST_STRAIN)
     ratio = 1.0 / (1.0 + (gamma / reference) ** CURVATURE)
     a = CURVATURE
     loop = gamma - reference * np.log((gamma + reference) / reference)
@@ -147,17 +147,18 @@ def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcro
     motion = _Motion.of(step, outcrop)
     now = best = tuple(layers)
     least = np.inf
-    for rounds in range(1, ROUNDS + 1):  # noqa: B007  # reported below
+    for rounds in range(1, MOST_ITERATIONS + 1):  # noqa: B007  # reported below
         curves = _curves(now, _strain(now, base, motion))
         change = max(_change(new, old) for new, old in zip(curves, now, strict=True))
         if change < least:
             best, least = curves, change
-        if change < CLOSE:
+        if change < TOLERANCE:
             break
         now = curves
-    if least > ENOUGH:
+    if least > LOOSE_TOLERANCE:
         raise ValueError(
-            f"stiffness and damping still change by {100.0 * least:.1f} % after {ROUNDS} iterations; 5 % is accepted"
+            f"stiffness and damping still change by {100.0 * least:.1f} % after {MOST_ITERATIONS} iterations; 5 % is "
+            "accepted"
         )
     return _response(best, base, motion, rounds, least)
 
@@ -165,24 +166,24 @@ def response(layers: Sequence[ColumnLayer], base: HalfSpace, step: float, outcro
 def warning(strain: float) -> str:
     """Return the warning about layers whose shear strain is too large for equivalent linear analysis; empty if there
     are none."""
-    if strain <= LARGE:
+    if strain <= LARGE_STRAIN:
         return ""
     message = f"the largest shear strain is {100.0 * strain:.3g} %"
-    if strain <= TOO_LARGE:
+    if strain <= LARGEST_STRAIN:
         return (
-            f"{message}, above {100.0 * LARGE:g} %: equivalent linear layers have one stiffness and one damping for "
-            "all of the record, and soften motions of high frequency too much"
+            f"{message}, above {100.0 * LARGE_STRAIN:g} %: equivalent linear layers have one stiffness and one damping "
+            "for all of the record, and soften motions of high frequency too much"
         )
     return (
-        f"{message}, above {100.0 * TOO_LARGE:g} %: equivalent linear layers are not valid there, since the strength "
-        f"of the soil does not limit their stresses; acceleration, k_max and strain are not a prediction, and a "
-        f"nonlinear analysis is needed"
+        f"{message}, above {100.0 * LARGEST_STRAIN:g} %: equivalent linear layers are not valid there, since the "
+        f"strength of the soil does not limit their stresses; acceleration, k_max and strain are not a prediction, and "
+        f"a nonlinear analysis is needed"
     )
 
 
 def _curves(layers: Sequence[ColumnLayer], strain: np.ndarray) -> tuple[ColumnLayer, ...]:
     """Return the layers with stiffness and damping at 0.65 of their largest strains."""
-    pairs = [stiffness_and_damping(EFFECTIVE * g, layer.mean_stress, layer.plasticity)
+    pairs = [stiffness_and_damping(EFFECTIVE_STRAIN_RATIO * g, layer.mean_stress, layer.plasticity)
              for g, layer in zip(strain, layers, strict=True)]  # fmt: skip
     return tuple(replace(layer, stiffness=r, damping=d) for layer, (r, d) in zip(layers, pairs, strict=True))
 

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-NEAR = 0.1  # of the height: ground that lies less below the top belongs to the crest, less above the foot to the foot
+CREST_DEPTH = (
+    0.1  # of the height: ground that lies less below the top belongs to the crest, less above the foot to the foot
+)
 LEAST_HEIGHT, LEAST_SHARE = 1.0, 0.2  # m, and of the relief of the section: lower humps are no embankments
 LEAST_SLOPE = 0.1  # mean rise over run of a face: hills are flatter
 
@@ -45,7 +47,7 @@ def crest_between(ground: np.ndarray, start: float, end: float) -> Crest:
     ends = np.interp([start, end], *ground.T)
     points = np.vstack([[start, ends[0]], inside, [end, ends[1]]])
     z = points[:, 1]
-    high = z >= z.max() - NEAR * np.ptp(z)
+    high = z >= z.max() - CREST_DEPTH * np.ptp(z)
     top = int(np.argmax(z))
     low_left, low_right = np.flatnonzero(~high[:top]), np.flatnonzero(~high[top:])
     first = int(low_left[-1]) + 1 if len(low_left) else 0
@@ -94,6 +96,6 @@ def _standing_out(ground: np.ndarray) -> Iterator[Crest]:
 def _foot(points: np.ndarray, base: float, height: float) -> float:
     """Return x where the ground, followed from the top (the first of the ``points``), reaches the elevation
     ``base``."""
-    k = int(np.argmax(points[:, 1] <= base + NEAR * height))
+    k = int(np.argmax(points[:, 1] <= base + CREST_DEPTH * height))
     (x0, z0), (x1, z1) = points[k - 1], points[k]
-    return float(x1 if z1 >= base - NEAR * height else x0 + (x1 - x0) * (z0 - base) / (z0 - z1))
+    return float(x1 if z1 >= base - CREST_DEPTH * height else x0 + (x1 - x0) * (z0 - base) / (z0 - z1))

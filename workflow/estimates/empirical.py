@@ -19,7 +19,7 @@ from workflow.earthquake.triggering.consequences import mean_of_tests
 from workflow.estimates import truss
 from workflow.estimates.estimate import Estimate, depth_below_ground, flow_words, mean_inclination
 from workflow.estimates.lateral_spread import (
-    LOOSE,
+    LOOSE_BLOW_COUNT,
     YOUD,
     ZHANG,
     Spreading,
@@ -176,7 +176,9 @@ def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> I
     if magnitude is None or distance is None:
         return
     loose = [
-        test for test in tests if test.outcome is not None and normalised_counts(test, settings.triggering)[0] < LOOSE
+        test
+        for test in tests
+        if test.outcome is not None and normalised_counts(test, settings.triggering)[0] < LOOSE_BLOW_COUNT
     ]
     known = [(test, test.sample) for test in loose if isinstance(test.sample, Sample)]
     known = [(test, soil) for test, soil in known if soil.fines is not None and soil.d50 is not None]

@@ -12,7 +12,9 @@ from workflow.estimates.slices import LEFT
 from workflow.estimates.structures import Standing
 
 Surface = Sequence[Sequence[float]] | np.ndarray
-SKIN = 0.1  # of the height from the exit of a failure to the crest: thickness of the face that moves as one body
+FACE_THICKNESS = (
+    0.1  # of the height from the exit of a failure to the crest: thickness of the face that moves as one body
+)
 
 
 def is_of_face(structure: Standing, towards: int, surface: Surface) -> bool:
@@ -69,7 +71,7 @@ def zones_against(
         if len(circle) and (circle[end][0] - exit_x) * towards >= -least_depth:
             low, high = np.interp([exit_x, near], *section.ground.T)
             ends = sorted((exit_x, near))
-            new = StrongZone(ends[0], ends[1], max(least_depth, SKIN * float(high - low)))
+            new = StrongZone(ends[0], ends[1], max(least_depth, FACE_THICKNESS * float(high - low)))
         else:
             top = _top_of_slope(section.ground, towards, surface)
             if top is None or (top - near) * towards <= 0.0:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 YOUD = "T. L. Youd, C. M. Hansen, S. F. Bartlett, J. Geotech. Geoenviron. Eng. 128 (2002) 1007-1017"
 ZHANG = "G. Zhang, P. K. Robertson, R. W. I. Brachman, J. Geotech. Geoenviron. Eng. 130 (2004) 861-871"
-LOOSE = 15.0  # (N1)60 below which a saturated layer counts in Youd's thickness
+LOOSE_BLOW_COUNT = 15.0  # (N1)60 below which a saturated layer counts in Youd's thickness
 LDI_DEPTH = 23.0  # m, to which shear strains are added up
 # Of Zhang et al. (2004), Fig. 1: relative density (%), factor and power of γ_max (%) = factor F_L^power, and its limit.
 CURVES = (

@@ -11,7 +11,7 @@ from meshes.section.tension_crack import TensionCrack
 from workflow.estimates.deeper_circles import ground_of_circles
 from workflow.estimates.slip_circles import NO_CRACK
 
-AT_SIDE = 2e-3  # of the width of the section: a circle that ends nearer to a side ends at it
+SIDE_TOLERANCE = 2e-3  # of the width of the section: a circle that ends nearer to a side ends at it
 THICKNESSES = 3.0  # of the ground at the side, by which it is continued
 
 
@@ -57,7 +57,7 @@ def circle_of_longer_section(
     section has a smaller critical Kh.
     """
     left, right = section.extent
-    near = AT_SIDE * (right - left)
+    near = SIDE_TOLERANCE * (right - left)
     at: list[tuple[Literal["left", "right"], int]] = [("left", 0), ("right", -1)]
     sides = [(name, end) for name, end in at if abs(ends[end] - (left, right)[end]) <= near]
     if not sides:

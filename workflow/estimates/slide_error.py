@@ -12,12 +12,12 @@ from statistics import median
 
 from dem.settings import SlideMethod
 
-BY: dict[SlideMethod, str] = {"discs": "", "mpm": " by material points"}
+METHOD_SUFFIXES: dict[SlideMethod, str] = {"discs": "", "mpm": " by material points"}
 TABLE = "slide_errors.csv"
 FACTORS = (1.5, 2.0, 3.0, 5.0, 10.0)
-MOST = 2.0 / 3.0  # of the cases that the factor is to hold
-MOST_ERROR = 3.0  # times: with a larger error an interval of slides spans two orders of magnitude and says nothing
-FEW = 3  # cases, below which those of other kinds are counted as well
+COVERED_SHARE = 2.0 / 3.0  # of the cases that the factor is to hold
+LARGEST_ERROR = 3.0  # times: with a larger error an interval of slides spans two orders of magnitude and says nothing
+FEWEST_CASES = 3  # cases, below which those of other kinds are counted as well
 
 
 @dataclass(frozen=True)
@@ -44,14 +44,14 @@ class SlideError:
         """Return the sentence on the error of a slide."""
         named = f"{self.kind[0].upper()}{self.kind[1:]} of the collection"
         return (
-            f"{named} were predicted{BY[self.method]} within a factor of {self.factor:g} in {self.within} of "
-            f"{self.cases} cases"
+            f"{named} were predicted{METHOD_SUFFIXES[self.method]} within a factor of {self.factor:g} in {self.within} "
+            f"of {self.cases} cases"
         )
 
     @property
     def bounds_slides(self) -> bool:
         """Return whether the error is small enough for an interval of slides."""
-        return self.factor <= MOST_ERROR
+        return self.factor <= LARGEST_ERROR
 
     def interval(self, low: float, high: float) -> tuple[float, float]:
         """Return the interval of slides (m) that follows from predictions and the error of the method."""
@@ -76,7 +76,7 @@ def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> Sli
     if flows is not None:
         wanted = "flow" if flows else "spread"
         chosen = [ratio for kind, ratio in field if kind == wanted]
-        if len(chosen) >= FEW:
+        if len(chosen) >= FEWEST_CASES:
             return error_of("flow failures" if flows else "lateral spreads", chosen, method)
     return error_of("field slides", [ratio for _, ratio in field], method)
 
@@ -90,7 +90,7 @@ def error_of(kind: str, ratios: Sequence[float], method: SlideMethod = "discs") 
     off = [max(ratio, 1.0 / ratio) if ratio > 0.0 else float("inf") for ratio in ratios]
     for factor in FACTORS:
         within = sum(distance <= factor for distance in off)
-        if within >= MOST * len(off):
+        if within >= COVERED_SHARE * len(off):
             break
     return SlideError(kind, factor, within, len(off), median(off), method)
 

@@ -15,12 +15,13 @@ from meshes.section.tension_crack import TensionCrack
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
 from workflow.estimates.slices import LEFT, RIGHT, Slices, divide, loaded_by_crack
 
-ENDS, DEPTHS = 41, 16  # points of the ground, and circles through a pair of them, on the first grid
+GROUND_POINTS, CIRCLES_PER_PAIR = 41, 16  # points of the ground, and circles through a pair of them, on the first grid
 SLICES, FINE_SLICES = 40, 200  # of a circle on the first grids, and on the last ones
-BEST, COARSE_ROUNDS, FINE_ROUNDS = 6, 3, 4  # circles that are refined, and how often with either number of slices
-SHRINK = 0.45  # what is left of a step after each round
-CHUNK = 4000  # circles at a time, on the first grid
-STEEPEST = np.radians(80.0)  # of the base: steeper ones are in tension, which slices do not bear
+# Circles that are refined, and how often with either number of slices.
+REFINED_CIRCLES, COARSE_ROUNDS, FINE_ROUNDS = 6, 3, 4
+STEP_REDUCTION = 0.45  # what is left of a step after each round
+CIRCLES_AT_A_TIME = 4000  # circles at a time, on the first grid
+STEEPEST_BASE = np.radians(80.0)  # of the base: steeper ones are in tension, which slices do not bear
 OUT, INTO = np.radians((30.0, 60.0))  # slopes at which a slip surface that ends below the ground is taken to it
 LEAST_DEPTH = 0.02  # of the height of the section: shallower circles are the infinite slope's
 FEWEST_POINTS = 3  # of a slip surface
@@ -159,21 +160,23 @@ class _CircleSearch:
         """Return the circle with the least value; None if none slides."""
         best = self._best(self._grid(), SLICES)
         left, right = self.section.extent
-        step = np.array([(right - left) / (ENDS - 1), (right - left) / (ENDS - 1), 1.0 / DEPTHS])
+        step = np.array(
+            [(right - left) / (GROUND_POINTS - 1), (right - left) / (GROUND_POINTS - 1), 1.0 / CIRCLES_PER_PAIR]
+        )
         offsets = np.stack(np.meshgrid(*[[-1.0, -0.5, 0.0, 0.5, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
         for number in [SLICES] * COARSE_ROUNDS + [FINE_SLICES] * FINE_ROUNDS:
             if not len(best):
                 return None
             around = (best[:, None, :] + offsets * step).reshape(-1, 3)
             best = self._best(np.concatenate([best, around]), number)
-            step *= SHRINK
+            step *= STEP_REDUCTION
         return next((circle for k in range(len(best)) if (circle := self._result(best[k : k + 1])) is not None), None)
 
     def _grid(self) -> np.ndarray:
-        ends = np.linspace(*self.section.extent, ENDS)
+        ends = np.linspace(*self.section.extent, GROUND_POINTS)
         ground = self.section.ground[:, 0]
         ends = np.unique(np.concatenate([ends, ground]))
-        bulges = (np.arange(DEPTHS) + 0.5) / DEPTHS
+        bulges = (np.arange(CIRCLES_PER_PAIR) + 0.5) / CIRCLES_PER_PAIR
         first, last, bulge = np.meshgrid(ends, ends, bulges, indexing="ij")
         ordered = first < last
         return np.stack([first[ordered], last[ordered], bulge[ordered]], axis=1)
@@ -181,10 +184,10 @@ class _CircleSearch:
     def _best(self, circles: np.ndarray, number: int) -> np.ndarray:
         """Return the circles in the order of their factor of safety or critical Kh, each on ``number`` slices, the
         smallest first."""
-        batch = CHUNK * SLICES // number
+        batch = CIRCLES_AT_A_TIME * SLICES // number
         value = np.concatenate([self._values(circles[k : k + batch], number) for k in range(0, len(circles), batch)])
         order = np.argsort(np.where(np.isfinite(value), value, np.inf), kind="stable")
-        return circles[order[: min(BEST, int(np.isfinite(value).sum()))]]
+        return circles[order[: min(REFINED_CIRCLES, int(np.isfinite(value).sum()))]]
 
     def _values(self, circles: np.ndarray, number: int) -> np.ndarray:
         value = np.full(len(circles), np.nan)
@@ -235,7 +238,7 @@ class _CircleSearch:
         middle = np.stack([0.5 * (first + last), ends.mean(axis=1)], axis=1)
         chord = 0.5 * np.stack([last - first, ends[:, 1] - ends[:, 0]], axis=1)
         centre = middle + to_centre[:, None] * np.stack([-chord[:, 1], chord[:, 0]], axis=1)
-        sound &= centre[:, 1] - ends.max(axis=1) >= np.cos(STEEPEST) * radius
+        sound &= centre[:, 1] - ends.max(axis=1) >= np.cos(STEEPEST_BASE) * radius
         share = np.linspace(0.0, 1.0, number + 1)
         x = first[:, None] + share * (last - first)[:, None]
         z = centre[:, 1:] - np.sqrt(np.maximum(radius[:, None] ** 2 - (x - centre[:, :1]) ** 2, 0.0))

@@ -10,10 +10,10 @@ from meshes.section.section import Section
 
 # A layer is thin below this share of the relief of the ground, and weak below this share of the strength of the weaker
 # of its neighbours; it counts where it is so over a length of the relief.
-THIN, WEAK = 0.1, 0.8
+THIN_LAYER, WEAK_STRENGTH = 0.1, 0.8
 # A mantle over stronger ground slips along its bottom. It is thin below this share of the relief, and counts where the
 # ground and its bottom both fall by more than this slope to the same side.
-THIN_MANTLE, FALLS = 0.15, 0.1
+THIN_MANTLE, MANTLE_SLOPE = 0.15, 0.1
 COLUMNS = 200  # vertical lines on which layers are looked at
 
 
@@ -49,13 +49,13 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
                 if thick < THIN_MANTLE * relief and _slips(section, at, inside, present[last + 1 : last + 2]):
                     lengths[soils[inside[-1]]] = lengths.get(soils[inside[-1]], 0.0) + width
                 continue
-            if thick >= THIN * relief:
+            if thick >= THIN_LAYER * relief:
                 continue
             middle = float(column[inside[0]]) - 0.5 * thick
             weak = next(k for k in inside if column[k + 1] <= middle)
             neighbours = [present[first - 1], *present[last + 1 : last + 2]]
             strength, *others = (_strength(section, at, middle, weak, k) for k in (weak, *neighbours))
-            if strength < WEAK * min(others):
+            if strength < WEAK_STRENGTH * min(others):
                 lengths[soils[weak]] = lengths.get(soils[weak], 0.0) + width
     return tuple(soil for soil in dict.fromkeys(soils) if lengths.get(soil, 0.0) > relief > 0.0)
 
@@ -69,11 +69,11 @@ def _slips(section: Section, x: float, mantle: list[int], below: list[int]) -> b
     k = int(np.searchsorted(layers.x, x, side="right")) - 1
     interfaces = [mantle[0], mantle[-1] + 1]
     ground, bottom = (layers.right[k, interfaces] - layers.left[k, interfaces]) / layers.width[k]
-    if ground * bottom <= 0.0 or min(abs(ground), abs(bottom)) <= FALLS:
+    if ground * bottom <= 0.0 or min(abs(ground), abs(bottom)) <= MANTLE_SLOPE:
         return False
     at_bottom = float(layers.interfaces(np.array([x]))[0, mantle[-1] + 1])
     weak, firm = (_strength(section, x, at_bottom, mantle[-1], soil) for soil in (mantle[-1], below[0]))
-    return weak < WEAK * firm
+    return weak < WEAK_STRENGTH * firm
 
 
 def _runs(names: list[str]) -> list[tuple[int, int]]:

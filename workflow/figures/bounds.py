@@ -30,7 +30,7 @@ ARROWS = "#1f6fb2"
 # The points of a mechanism with this share of its largest velocity are what fails. A failure is shown alone, with this
 # share of its width on either side and of its height below it, if the picture is narrower than this share of the
 # section, and at most so high over its width.
-MOVES, MARGIN, DEPTH, NARROW, HIGH = 0.02, 0.5, 0.3, 0.6, 0.35
+MOVING_VELOCITY, MARGIN, DEPTH, NARROW_WIDTH, LARGEST_HEIGHT = 0.02, 0.5, 0.3, 0.6, 0.35
 
 
 def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
@@ -69,7 +69,7 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
     velocity[mesh.cells] = mechanism.velocity[:, :3]
     speed = np.hypot(*velocity.T)
     fastest = float(speed.max())
-    window = failure_window(mesh.points[speed > MOVES * fastest], window)
+    window = failure_window(mesh.points[speed > MOVING_VELOCITY * fastest], window)
     stretch = 0.05 * (window.right - window.left) / fastest
     every = spread(mesh.points, window)
     every = every[window.holds(mesh.points[every])]
@@ -112,9 +112,9 @@ def failure_window(moving: np.ndarray, section: Window) -> Window:
     """
     near = Window.around(moving, MARGIN)
     bottom = near.bottom - DEPTH * (near.top - near.bottom)
-    wider = 0.5 * max(0.0, (near.top - bottom) / HIGH - (near.right - near.left))
+    wider = 0.5 * max(0.0, (near.top - bottom) / LARGEST_HEIGHT - (near.right - near.left))
     left, right = max(section.left, near.left - wider), min(section.right, near.right + wider)
-    if right - left > NARROW * (section.right - section.left):
+    if right - left > NARROW_WIDTH * (section.right - section.left):
         return section
     return Window(left, right, max(section.bottom, bottom), min(section.top, near.top))
 

@@ -25,7 +25,7 @@ DISPLACEMENTS = "figures/displacements.png"
 PICTURES = (FRONT, CURVES, SURFACES, CALIBRATION, BLOCK, DISPLACEMENTS)
 SOLID, DASHED, DOTTED = (0, ()), (0, (5, 2)), (0, (1, 2))
 PALE = "#7d8890"
-SEEN = 0.005  # of Kh: less is no interval
+VISIBLE_INTERVAL = 0.005  # of Kh: less is no interval
 
 
 def draw_all(results: Results) -> list[str]:
@@ -134,7 +134,7 @@ def _brackets(results: Results) -> str:
     after = results.dem.after if results.dem is not None else None
     if after is not None and after.kc is not None:
         alike = results.dem_counterpart
-        most = "" if alike is None or alike.kc_upper < alike.kc + SEEN else f" to {alike.kc_upper:.3f}"
+        most = "" if alike is None or alike.kc_upper < alike.kc + VISIBLE_INTERVAL else f" to {alike.kc_upper:.3f}"
         like = f" for {alike.kc:.3f}{most} of the FEM (dashed)" if alike is not None else ""
         phrases.append(f"discs {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f}){like}")
     return f"critical Kh: {'; '.join(phrases)}" if phrases else ""

@@ -16,11 +16,11 @@ from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
-SMALLEST = 0.005  # m: what is less is drawn here
+SMALLEST_SLIDE = 0.005  # m: what is less is drawn here
 ROW = 0.024  # height of a row over the width of the picture
 PAPER = (("the paper, case 2", 3.3), ("the paper, case 3", 4.9))  # m, Sec. 4(3)
 # Colours, and marks that tell them apart on paper without colours.
-OTHERS, SLIDES, POINTS = (CONTINUUM, "o"), (DISCS, "D"), ("#2c7a3f", "^")
+OTHER_METHODS, SLIDES, POINTS = (CONTINUUM, "o"), (DISCS, "D"), ("#2c7a3f", "^")
 PRINTED, PAPERS = (DISCS, "s"), (INK, "x")
 GREY = "#6b757c"
 BLANK = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
@@ -55,9 +55,9 @@ def displacements(results: Results) -> Sheet | None:
     axes.set_yticks([-number for number in range(len(rows))], [in_mathtext(row.words) for row in rows], fontsize=6.5)
     observed = results.config.report.observed
     most = max(
-        [SMALLEST, *(row.value or 0.0 for row in known), *(observation.displacement for observation in observed)]
+        [SMALLEST_SLIDE, *(row.value or 0.0 for row in known), *(observation.displacement for observation in observed)]
     )
-    axes.set_xlim(0.8 * SMALLEST, 2.5 * most)  # so that the number beside the last point stands in the frame
+    axes.set_xlim(0.8 * SMALLEST_SLIDE, 2.5 * most)  # so that the number beside the last point stands in the frame
     box = axes.get_position()
     axes.set_position((0.34, box.y0, box.x1 - 0.34, box.height))
     for observation in observed:
@@ -70,12 +70,18 @@ def _draw(axes: Axes, row: MethodRow, at: int) -> None:
     """Draw a point with its number, an arrow if the point lies off the axis, or the reason why there is no point."""
     if row.value is None:
         axes.annotate(
-            row.why_not, (SMALLEST, at), (-2, -2), textcoords="offset points", fontsize=6.5, color=GREY, bbox=BLANK
+            row.why_not,
+            (SMALLEST_SLIDE, at),
+            (-2, -2),
+            textcoords="offset points",
+            fontsize=6.5,
+            color=GREY,
+            bbox=BLANK,
         )
         return
     colour, marker = row.look
-    place = max(row.value, SMALLEST)
-    axes.plot(place, at, marker if row.value >= SMALLEST else "<", color=colour, markersize=5)
+    place = max(row.value, SMALLEST_SLIDE)
+    axes.plot(place, at, marker if row.value >= SMALLEST_SLIDE else "<", color=colour, markersize=5)
     phrase = metres(row.value)
     axes.annotate(phrase, (place, at), (6, -2), textcoords="offset points", fontsize=6.5, color=colour, bbox=BLANK)
 
@@ -84,9 +90,9 @@ def _others(results: Results) -> Iterator[MethodRow]:
     """Yield the displacement (m) by each method that is compared with the slide of the discs."""
     for estimate in results.estimates:
         if estimate.displacement_m is not None:
-            yield MethodRow(estimate.method, OTHERS, estimate.displacement_m)
+            yield MethodRow(estimate.method, OTHER_METHODS, estimate.displacement_m)
         elif estimate.kind != "smooth block":  # which never gives one
-            yield MethodRow(estimate.method, OTHERS, None, _why_not(estimate.words))
+            yield MethodRow(estimate.method, OTHER_METHODS, None, _why_not(estimate.words))
 
 
 def slides(results: Results) -> Iterator[MethodRow]:
@@ -126,13 +132,13 @@ def _of_cases(
 
 def _handles(rows: list[MethodRow]) -> Iterator[Line2D]:
     named = {
-        OTHERS: "by other methods", SLIDES: "discs", POINTS: "material points", PRINTED: "the paper's discs, here",
-        PAPERS: "the paper",
+        OTHER_METHODS: "by other methods", SLIDES: "discs", POINTS: "material points",
+        PRINTED: "the paper's discs, here", PAPERS: "the paper",
     }  # fmt: skip
     for look, label in named.items():
         if any(row.look == look for row in rows):
             yield Line2D([], [], color=look[0], marker=look[1], linestyle="", label=label)
-    if any(row.value is not None and row.value < SMALLEST for row in rows):
+    if any(row.value is not None and row.value < SMALLEST_SLIDE for row in rows):
         yield Line2D([], [], color=CONTINUUM, marker="<", linestyle="", label="less than 5 mm, or nothing")
 
 

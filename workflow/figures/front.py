@@ -17,8 +17,8 @@ from workflow.results.results import Results
 
 FRONT = "figures/front.png"
 ARROW = 0.12  # of the width of the section
-SAME = 1.02  # times the critical Kh of the section: a face up to here fails with it
-ABOVE = 0.25  # of the height of the section: room for the arrow above it
+SAME_KH_RATIO = 1.02  # times the critical Kh of the section: a face up to here fails with it
+ROOM_ABOVE = 0.25  # of the height of the section: room for the arrow above it
 
 
 def front(results: Results) -> Sheet | None:
@@ -45,7 +45,7 @@ def front(results: Results) -> Sheet | None:
     if not lines and results.fem is None:
         return None
     what = "failure" if case is None else "failure and slide"
-    return section_sheet(results.config.section, what, lines, lambda axes: _marks(axes, results), ABOVE)
+    return section_sheet(results.config.section, what, lines, lambda axes: _marks(axes, results), ROOM_ABOVE)
 
 
 def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
@@ -58,7 +58,7 @@ def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
     if not values:
         return
     least, face = min(values, key=lambda pair: pair[0])
-    if face.critical is not None and face.critical.slip_surface and least > SAME * kh:
+    if face.critical is not None and face.critical.slip_surface and least > SAME_KH_RATIO * kh:
         label = f"{face.structure}, towards the {face.towards}: slip surface at Kh = {least:.3f}"
         yield Overlay(np.array(face.critical.slip_surface), CRITICAL, (0, (4, 2)), label)
 
@@ -80,7 +80,7 @@ def _marks(axes: Axes, results: Results) -> None:
     ground = section.outline()
     sign = 1.0 if fem.towards == "right" else -1.0
     start = left + (0.04 if sign > 0.0 else 0.96) * (right - left)
-    z = ground[:, 1].max() + 0.5 * ABOVE * np.ptp(ground[:, 1])
+    z = ground[:, 1].max() + 0.5 * ROOM_ABOVE * np.ptp(ground[:, 1])
     axes.annotate(
         "", (start + sign * ARROW * (right - left), z), (start, z),
         arrowprops={"arrowstyle": "-|>", "color": CRITICAL, "linewidth": 2.0, "shrinkA": 0.0, "shrinkB": 0.0},

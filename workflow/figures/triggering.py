@@ -13,20 +13,20 @@ from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, WATER, Frames, soi
 from workflow.figures.ground import foot
 from workflow.results.triggering import TestPart, TriggeringAnswer
 
-ABREAST = 4  # borings in a row of the picture
+BORINGS_IN_ROW = 4  # borings in a row of the picture
 MOST_BLOWS, MOST_RESISTANCE, MOST_FACTOR = 50.0, 30.0, 2.0  # MPa is the unit of the second
 ROW = 4.4  # inches
-NAMED = 0.04  # of the depth that is shown: thinner strata have no room for their name
+THINNEST_NAMED = 0.04  # of the depth that is shown: thinner strata have no room for their name
 
 
 def draw(section: Section, answer: TriggeringAnswer) -> Frames:
     """Draw every boring in two frames: N or qc in the strata, and F_L."""
     names = [boring.name for boring in answer.borings]
-    rows = -(-len(names) // ABREAST)
+    rows = -(-len(names) // BORINGS_IN_ROW)
     magnitude = "" if answer.magnitude is None else f", M {answer.magnitude:g}"
     title = f"{section.heading}: {answer.method}, {answer.motion.median_gal:.0f} gal{magnitude}"
     picture = Frames(ROW * rows + 0.9, title)
-    across = min(len(names), ABREAST)
+    across = min(len(names), BORINGS_IN_ROW)
     frames = picture.figure.subplots(rows, 2 * across, sharey=False, squeeze=False, width_ratios=[1.0, 1.0] * across)
     deepest = 1.15 * max(test.depth_m for test in answer.tests)
     for number in range(rows * across):
@@ -93,7 +93,7 @@ def _boring(
 def _name_strata(section: Section, depths: np.ndarray, deepest: float, axes: Axes) -> None:
     """Write the names of the strata where they are thick enough."""
     for stratum, top, bottom in zip(section.strata, depths[:-1], depths[1:], strict=True):
-        if min(bottom, deepest) - top > NAMED * deepest:
+        if min(bottom, deepest) - top > THINNEST_NAMED * deepest:
             name = whole_soil(stratum.name)
             axes.annotate(
                 name, (0.95, top), (0, -3), xycoords=("axes fraction", "data"), textcoords="offset points",

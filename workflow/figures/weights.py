@@ -16,18 +16,18 @@ from workflow.figures.canvas import INK, WATER, Sheet, Window, render
 from workflow.figures.ground import borders, draw_loads, foot, pressure_of, room_for_loads
 
 # Edges of the triangles over the height of the section: pore pressure is linear almost everywhere.
-FINE = 1.0 / 15.0
+FINE_SPACING = 1.0 / 15.0
 WEIGHTS, PRESSURES = "YlOrBr", "Blues"
 EQUIPOTENTIALS = 15  # lines of equal head, about
 SHARE = 0.93  # of the width of a view without its scale of colours
-APART = 0.06  # of the scale: weights that lie closer together share a tick
+TICK_DISTANCE = 0.06  # of the scale: weights that lie closer together share a tick
 
 
 def weights_sheet(section: Section) -> Sheet:
     """Draw unit weights, surcharges, and pore pressure at rest, coloured by their size."""
     window = _window(section)
     height = float(np.ptp(section.outline()[:, 1]))
-    mesh = triangulate(section, FINE * height)
+    mesh = triangulate(section, FINE_SPACING * height)
     corners = mesh.points[mesh.cells].reshape(-1, 2)
     points = np.column_stack([corners, np.zeros(len(corners))])
     cells = np.arange(len(corners)).reshape(-1, 3)
@@ -82,7 +82,7 @@ def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.Po
         axes.tricontour(
             *flow.grid.points.T, flow.grid.cells[wet], flow.head, EQUIPOTENTIALS, colors=INK, linewidths=0.6
         )
-    ticks = None if name == "pressure" else _ticks(grid["weight"], APART * (limits[1] - limits[0]))
+    ticks = None if name == "pressure" else _ticks(grid["weight"], TICK_DISTANCE * (limits[1] - limits[0]))
     scale = axes.inset_axes((1.012, 0.0, 0.015, 1.0))
     sheet.figure.colorbar(ScalarMappable(Normalize(*limits), colours), cax=scale, ticks=ticks)
     scale.tick_params(labelsize=7, colors=INK, length=2)

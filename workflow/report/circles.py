@@ -15,22 +15,26 @@ from workflow.results.bounds import BoundsAnswer
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, LongerCircle
 
-# Times a strict upper bound, beyond which a slip circle is not what fails first; times a strict lower bound, below
-# which a circle fails that ground in equilibrium bears; and by how much in Kh, at least.
-NO_CIRCLE, ABOVE = 1.05, 0.01
-NO_BALANCE, BELOW = 0.97, 0.002
-# Times the result of the elements, and by how much in Kh at least, beyond which slip circles are far from it; and the
-# share up to which Spencer's method on the slip surface of the elements confirms them.
-FAR, FAR_IN_KH, CONFIRMS = 1.1, 0.02, 0.1
-STEEP = math.tan(math.radians(45.0))  # of a slip surface where it cuts down from the crest
-SHORT = 0.98  # times its critical Kh, below which the circle of a longer section is reported
-MATTERS = 1.5  # times the least critical Kh of both directions: a circle in a longer section with more is left out
-ROUND = 5.0  # m, to which the length of ground to add is rounded up
+# A slip circle does not govern if its Kh exceeds the strict upper bound by this ratio and this difference; a circle
+# below the strict lower bound by this ratio and difference contradicts a field of stress in equilibrium.
+RATIO_ABOVE_BOUND, KH_ABOVE_BOUND = 1.05, 0.01
+RATIO_BELOW_BOUND, KH_BELOW_BOUND = 0.97, 0.002
+# Slip circles are far from the finite elements beyond this ratio and this difference of Kh; Spencer's method on the
+# slip surface of the finite elements confirms them up to this relative difference.
+FAR_RATIO, FAR_KH, AGREEMENT = 1.1, 0.02, 0.1
+STEEP_SLOPE = math.tan(math.radians(45.0))  # of a slip surface where it cuts down from the crest
+LONGER_SECTION_RATIO = 0.98  # times its critical Kh, below which the circle of a longer section is reported
+GOVERNING_RATIO = (
+    1.5  # times the least critical Kh of both directions: a circle in a longer section with more is left out
+)
+LENGTH_STEP = 5.0  # m, to which the length of ground to add is rounded up
 STEEPLY = (
     ", since they cut steeply through {strata}, where the normal force on a circle is an assumption of the method; "
     "with ψ = φ the ground resists a larger Kh"
 )
-RELY = "rely on finite elements and bounds, since the critical mechanism is no circle, for example along a weak layer"
+CIRCLE_REMEDY = (
+    "rely on finite elements and bounds, since the critical mechanism is no circle, for example along a weak layer"
+)
 
 
 def of_circles(results: Results) -> Iterator[str]:
@@ -49,17 +53,20 @@ def of_circles(results: Results) -> Iterator[str]:
         if (circle := factors.get(part.kh)) is None:
             continue
         what = f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = {part.kh:g}"
-        if part.upper is not None and circle.bishop > NO_CIRCLE * part.upper:
-            yield f"{what}, above the strict upper bound of {part.upper:.2f}: {RELY}"
-        if part.lower is not None and circle.bishop < NO_BALANCE * part.lower:
+        if part.upper is not None and circle.bishop > RATIO_ABOVE_BOUND * part.upper:
+            yield f"{what}, above the strict upper bound of {part.upper:.2f}: {CIRCLE_REMEDY}"
+        if part.lower is not None and circle.bishop < RATIO_BELOW_BOUND * part.lower:
             yield f"{what}, below the strict lower bound of {part.lower:.2f}{_assumed(section, circle)}"
     if not circles.critical:
         return
     circle = min(circles.critical, key=_value)
     what = f"slip circles have a critical Kh of {coefficient(circle.bishop)}"
-    if bounds.upper is not None and circle.bishop > NO_CIRCLE * bounds.upper + ABOVE:
-        yield f"{what}, above the strict upper bound of {coefficient(bounds.upper)}: {_slides_out(bounds) or RELY}"
-    if bounds.lower is not None and circle.bishop < min(NO_BALANCE * bounds.lower, bounds.lower - BELOW):
+    if bounds.upper is not None and circle.bishop > RATIO_ABOVE_BOUND * bounds.upper + KH_ABOVE_BOUND:
+        remedy = _slides_out(bounds) or CIRCLE_REMEDY
+        yield f"{what}, above the strict upper bound of {coefficient(bounds.upper)}: {remedy}"
+    if bounds.lower is not None and circle.bishop < min(
+        RATIO_BELOW_BOUND * bounds.lower, bounds.lower - KH_BELOW_BOUND
+    ):
         yield f"{what}, below the strict lower bound of {coefficient(bounds.lower)}{_assumed(section, circle)}"
 
 
@@ -75,7 +82,7 @@ def against_elements(results: Results) -> Iterator[str]:
         circle = least.get(factor.kh)
         if circle is None or _contradicted(circle.bishop, *strict.get(factor.kh, (None, None))):
             continue
-        if abs(math.log(max(circle.bishop, 1e-9) / factor.factor)) > math.log(FAR):
+        if abs(math.log(max(circle.bishop, 1e-9) / factor.factor)) > math.log(FAR_RATIO):
             both = (
                 f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = {factor.kh:g}, while "
                 f"finite elements have {factor.factor:.2f}"
@@ -85,7 +92,7 @@ def against_elements(results: Results) -> Iterator[str]:
         return
     circle, kh = min(circles.critical, key=_value), (None, None) if bounds is None else (bounds.lower, bounds.upper)
     apart = abs(circle.bishop - fem.kc)
-    if apart > max(FAR_IN_KH, (FAR - 1.0) * fem.kc) and not _contradicted(circle.bishop, *kh):
+    if apart > max(FAR_KH, (FAR_RATIO - 1.0) * fem.kc) and not _contradicted(circle.bishop, *kh):
         state = fem.last_in_equilibrium()
         line = np.array(state.slip_surface if state is not None else ())
         both = f"slip circles have a critical Kh of {coefficient(circle.bishop)}, while finite elements have "
@@ -96,8 +103,8 @@ def _contradicted(value: float, lower: float | None, upper: float | None) -> boo
     """Return whether a factor of safety or critical Kh of circles is so far outside strict bounds that `of_circles`
     reports it.
     """
-    above = upper is not None and value > NO_CIRCLE * upper + ABOVE
-    return above or (lower is not None and value < min(NO_BALANCE * lower, lower - BELOW))
+    above = upper is not None and value > RATIO_ABOVE_BOUND * upper + KH_ABOVE_BOUND
+    return above or (lower is not None and value < min(RATIO_BELOW_BOUND * lower, lower - KH_BELOW_BOUND))
 
 
 def _why_far(results: Results, circle: CirclePart, elements: float, line: np.ndarray, kh: float | None) -> str:
@@ -117,7 +124,7 @@ def _why_far(results: Results, circle: CirclePart, elements: float, line: np.nda
             "a longer section"
         )
     spencer = least_balance(section, line, kh, results.config.fem.vertical)
-    if spencer is not None and abs(spencer - elements) <= CONFIRMS * elements:
+    if spencer is not None and abs(spencer - elements) <= AGREEMENT * elements:
         value = coefficient(spencer) if kh is None else f"{spencer:.2f}"
         where += f", while Spencer's method has {value}"
     return f"{where}: rely on the finite elements, whose slip surface is no circle"
@@ -132,10 +139,12 @@ def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
     ends: dict[str, list[tuple[CirclePart, LongerCircle]]] = {}
     for circle in circles:
         longer = circle.longer
-        if longer is not None and longer.bishop <= min(SHORT * circle.bishop, max(MATTERS * least, least + ABOVE)):
+        if longer is not None and longer.bishop <= min(
+            LONGER_SECTION_RATIO * circle.bishop, max(GOVERNING_RATIO * least, least + KH_ABOVE_BOUND)
+        ):
             ends.setdefault(longer.side, []).append((circle, longer))
     for side, pairs in ends.items():
-        more = max(min(max(math.ceil(far.past_m / ROUND), 1) * ROUND, far.beyond_m) for _, far in pairs)
+        more = max(min(max(math.ceil(far.past_m / LENGTH_STEP), 1) * LENGTH_STEP, far.beyond_m) for _, far in pairs)
         ways = listed([f"the {circle.towards}" for circle, _ in pairs])
         values = listed([f"{coefficient(far.bishop)} instead of {coefficient(circle.bishop)}" for circle, far in pairs])
         which, has = ("circles", "end") if len(pairs) > 1 else ("circle", "ends")
@@ -178,7 +187,7 @@ def _cut_steeply(section: Section, circle: CirclePart) -> list[str]:
     """Return the strata with friction that a circle cuts steeply, by name from the top down."""
     line = np.array(circle.surface_m)
     middle, step = 0.5 * (line[1:] + line[:-1]), np.diff(line, axis=0)
-    steep = middle[np.abs(step[:, 1]) > STEEP * np.abs(step[:, 0])]
+    steep = middle[np.abs(step[:, 1]) > STEEP_SLOPE * np.abs(step[:, 0])]
     numbers = np.unique(section.stratum_at(steep[:, 0], steep[:, 1]))
     strata = [section.strata[k] for k in numbers.tolist() if k >= 0]
     return list(dict.fromkeys(s.name for s in strata if s.friction_angle > 0.0))

@@ -8,9 +8,9 @@ from meshes.section.cutting import shown_name
 from meshes.section.section import Section
 from meshes.slip_line import extent_in_words
 from workflow.config import Config, notice_lines
-from workflow.earthquake.site_response import CLOSE as CAME_TO_REST
+from workflow.earthquake.site_response import TOLERANCE as CAME_TO_REST
 from workflow.report import post_liquefaction
-from workflow.report.contradictions import FALLS, FALLS_TIMES
+from workflow.report.contradictions import FALL_RATIO, SURFACE_FALL
 from workflow.report.crests import crest_parts, crest_sentences, crests_in_short
 from workflow.report.faces import faces_sentences
 from workflow.report.flow_rule import (
@@ -51,7 +51,7 @@ from workflow.results.triggering import TriggeringAnswer
 from workflow.run.store import Store
 
 NO_NUMBER = "–"  # the value of a headline that has none, only its reason
-LEAST_REST = 5e-4  # of a factor of safety: what a finer mesh may change by less is not worth a sentence
+REPORTED_ERROR = 5e-4  # of a factor of safety: smaller discretisation errors are not reported
 MOST_LINES = 9  # of a run without -v, after the one on its time, before the two that say where the report is
 
 
@@ -125,7 +125,7 @@ def safety_sentence(
     phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {end}{factor.reason}{rest}."
     if not every:
         gain = remaining_error(factor, strict) or 0.0 if factor.rest is not None else 0.0
-        finer = f" A finer mesh may give {100 * gain:.1f} % less." if gain >= LEAST_REST else ""
+        finer = f" A finer mesh may give {100 * gain:.1f} % less." if gain >= REPORTED_ERROR else ""
         phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}.{finer}"
     if factor.slip_surface:
         phrase += f" The ground {extent_in_words(np.array(factor.slip_surface))}."
@@ -287,7 +287,7 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
         if case.stopped_by is not None:
             settled += f"; the {case.stopped_by} side of the disc model stopped it"
         fall, x = case.largest_fall
-        if fall > max(FALLS, FALLS_TIMES * abs(case.settlement_uphill_m)):
+        if fall > max(SURFACE_FALL, FALL_RATIO * abs(case.settlement_uphill_m)):
             settled += f"; the surface falls by {metres(fall)} at x = {x:.0f} m"
         settled += "".join(f"; {note}" for note in case.notes)
         yield (

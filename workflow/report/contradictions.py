@@ -16,16 +16,16 @@ from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.results.results import Results
 from workflow.results.verdicts import Weight
 
-# A case that leaves less strength and slides less by so much (m), and by such a share, contradicts the other.
-LESS, LESS_SHARE = 0.1, 0.03
-# A surface that falls by so much (m), and so many times the mean of its upslope third, does not show in that mean.
-FALLS, FALLS_TIMES = 0.5, 3.0
-NEAR_SIDE = 0.05  # of the length of the section: what falls so near to a side slides away from it
+# A case with less residual strength contradicts the other if it slides less by this length (m), and by this share.
+SLIDE_DROP, SLIDE_DROP_SHARE = 0.1, 0.03
+# The mean settlement of the upslope third hides a fall of the surface by this length (m) and this multiple of the mean.
+SURFACE_FALL, FALL_RATIO = 0.5, 3.0
+SIDE_DISTANCE = 0.05  # of the length of the section: ground that falls this near to a side slides away from the side
 # Discs whose Kh falls by this share of their critical Kh before they reach it do not resist it as a constant Kh.
-FALLEN = 0.25
+REPORTED_FALL = 0.25
 # Shares of the largest slide by which the uphill end of a section moves where a slide goes on behind it; and the
 # largest slide (m) below which that does not matter.
-ALONG, LEAST_END = (0.1, 0.8), 2.0
+END_SLIDE_SHARES, LEAST_END = (0.1, 0.8), 2.0
 NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
 
 
@@ -59,7 +59,7 @@ def of_curve(discs: DiscsAnswer) -> Iterator[str]:
     Kh.
     """
     fall = deepest_fall(discs.after, soil=discs.model.discs == "soil")
-    if discs.after.kc is not None and fall is not None and fall[0] - fall[1] > FALLEN * discs.after.kc:
+    if discs.after.kc is not None and fall is not None and fall[0] - fall[1] > REPORTED_FALL * discs.after.kc:
         yield (
             f"the Kh of the discs falls from {coefficient(fall[0])} to {coefficient(fall[1])} before it reaches "
             f"their critical Kh of {coefficient(discs.after.kc)}: under a constant Kh the discs would fail at "
@@ -121,7 +121,11 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
         )
     ends = {number: case.slide_along[_uphill_end(case)][1] for number, case in points.items() if case.slide_along}
     far = {number: end for number, end in ends.items() if points[number].slide_max_m >= LEAST_END}
-    along = [number for number, end in far.items() if ALONG[0] < end / points[number].slide_max_m < ALONG[1]]
+    along = [
+        number
+        for number, end in far.items()
+        if END_SLIDE_SHARES[0] < end / points[number].slide_max_m < END_SLIDE_SHARES[1]
+    ]
     if along:
         yield (
             f"the uphill end of the section moves with the slide by {span([ends[n] for n in along])} in "
@@ -154,7 +158,7 @@ def of_order(
         for weak, strong in ((number, other), (other, number)):
             short = slides[strong] - slides[weak]
             weaker = is_weaker(cases[weak], cases[strong], strata[weak], strata[strong])
-            if weaker and short > max(LESS, LESS_SHARE * slides[strong]):
+            if weaker and short > max(SLIDE_DROP, SLIDE_DROP_SHARE * slides[strong]):
                 yield (
                     f"case {weak}{_named(cases[weak])} has less residual strength than case "
                     f"{strong}{_named(cases[strong])} "
@@ -193,7 +197,7 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
     point for material points.
     """
     falls = {number: surface.largest_fall for number, (surface, _) in cases.items()}
-    far = {k: fall for k, fall in falls.items() if fall[0] > max(FALLS, FALLS_TIMES * abs(cases[k][1]))}
+    far = {k: fall for k, fall in falls.items() if fall[0] > max(SURFACE_FALL, FALL_RATIO * abs(cases[k][1]))}
     if not far:
         return
     lengths, places = zip(*far.values(), strict=True)
@@ -221,7 +225,7 @@ def _side(surface: MovedSurface, x: float) -> str:
     """Return the side of the model to which a place (m) on a surface is close; empty if the place is close to neither
     side."""
     along = [point[0] for point in surface.surface_before]
-    near = NEAR_SIDE * (max(along) - min(along))
+    near = SIDE_DISTANCE * (max(along) - min(along))
     return "left" if x < min(along) + near else "right" if x > max(along) - near else ""
 
 

@@ -20,8 +20,8 @@ from workflow.results.results import Results
 from workflow.results.slices import CirclePart
 
 Side = Literal["left", "right"]
-HALF = 21  # points of half a crest, whose mean level settles
-SMALLEST = 0.05  # m: less is written as 0
+HALF_CREST_POINTS = 21  # points of half a crest, whose mean level settles
+SMALLEST_SLIDE = 0.05  # m: less is written as 0
 
 
 @dataclass(frozen=True)
@@ -195,7 +195,11 @@ def _settlements(results: Results, row: FaceRow) -> Iterator[str]:
     """Yield the settlement of the half of the crest beside a face by every method, over all cases of liquefaction."""
     left, right = row.face.crest_m
     middle = 0.5 * (left + right)
-    x = np.linspace(left, middle, HALF) if row.face.towards == "left" else np.linspace(middle, right, HALF)
+    x = (
+        np.linspace(left, middle, HALF_CREST_POINTS)
+        if row.face.towards == "left"
+        else np.linspace(middle, right, HALF_CREST_POINTS)
+    )
     for method, cases in _moved(results):
         values = []
         for case in cases:
@@ -208,7 +212,7 @@ def _settlements(results: Results, row: FaceRow) -> Iterator[str]:
 
 
 def _spread(values: list[float]) -> str:
-    low, high = (f"{0.0 if abs(value) < SMALLEST else value:.1f}" for value in (min(values), max(values)))
+    low, high = (f"{0.0 if abs(value) < SMALLEST_SLIDE else value:.1f}" for value in (min(values), max(values)))
     return f"{low} m" if low == high else f"{low}–{high} m"
 
 

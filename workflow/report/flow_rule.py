@@ -15,7 +15,7 @@ WHEN = (
     "a dilation angle is given."
 )
 # Davis's estimate lies far below ψ = φ where it is less than this share of it.
-FAR_APART = 0.85
+DAVIS_RATIO = 0.85
 # Which critical Kh sliding blocks resist with, and why.
 BLOCKS: Mapping[Flow, str] = {
     "associated": "The yield coefficient is the critical Kh with ψ = φ, as in limit equilibrium, by which "
@@ -99,6 +99,6 @@ def how_to_get_own_dilation(fem: FemAnswer) -> str:
     low = fem.kc if fem.davis is None else fem.davis.kc
     return (
         f" The option --set fem.own_dilation=true also computes an approximate critical Kh for {fem.own_angles}."
-        if low < FAR_APART * full
+        if low < DAVIS_RATIO * full
         else ""
     )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from workflow.results.accuracy import Accuracy
 from workflow.results.lengths import metres
 
-LEAST = 0.001  # numerical errors are reported as no less
+SMALLEST_ERROR = 0.001  # numerical errors are reported as no less
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -90,7 +90,7 @@ def between(values: Sequence[float]) -> str:
 
 def rounded_up(value: float) -> float:
     """Return a positive number rounded up to one digit: 0.0043 becomes 0.005."""
-    value = max(value, LEAST)
+    value = max(value, SMALLEST_ERROR)
     power = 10.0 ** math.floor(math.log10(value) + 1e-9)
     return float(f"{math.ceil(value / power - 1e-6) * power:.3g}")
 

@@ -50,8 +50,8 @@ from workflow.run.log import machine, versions
 from workflow.run.progress import duration
 
 MOST_TESTS = 60  # in a table
-MOST_WARNINGS, NOTE = 9, 3  # on the first page; the weight of what stands among the checks
-TABLE = 2  # warnings whose room a table of faces or crests takes
+MOST_WARNINGS, NOTE_WEIGHT = 9, 3  # on the first page; the weight of what stands among the checks
+WARNINGS_PER_TABLE = 2  # warnings whose room a table of faces or crests takes
 LAYERS = "figures/section.png"
 VARIED = ("Mesh", "Element", "Step", "Dilation", "Side condition", "Random packing")  # rows of the sensitivity
 # Parts of the page with a template of their own.
@@ -81,8 +81,8 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
     """Return the content of the template."""
     config, uncertainty_rows = results.config, list(sources_of_uncertainty(results))
     faces = face_rows(config, results.slices)
-    room = MOST_WARNINGS - TABLE * (bool(faces) + bool(summary.crests))
-    first = [warning for warning in summary.warnings if warning.weight < NOTE][:room]
+    room = MOST_WARNINGS - WARNINGS_PER_TABLE * (bool(faces) + bool(summary.crests))
+    first = [warning for warning in summary.warnings if warning.weight < NOTE_WEIGHT][:room]
     checks = [row for row in uncertainty_rows if row[0] not in VARIED]
     return {
         "config": config,

@@ -23,16 +23,16 @@ ASD = ("3 Asd", "4 Asd", "5 Asd")
 ASD_BELOW_WATER = ("4 Asd", "5 Asd")
 
 KC = 0.25  # Sec. 4(1): "about 0.25 g"
-KC_WITHIN = 0.025  # half of the paper's steps of Kh, 0.2, 0.25, 0.3
-CALLED: Mapping[SetOfSprings, str] = {
+KC_TOLERANCE = 0.025  # half of the paper's steps of Kh, 0.2, 0.25, 0.3
+SPRING_NAMES: Mapping[SetOfSprings, str] = {
     "before": ", before calibration", "after": ", calibrated", "paper": ", the paper's discs",
 }  # fmt: skip
 SETTLEMENT = {1: 0.1, 2: 0.5, 3: 1.0}  # m, Sec. 4(3)
 SLIDE = {2: 3.3, 3: 4.9}  # m, Sec. 4(3)
 MEASURED = 3.0  # m, Figs 4 and 5
-WITHIN = 0.3  # the share by which settlements and slides of a reconstructed section may differ
-AT_FAILURE = 0.25  # the share of a layer's cells that makes it "at failure"
-ALMOST_ALL = 0.8  # the share of the surface that is "the whole but for the right side"
+DISPLACEMENT_TOLERANCE = 0.3  # the share by which settlements and slides of a reconstructed section may differ
+FAILED_CELL_SHARE = 0.25  # the share of a layer's cells that makes it "at failure"
+WHOLE_SURFACE_SHARE = 0.8  # the share of the surface that is "the whole but for the right side"
 SLOPE_DEG = 2.6
 
 # A case in words, and whether it agrees with the paper.
@@ -75,7 +75,7 @@ def _fem(results: Results) -> Iterator[PaperRow]:
     yield replace(
         kc,
         ours=f"{results.kc:.3f} (at most {results.fem.kc_upper:.3f}), {conditions}",
-        agrees=abs(results.kc - KC) <= KC_WITHIN,
+        agrees=abs(results.kc - KC) <= KC_TOLERANCE,
         why=f"{SECTION}; the critical Kh depends on sides, dilation and element; the paper names neither dilation nor "
         "convergence",
     )
@@ -92,8 +92,8 @@ def _stands(row: PaperRow, state: StoredState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ASD_BELOW_WATER}
     stands = not state.past_equilibrium
     phrase = ("stands; " if stands else "does not stand; ") + _shares(shares) + " at failure"
-    why = f"{SECTION}; a layer counts as at failure from {100 * AT_FAILURE:.0f} % of its cells on"
-    return replace(row, ours=phrase, agrees=stands and max(shares.values()) >= AT_FAILURE, why=why)
+    why = f"{SECTION}; a layer counts as at failure from {100 * FAILED_CELL_SHARE:.0f} % of its cells on"
+    return replace(row, ours=phrase, agrees=stands and max(shares.values()) >= FAILED_CELL_SHARE, why=why)
 
 
 def _past(row: PaperRow, state: StoredState) -> PaperRow:
@@ -131,7 +131,7 @@ def _disc_sets(results: Results) -> tuple[SetOfSprings, ...]:
 
 def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
     """Yield the states of the discs at the two Kh of the paper, "before" or "after" calibration."""
-    springs, result = CALLED[which], _absent(results, "calibrate")
+    springs, result = SPRING_NAMES[which], _absent(results, "calibrate")
     stands = PaperRow(f"DEM: stands at Kh = 0.2{springs}", "yes", "Fig. 12", result)
     broken = PaperRow(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13", result)
     states = results.dem.states_of(which) if results.dem is not None else {}
@@ -151,8 +151,10 @@ def _broken(row: PaperRow, cracked: dict[str, float]) -> PaperRow:
     shares = {name: cracked.get(name, 0.0) for name in ASD}
     most = max(shares.values())
     others = {name: share for name, share in cracked.items() if name not in ASD and share > most}
-    why = f"more break elsewhere: {_shares(others)}" if others else f"fewer than {100 * AT_FAILURE:.0f} % in each"
-    agrees = most >= AT_FAILURE and not others
+    why = (
+        f"more break elsewhere: {_shares(others)}" if others else f"fewer than {100 * FAILED_CELL_SHARE:.0f} % in each"
+    )
+    agrees = most >= FAILED_CELL_SHARE and not others
     return replace(row, ours=_shares(shares) + " broken", agrees=agrees, why=f"{why}; {SECTION}")
 
 
@@ -187,12 +189,12 @@ def _near(length: str, paper: float, case: CaseAnswer) -> tuple[str, bool]:
 
 def near(ours: float, paper: float) -> tuple[str, bool]:
     """Return a length (m) in words, and whether it is within 30 % of the length in the paper."""
-    return f"{ours:.2f} m", abs(ours - paper) <= WITHIN * paper
+    return f"{ours:.2f} m", abs(ours - paper) <= DISPLACEMENT_TOLERANCE * paper
 
 
 def _almost_all(case: CaseAnswer) -> tuple[str, bool]:
     share = case.slides_over_share
-    return f"{100 * share:.0f} % of the surface", share >= ALMOST_ALL
+    return f"{100 * share:.0f} % of the surface", share >= WHOLE_SURFACE_SHARE
 
 
 def _uphill_only(config: Section, case: CaseAnswer) -> tuple[str, bool]:
@@ -210,7 +212,10 @@ def _measured(results: Results) -> PaperRow:
     if not slides:
         return row
     phrase = f"{span(slides)} in cases 2 and 3"
-    agrees = min(slides) <= (1.0 + WITHIN) * MEASURED and max(slides) >= (1.0 - WITHIN) * MEASURED
+    agrees = (
+        min(slides) <= (1.0 + DISPLACEMENT_TOLERANCE) * MEASURED
+        and max(slides) >= (1.0 - DISPLACEMENT_TOLERANCE) * MEASURED
+    )
     return replace(row, ours=phrase, agrees=agrees, why=f"{SECTION}; cases and Kh are assumptions, too")
 
 

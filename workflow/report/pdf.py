@@ -13,7 +13,7 @@ from workflow.run.store import Store
 
 FILE, PAGE = "report.pdf", "report.html"
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-PATIENCE = 180.0  # s for a page to print
+PRINT_TIMEOUT = 180.0  # s for a page to print
 NEEDED = (
     "needs Chromium or WeasyPrint, and neither is there: on Debian and Ubuntu apt install chromium, or anywhere pip "
     "install 'noshiro[pdf]'; any browser prints report.html, too"
@@ -60,7 +60,7 @@ def _by_browser(program: str, page: Path, profile: str, printed: Path) -> list[s
 def _print(name: str, line: list[str], printed: Path) -> None:
     """Run the command that prints; raises InputError if it prints nothing."""
     try:
-        done = subprocess.run(line, capture_output=True, text=True, timeout=PATIENCE, check=False)
+        done = subprocess.run(line, capture_output=True, text=True, timeout=PRINT_TIMEOUT, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise InputError("--pdf", [f"{name} could not print the report: {error}"]) from None
     if done.returncode < 0 or not printed.is_file():

@@ -25,12 +25,12 @@ from workflow.results.fem_states import COLLECTION, FemResults
 from workflow.results.history import FILE, SlideHistory, read_histories
 from workflow.results.results import Results
 
-STEPS = 20_000  # quanta across a section: a centimetre of 200 m
-MOST = 400_000  # places in one film; of a longer one every second picture is left out, or more
+QUANTA = 20_000  # quanta across a section: a centimetre of 200 m
+MOST_POSITIONS = 400_000  # places in one film; of a longer one every second picture is left out, or more
 MOST_CELLS = 20_000  # of a mesh that is drawn in a page
-HISTORY = 300  # points of a curve in time
+HISTORY_POINTS = 300  # points of a curve in time
 SHADES = 9
-BEYOND = 0.1  # of the extent of the discs at the start, which a film shows beyond that extent at most
+MARGIN_SHARE = 0.1  # of the extent of the discs at the start, which a film shows beyond that extent at most
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def _slides(results: Results) -> Iterator[Film]:
 def _thinned(files: list[str], results: Results) -> list[str]:
     """Return a subset of the files, including the last one, so that the size of a film is limited."""
     discs = len(Frame.read(results.store.folder / files[0]).x)
-    every = max(1, -(-discs * len(files) // MOST))
+    every = max(1, -(-discs * len(files) // MOST_POSITIONS))
     return [*files[:-1][::every], files[-1]]
 
 
@@ -80,10 +80,10 @@ def _slide(results: Results, title: str, states: list[Frame], history: SlideHist
     first, last = states[0], states[-1]
     left, right = _extent([state.x for state in states], first.radius.max())
     bottom, top = _extent([state.z for state in states], first.radius.max())
-    quantum = (right - left) / STEPS
+    quantum = (right - left) / QUANTA
     places = np.array([np.rint(np.column_stack([state.x - left, state.z - bottom]) / quantum) for state in states])
     rows = history.rows if history is not None else ()
-    rows = (*rows[:-1][:: max(1, len(rows) // HISTORY)], *rows[-1:])
+    rows = (*rows[:-1][:: max(1, len(rows) // HISTORY_POINTS)], *rows[-1:])
     table = {
         "discs": len(first.x),
         "quantum": quantum,
@@ -109,7 +109,7 @@ def _extent(places: list[np.ndarray], reach: float) -> tuple[float, float]:
     Ground that slides out of the section stays in the picture; single discs that fly away do not reduce its scale.
     """
     low, high = float(places[0].min() - reach), float(places[0].max() + reach)
-    beyond = BEYOND * (high - low)
+    beyond = MARGIN_SHARE * (high - low)
     return (
         max(low - beyond, min(float(place.min()) - reach for place in places)),
         min(high + beyond, max(float(place.max()) + reach for place in places)),
@@ -136,9 +136,9 @@ def _path(results: Results) -> Iterator[Film]:
         return
     points = fields_of_fem.mesh.points
     (left, bottom), (right, top) = points.min(axis=0), points.max(axis=0)
-    quantum = float(right - left) / STEPS
+    quantum = float(right - left) / QUANTA
     largest = max(float(np.hypot(*state.displacement.T).max()) for state in states)
-    fine = max(largest, 1e-9) / STEPS
+    fine = max(largest, 1e-9) / QUANTA
     table = {
         "nodes": len(points),
         "cells": len(fields_of_fem.mesh.cells),

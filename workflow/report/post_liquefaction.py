@@ -10,7 +10,7 @@ from workflow.results.results import Results
 from workflow.results.stability import Bearing, LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 
 Strata = tuple[LiquefiedStratum, ...]
-FLOWS = 0.1  # of the height of the ground, below which a displacement was no flow: that ends when the face is flat
+FLOW_SHARE = 0.1  # of the height of the ground, below which a displacement was no flow: that ends when the face is flat
 
 
 def in_short(results: Results) -> Iterator[str]:
@@ -49,7 +49,7 @@ def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
     if not far:
         return
     phrase = f"by their weight alone the discs slide {span(list(far.values()))} in {of_cases(list(far))}"
-    if max(far.values()) > FLOWS * _relief(results):
+    if max(far.values()) > FLOW_SHARE * _relief(results):
         yield f"The discs agree: {phrase}, until the remaining face is flat enough."
     else:
         yield f"The discs are stronger than the continuum: {phrase}."
@@ -60,7 +60,7 @@ def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[
     _, cases = results.case_set()
     far = max((cases[number].slide_max_m for number in case.cases if number in cases), default=0.0)
     slide = results.config.slide
-    if slide.kh == 0.0 and not slide.accelerogram and far > FLOWS * _relief(results):
+    if slide.kh == 0.0 and not slide.accelerogram and far > FLOW_SHARE * _relief(results):
         yield (
             f"The discs contradict this result: they slide {metres(far)} by their weight alone. The discs are "
             "too coarse for the layers that liquefy, or get denser as they slide; "
@@ -170,7 +170,7 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
     small displacement."""
     measured = [float(case.displacement) for case in results.config.report.observed]
     relief = _relief(results)
-    if not measured or max(measured) >= FLOWS * relief:
+    if not measured or max(measured) >= FLOW_SHARE * relief:
         return
     flow = [case for case in answer.cases if case.stands == "flows" and case.factor_upper is not None]
     stand = [case for case in answer.cases if case.stands == "stands"]

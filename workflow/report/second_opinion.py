@@ -16,7 +16,8 @@ from workflow.results.material_points import PointCase, PointSlidesAnswer
 from workflow.results.verdicts import WarningPart
 
 Span = tuple[float, float]
-ALIKE, CLOSE = 0.05, 1.5  # m, and times: slides that are no further apart agree whatever their intervals
+# Difference (m) and ratio up to which two slides agree whatever their intervals.
+ABSOLUTE_TOLERANCE, RATIO_TOLERANCE = 0.05, 1.5
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinio
     points = _with_error(other.slide_max_low_m, other.slide_max_high_m, case.flows, "mpm")
     resting = at_rest(case), at_rest(other)
     apart = abs(case.slide_max_m - other.slide_max_m)
-    alike = max(ALIKE, (1.0 - 1.0 / CLOSE) * max(case.slide_max_m, other.slide_max_m))
+    alike = max(ABSOLUTE_TOLERANCE, (1.0 - 1.0 / RATIO_TOLERANCE) * max(case.slide_max_m, other.slide_max_m))
     near = apart <= max(discs[1] - discs[0], points[1] - points[0], alike)
     limits = case.stopped_by is not None, other.stopped_by is not None
     if all(resting):

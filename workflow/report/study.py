@@ -22,7 +22,7 @@ METHODS: Mapping[SamplingMethod, str] = {
     "latin": "a Latin hypercube",
     "saltelli": "Saltelli's design for Sobol' indices",
 }
-FEWEST = 20  # samples from which on one of them is expected beyond 5 %
+FEWEST_SAMPLES = 20  # samples from which on one of them is expected beyond 5 %
 RANDOM_FIELDS = (
     "A stratum has one strength in every sample: fields of strength that vary at random within a stratum are not part "
     "of this program."
@@ -91,7 +91,7 @@ def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
 
 def _where(spread: Spread, samples: int) -> str:
     phrase = f"half of the samples are below {number(spread.median)}"
-    if spread.low is not None and samples >= FEWEST:
+    if spread.low is not None and samples >= FEWEST_SAMPLES:
         phrase += f", 90 % of the samples between {number(spread.low)} and {number(spread.high)}"
     return phrase
 

@@ -24,12 +24,12 @@ from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
 ASSUMED = ("dilation", "sides")  # variants that tell what an assumption is worth
-MESH_ERROR = 1.02  # times the limit for ψ = φ, which the elements may exceed for their mesh
-DISAGREE = 3.0  # times: beyond this, methods do not say the same
+MESH_ERROR_RATIO = 1.02  # times the limit for ψ = φ, which the elements may exceed for their mesh
+DISAGREEMENT_RATIO = 3.0  # times: beyond this, methods do not say the same
 # A slide that moves less in its last 10 s counts as at rest, though its discs may not: in m, and of all its way.
-STILL, STILL_SHARE = 0.01, 0.001
+REST_MOVEMENT, REST_MOVEMENT_SHARE = 0.01, 0.001
 ENDS = ("settled", "lying", "moving")  # how slides end, in the order in which they are reported
-STAYS = 0.1  # m: a slide of less is reported as none
+SMALLEST_SLIDE = 0.1  # m: a slide of less is reported as none
 
 
 def springs_of(results: Results) -> dict[str, str]:
@@ -91,7 +91,9 @@ def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterat
     """
     most, variants = _most(results, fem), results.variants.variants if results.variants is not None else ()
     others = {variant: kc for variant in variants if variant.name in ASSUMED and (kc := variant.of(fem.kc)) is not None}
-    others = {variant: kc for variant, kc in others.items() if variant.name != "dilation" or kc <= MESH_ERROR * most}
+    others = {
+        variant: kc for variant, kc in others.items() if variant.name != "dilation" or kc <= MESH_ERROR_RATIO * most
+    }
     if not others:
         return
     phrases = {variant: f"kc = {coefficient(kc)} with {variant.change}" for variant, kc in others.items()}
@@ -172,9 +174,9 @@ def _alike(results: Results) -> str:
 def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
     """Yield sentences on the cases that come to rest, on those still moving, and on those that a side of the box
     stopped."""
-    stays = [number for number, case in cases.items() if case.settled and case.slide_max_m < STAYS]
+    stays = [number for number, case in cases.items() if case.settled and case.slide_max_m < SMALLEST_SLIDE]
     if stays:
-        yield f"In {of_cases(stays)} the surface moves less than {STAYS:g} m."
+        yield f"In {of_cases(stays)} the surface moves less than {SMALLEST_SLIDE:g} m."
     ends: dict[tuple[str, str | None], list[int]] = {}
     for number, case in cases.items():
         if number not in stays:
@@ -206,7 +208,7 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
 
 def lies_still(case: CaseNumbers) -> bool:
     """Return whether a slide that did not come to rest hardly moved in its last 10 s."""
-    still = max(STILL, STILL_SHARE * abs(case.slide_max_m))
+    still = max(REST_MOVEMENT, REST_MOVEMENT_SHARE * abs(case.slide_max_m))
     return case.moved_lately_m is not None and case.moved_lately_m < still
 
 
@@ -225,7 +227,7 @@ def at_rest(case: CaseNumbers | PointCase) -> bool:
 def moved_lately(cases: Sequence[CaseNumbers]) -> str:
     """Return the largest movement of slides that are almost at rest, in their last 10 s."""
     most = max(case.moved_lately_m or 0.0 for case in cases)
-    return f"less than {100 * STILL:.0f} cm" if most < STILL else f"{100 * most:.0f} cm"
+    return f"less than {100 * REST_MOVEMENT:.0f} cm" if most < REST_MOVEMENT else f"{100 * most:.0f} cm"
 
 
 # How a sentence tells what is not a factor on something that the layers had before.
@@ -312,7 +314,7 @@ def _disagreement(results: Results) -> Iterator[str]:
     )
     points = [max(case.slide_max_m, 0.0) for case in results.mpm.cases.values()] if results.mpm is not None else []
     values = [*discs, *points, *observed, *blocks]
-    if not discs or values == discs or max(values) <= DISAGREE * min(values):
+    if not discs or values == discs or max(values) <= DISAGREEMENT_RATIO * min(values):
         return
     phrases = [f"discs {span(discs)}"]
     phrases += [f"material points {span(points)}"] if points else []
@@ -326,7 +328,7 @@ def _disagreement(results: Results) -> Iterator[str]:
             "The regression is an average over gentle slopes of liquefied sand; the regression does not depend "
             "on shaking and strength, and flow failures are excluded."
         )
-    if observed and max(discs) > DISAGREE * min(observed) and not any(case.flows for case in cases.values()):
+    if observed and max(discs) > DISAGREEMENT_RATIO * min(observed) and not any(case.flows for case in cases.values()):
         yield (
             "Where the discs slide much farther than the regression, check the stiffness and strength of the liquefied "
             "layers, and whether the discs came to rest."

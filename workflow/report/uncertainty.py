@@ -12,7 +12,7 @@ from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.discs import DiscsAnswer
 from workflow.results.results import Results
 
-NO_MORE = 0.005  # a share of Kh that is none in whole per cent
+ROUNDED_SHARE = 0.005  # a share of Kh that is none in whole per cent
 
 
 def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
@@ -148,7 +148,7 @@ def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
     yield "Packing", phrase
     if surfaces.mean_distance_m is not None and surfaces.same_stratum_share is not None:
         deeper = ""
-        if surfaces.excess_above is not None and surfaces.excess_above < NO_MORE:
+        if surfaces.excess_above is not None and surfaces.excess_above < ROUNDED_SHARE:
             deeper = " The slip surface of the discs lies higher; along it the continuum would fail at the same Kh."
         elif surfaces.excess_above is not None:
             deeper = (

@@ -21,9 +21,9 @@ from workflow.results.verdicts import Criterion, VerdictPart
 Interval = tuple[str, float | None, float | None, str]  # of what, ends of the interval, why there is no answer
 AT_LEAST: tuple[Criterion, ...] = ("factor of safety", "critical Kh", "freeboard")
 OF_FACES: tuple[Criterion, ...] = ("factor of safety", "critical Kh")  # of structures, where there are any
-OPEN = float("inf")  # the upper end of what still grows
+OPEN_END = float("inf")  # the upper end of what still grows
 BLOCK = "rigid block without loss of strength"
-TINY = 1e-3  # m: slides of less have no spread
+SMALLEST_SPREAD = 1e-3  # m: slides of less have no spread
 
 
 def verdicts(results: Results) -> list[VerdictPart]:
@@ -54,8 +54,8 @@ def _judged(
         yield VerdictPart(
             criterion=criterion,
             of=of,
-            low=None if low is None or abs(low) == OPEN else low,
-            high=None if high is None or abs(high) == OPEN else high,
+            low=None if low is None or abs(low) == OPEN_END else low,
+            high=None if high is None or abs(high) == OPEN_END else high,
             limit=limit,
             kh=kh,
             source=source,
@@ -154,7 +154,10 @@ def _displacements(results: Results) -> Iterator[Interval]:
             f"material points, {config.called(number)}",
             case.slide_along,
             at_rest(case),
-            (case.slide_max_low_m / max(case.slide_max_m, TINY), case.slide_max_high_m / max(case.slide_max_m, TINY)),
+            (
+                case.slide_max_low_m / max(case.slide_max_m, SMALLEST_SPREAD),
+                case.slide_max_high_m / max(case.slide_max_m, SMALLEST_SPREAD),
+            ),
         )
         for number, case in (sorted(results.mpm.cases.items()) if results.mpm is not None else ())
     ]
@@ -162,7 +165,7 @@ def _displacements(results: Results) -> Iterator[Interval]:
         for by, along, rests, (least, most) in slides:
             far = _largest(along, structure.crest.start, structure.crest.end)
             if far is not None:
-                yield f"{structure.name}, {by}", least * far, most * far if rests else OPEN, _why(rests)
+                yield f"{structure.name}, {by}", least * far, most * far if rests else OPEN_END, _why(rests)
     yield from _not_computed(results)
 
 
@@ -171,7 +174,7 @@ def _share(results: Results, case: int) -> tuple[float, float]:
     this run."""
     random = results.cases.random.cases.get(case) if results.cases is not None and results.cases.random else None
     largest = results.case_set()[1][case].slide_max_m
-    if random is None or random.slide_max_m.low is None or random.slide_max_m.high is None or largest < TINY:
+    if random is None or random.slide_max_m.low is None or random.slide_max_m.high is None or largest < SMALLEST_SPREAD:
         return 1.0, 1.0
     return min(random.slide_max_m.low / largest, 1.0), max(random.slide_max_m.high / largest, 1.0)
 
@@ -184,7 +187,7 @@ def _largest(along: Line, start: float, end: float) -> float | None:
 
 def _settlements(results: Results) -> Iterator[Interval]:
     for part in crest_parts(results.config, results.cases, results.mpm):
-        high = part.settlement_high_m if part.at_rest else OPEN
+        high = part.settlement_high_m if part.at_rest else OPEN_END
         yield f"{part.structure}, {part.by}", part.settlement_low_m, high, _why(part.at_rest)
     for row in _blocks(results):
         yield f"{row.name}, {BLOCK}", 0.0, row.block.high if row.block else None, ""
@@ -198,7 +201,7 @@ def _freeboards(results: Results) -> Iterator[Interval]:
         if part.freeboard_high_m is None:
             yield of, None, None, "the water has no elevation"
         else:
-            yield of, part.freeboard_low_m if part.at_rest else -OPEN, part.freeboard_high_m, _why(part.at_rest)
+            yield of, part.freeboard_low_m if part.at_rest else -OPEN_END, part.freeboard_high_m, _why(part.at_rest)
     crests = {structure.name: structure.crest for structure in structures_of(results.config.section)}
     for row in _blocks(results):
         crest = crests[row.face.structure]

@@ -16,13 +16,13 @@ from workflow.results.material_points import WARNING
 from workflow.results.results import Results
 from workflow.results.verdicts import WarningPart, Weight
 
-CALIBRATED_FAR = 2.0  # times, or divided by it: a factor on the discs beyond this is reported
-SURFACES_APART = 0.25  # of the height of the section: slip surfaces farther apart than this are reported
-DECIDE = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
-AT_LIMIT = 0.1  # of the critical Kh after liquefaction: a Kh of a slide that is nearer to it is reported
-UNRESOLVED = 2.0  # times, or divided by it: a slide whose numerical error alone may be larger is reported
+CALIBRATION_RATIO = 2.0  # times, or divided by it: a factor on the discs beyond this is reported
+SURFACE_DISTANCE = 0.25  # of the height of the section: slip surfaces farther apart than this are reported
+SIDE_EFFECT_RATIO = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
+LIMIT_DISTANCE = 0.1  # of the critical Kh after liquefaction: a Kh of a slide that is nearer to it is reported
+UNRESOLVED_RATIO = 2.0  # times, or divided by it: a slide whose numerical error alone may be larger is reported
 LEAST_SLIDE = 0.1  # m: the error of a smaller slide is not reported
-OPEN = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is reported
+OPEN_KH_RATIO = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is reported
 # A number or a range in a note, and what is none though it has digits: what stands in quotes, and names as Ac1.
 NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?(?: to \d+(?:\.\d+)?)?)(?![\w.]*\w)')
 
@@ -111,8 +111,8 @@ def _unresolved(results: Results) -> Iterator[str]:
         for number, case in sorted(points.items())
         if case.slide_max_m >= LEAST_SLIDE
         and not (
-            case.slide_max_low_m * UNRESOLVED >= case.slide_max_m
-            and case.slide_max_high_m <= UNRESOLVED * case.slide_max_m
+            case.slide_max_low_m * UNRESOLVED_RATIO >= case.slide_max_m
+            and case.slide_max_high_m <= UNRESOLVED_RATIO * case.slide_max_m
         )
     }
     yield from joined(notes)
@@ -155,7 +155,7 @@ def _at_the_limit(results: Results) -> Iterator[str]:
         return
     for case in results.liquefied.cases:
         kc = case.kc
-        if kc is not None and kc > 0.0 and abs(slide.kh / kc - 1.0) <= AT_LIMIT:
+        if kc is not None and kc > 0.0 and abs(slide.kh / kc - 1.0) <= LIMIT_DISTANCE:
             yield (
                 f"in {of_cases(case.cases)} liquefied ground just stands under Kh = {coefficient(kc)}, so "
                 f"that its slide under Kh = {coefficient(slide.kh)} is undetermined: take the cycles or "
@@ -166,7 +166,7 @@ def _at_the_limit(results: Results) -> Iterator[str]:
 def _target_range(results: Results) -> Iterator[str]:
     """Yield a warning if the critical Kh of the calibration is only known as a range."""
     like = results.dem_counterpart
-    if like is not None and results.dem is not None and like.kc_upper > OPEN * like.kc:
+    if like is not None and results.dem is not None and like.kc_upper > OPEN_KH_RATIO * like.kc:
         yield (
             f"the finite elements with the boundary conditions of the discs ({like.terms}) fail between Kh = "
             f"{coefficient(like.kc)} and {coefficient(like.kc_upper)}: discs that fail within this range are taken as "
@@ -191,7 +191,7 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
                 f"the ground that fails reaches the {at} side, so that the boundary condition there may govern: "
                 f"{remedy}",
             )
-    elif not 1.0 / DECIDE <= other / fem.kc <= DECIDE:
+    elif not 1.0 / SIDE_EFFECT_RATIO <= other / fem.kc <= SIDE_EFFECT_RATIO:
         much = f"{abs(100.0 * (other / fem.kc - 1.0)):.0f} % {'larger' if other > fem.kc else 'smaller'}"
         yield (
             2,
@@ -205,7 +205,7 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
 def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
     """Yield a warning if the slip surfaces of discs and continuum differ, in a section of this ``height`` (m)."""
     apart, lines = surfaces.mean_distance_m, (surfaces.dem, surfaces.fem)
-    if apart is not None and apart > SURFACES_APART * height:
+    if apart is not None and apart > SURFACE_DISTANCE * height:
         yield (
             f"the slip surfaces of discs and finite elements lie {apart:.0f} m apart on average: take smaller discs "
             "(dem.elements)"
@@ -271,7 +271,7 @@ def _calibration(results: Results) -> Iterator[str]:
             "calibration failed, since no factor on the strength of the discs gives the critical Kh of the finite "
             "elements: the slides belong to a soil of another strength"
         )
-    elif not 1.0 / CALIBRATED_FAR <= calibration.value <= CALIBRATED_FAR:
+    elif not 1.0 / CALIBRATION_RATIO <= calibration.value <= CALIBRATION_RATIO:
         name = calibration.parameter.replace("_", " ")
         what = {"all": "all constants", "strength": "the strength"}.get(name, f"the {name}")
         yield (

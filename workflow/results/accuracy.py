@@ -11,12 +11,12 @@ from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.results import Results
 
 # Two meshes whose answers differ by a larger share cannot show that the sequence converges.
-COARSE = 0.1
-# What is left of the error of a sequence that has not converged, in times of what its last meshes tell.
-WIDER = 2.0
+COARSE_ERROR = 0.1
+# Error of a sequence that has not converged, over the change between its last meshes.
+WIDENING = 2.0
 # A critical Kh or a factor of safety exceeds an upper bound if it does so by half of the last digit reported, and
 # by this share of the bound.
-DIGIT, SHARE = 0.0005, 0.0005
+LAST_DIGIT, LAST_SHARE = 0.0005, 0.0005
 # What an interval can follow from.
 METHODS = (
     "by the sequence of meshes", "by strict bounds", "by strict bounds (shallow failures of faces excluded)",
@@ -65,7 +65,7 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
 
 def exceeds(value: float, upper: float) -> bool:
     """Return whether a critical Kh or a factor of safety lies above an ``upper`` bound by more than rounding."""
-    return value > upper + max(DIGIT, SHARE * abs(upper))
+    return value > upper + max(LAST_DIGIT, LAST_SHARE * abs(upper))
 
 
 def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety, flow: Flow) -> SafetyPart | None:
@@ -111,7 +111,7 @@ def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
     ends = [fem.kc, fem.kc_upper, values[-1], limit]
     if _converges(values):
         return Accuracy(min(ends), max(ends), f"by the sequence of meshes, which tends to {limit:.3f}", True)
-    left = WIDER * max(abs(values[-1] - limit), abs(values[-1] - values[-2]))
+    left = WIDENING * max(abs(values[-1] - limit), abs(values[-1] - values[-2]))
     low, high = max(0.0, min(*ends, values[-1] - left)), max(ends)
     return Accuracy(low, high + (left if values[-1] > values[-2] else 0.0), "by the sequence of meshes", False)
 
@@ -123,7 +123,7 @@ def _converges(values: Sequence[float]) -> bool:
     if last < 0.0:
         return False
     if len(values) == 2:
-        return last <= COARSE * abs(values[-1])
+        return last <= COARSE_ERROR * abs(values[-1])
     return last <= abs(values[-3] - values[-2])
 
 

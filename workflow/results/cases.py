@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 Answered = TypeVar("Answered", bound=Part)
 Points = Sequence[Sequence[float]]
-ROW = 30  # points of a surface with a disc or a cell for each; a line of fewer points has corners that count
-FEWEST = 3  # values with a confidence interval: that of two is a dozen times as wide as they are apart
+SURFACE_POINTS = 30  # points of a surface with a disc or a cell for each; a line of fewer points has corners that count
+FEWEST_VALUES = 3  # values with a confidence interval: that of two is a dozen times as wide as they are apart
 
 
 def _student(freedoms: int) -> float:
@@ -109,7 +109,10 @@ class MovedSurface(Part):
         if not len(before) or not len(after):
             return 0.0, 0.0
         by_x = [line[np.argsort(line[:, 0], kind="stable")] for line in (before, after)]
-        by_x = [smoothed(line, float(np.median(np.diff(line[:, 0])))) if len(line) >= ROW else line for line in by_x]
+        by_x = [
+            smoothed(line, float(np.median(np.diff(line[:, 0])))) if len(line) >= SURFACE_POINTS else line
+            for line in by_x
+        ]
         x = np.unique(np.concatenate([line[:, 0] for line in by_x]))
         first = 1 if min(len(before), len(after)) > 2 else 0  # the place of the first point that is read
         left, right = (choose(line[end, 0] for line in by_x) for choose, end in ((max, first), (min, -1 - first)))
@@ -166,7 +169,7 @@ class Spread(Part):
             return cls(mean=None, spread=None, values=())
         mean, several = float(np.mean(values)), len(values) > 1
         spread = float(np.std(values, ddof=1)) if several else None
-        enough = spread is not None and len(values) >= FEWEST
+        enough = spread is not None and len(values) >= FEWEST_VALUES
         half = _student(len(values) - 1) * spread / np.sqrt(len(values)) if enough and spread is not None else None
         low, median, high = (float(value) for value in np.quantile(values, (0.05, 0.5, 0.95)))
         return cls(

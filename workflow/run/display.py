@@ -18,8 +18,8 @@ from workflow.run.record import Entry, Outcome
 from workflow.run.spelling import legible
 from workflow.run.stage import Stage
 
-BAR = 14
-EVERY = 30.0  # s between two lines of progress without a terminal
+BAR_WIDTH = 14
+LINE_INTERVAL = 30.0  # s between two lines of progress without a terminal
 State = Outcome | Literal["wait", "run", "off"]  # of a stage on the screen
 MARKS: Mapping[State, str] = {
     "wait": " ", "begun": "▸", "run": "▸", "done": "✓", "part": "✓", "no answer": "✗", "off": "-",
@@ -50,8 +50,8 @@ class StageLine:
             clock = duration(self.seconds)
         bar = ""
         if self.state == "run" and self.share is not None:
-            full = round(BAR * min(max(self.share, 0.0), 1.0))
-            bar = "█" * full + "░" * (BAR - full)
+            full = round(BAR_WIDTH * min(max(self.share, 0.0), 1.0))
+            bar = "█" * full + "░" * (BAR_WIDTH - full)
         line = Text(
             legible(self.text, sys.stderr),
             style="dim" if self.state in ("wait", "off") else "",
@@ -65,8 +65,8 @@ class Display:
     """Displays a run to which it listens; used as a context manager.
 
     On a terminal, ``err`` shows a list of all stages that is updated in place. If ``err`` is no terminal, one line is
-    written to it every `EVERY` seconds while a stage runs, and one line when the stage ends. In verbose mode there is
-    also one line when a stage begins, and one for every step.
+    written to it every `LINE_INTERVAL` seconds while a stage runs, and one line when the stage ends. In verbose mode
+    there is also one line when a stage begins, and one for every step.
     """
 
     def __init__(self, err: Console, stages: Sequence[Stage], verbosity: Verbosity) -> None:
@@ -97,7 +97,7 @@ class Display:
             nonlocal last
             shown.text, shown.share = line, share
             now = time.monotonic()
-            if self.verbosity == Verbosity.VERBOSE or now - last > EVERY:
+            if self.verbosity == Verbosity.VERBOSE or now - last > LINE_INTERVAL:
                 last = now
                 left = shown.left.words(now, share)
                 self._say(f"{decision.stage.name}: {line}" + (f", {left}" if left else ""))

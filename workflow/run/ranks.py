@@ -8,7 +8,7 @@ from typing import Any
 
 from fem.solvers import dolfinx_api
 
-PAUSE = 0.01  # s between two looks for a message: MPI itself waits without one, and takes a core for that
+POLL_INTERVAL = 0.01  # s between two checks for a message: waiting by MPI itself would occupy a core
 
 
 class Ranks:
@@ -39,7 +39,7 @@ class Ranks:
         """Wait, on any other rank than the first, for the first rank. Return True if the first rank called this rank to
         compute, False if the first rank released it."""
         while not self.comm.iprobe(source=0):
-            time.sleep(PAUSE)
+            time.sleep(POLL_INTERVAL)
         return bool(self.comm.recv(source=0))
 
     @contextmanager

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 # Triangles and gap of the bounds: enough to tell standing from flowing, in seconds, as a rule; by how much finer they
 # are taken where they are not.
 CELLS, GAP, SECONDS = 2500, 0.08, 30.0
-FINER = 2
-LEAST_SHARE = 0.01  # of its weight, that ground bears: sand steeper than φ has no cohesion to bear any
+REFINEMENT = 2
+SUPPORTED_WEIGHT_SHARE = 0.01  # of its weight, that ground bears: sand steeper than φ has no cohesion to bear any
 # Settings that have no effect here, for bounds and elements have their own.
 WITHOUT_EFFECT = (
     "fem.threads", "fem.safety_factor_at", "fem.accuracy", "fem.kh", "fem.max_cells", "fem.rigid_box",
@@ -91,7 +91,7 @@ def _on_factors(nothing: bool, weight: float, strict: "SafetyBounds | None") -> 
     if nothing:
         yield "the layers have no residual strength, so that there is no factor of safety; see slide.cases, residual"
     if weight < 1.0 and not (strict is not None and strict.upper < 1.0):  # else the factor of safety says so
-        most = f", {100.0 * weight:.0f} % of it at most" if weight >= LEAST_SHARE else ""
+        most = f", {100.0 * weight:.0f} % of it at most" if weight >= SUPPORTED_WEIGHT_SHARE else ""
         yield f"the finite elements find no equilibrium under the weight of the ground{most}"
     if strict is not None and strict.lower <= 0.0 and not math.isfinite(strict.upper):
         yield "strict bounds of the factor of safety: none within the allowed computing work"
@@ -155,7 +155,7 @@ def _factors(
         "strict bounds", notes, lambda: safety_bounds(section, fem, bounds_settings, 0.0, guess, smooth_sides=True)
     )
     if strict is not None and strict.lower <= 1.0 <= strict.upper < math.inf:
-        fine = bounds_settings.changed(max_cells=FINER * CELLS, gap=GAP / FINER)
+        fine = bounds_settings.changed(max_cells=REFINEMENT * CELLS, gap=GAP / REFINEMENT)
         at = 0.5 * (strict.lower + strict.upper)
         strict = (
             tried("finer bounds", notes, lambda: safety_bounds(section, fem, fine, 0.0, at, smooth_sides=True))

@@ -60,10 +60,10 @@ from workflow.stages.discs_at_rest import (
 
 JOURNAL = "dem/trials.jsonl"
 PAPER_JOURNAL = "dem/paper_trials.jsonl"
-NARROWING = 5  # searches that finding the factor takes, more or less
+USUAL_SEARCHES = 5  # searches that finding the factor takes, more or less
 # Of soil discs, more or less: searches, with the factor; points on the curve of one; element tests that take as long.
 PUSHOVERS, POINTS, TESTS = 3, 22, 30
-FIRST = 0.5  # of the time, what comes before these searches and tests
+FIRST_TIME_SHARE = 0.5  # of the time, what comes before these searches and tests
 
 
 def calibrate_stage(config: Config, store: Store, progress: Progress, executor: Executor) -> None:
@@ -146,7 +146,7 @@ def _searched(
 
     def tell(words: str) -> None:
         work = TESTS * PUSHOVERS
-        share = FIRST + (1.0 - FIRST) * (ended + work * searched) / (len(tests) + work)
+        share = FIRST_TIME_SHARE + (1.0 - FIRST_TIME_SHARE) * (ended + work * searched) / (len(tests) + work)
         progress(words, share if ended or searched else None)
 
     def heard(_: int, message: tuple[str, float | None]) -> None:
@@ -196,7 +196,7 @@ def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor
     discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
     continuum = continuum_for(config, store)
     soil, calibrates = config.dem.model == "soil", config.dem.parameter != "none"
-    wanted = (PUSHOVERS if soil else 1 + NARROWING + 2 * len(SINGLE_PARAMETERS)) if calibrates else 1
+    wanted = (PUSHOVERS if soil else 1 + USUAL_SEARCHES + 2 * len(SINGLE_PARAMETERS)) if calibrates else 1
     share_of = SearchShare(wanted, POINTS if soil else 8)
 
     def on_trial(trial: Trial) -> None:

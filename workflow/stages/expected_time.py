@@ -12,13 +12,13 @@ from workflow.run.plan import Decision
 from workflow.stages.liquefaction import liquefying
 from workflow.stages.mpm import alike_by_strength
 
-SHARE = 0.15  # of the whole: stages that take more are named
+NAMED_SHARE = 0.15  # of the total time: stages that take more are named
 DISCS, CELLS = 2500, 3000  # to which the seconds of discs and material points belong
-POWER = 1.5  # by which these rise with the number: smaller ones need shorter steps as well
-LEAST = 30.0  # s of a processor: shorter runs are not announced
+TIME_POWER = 1.5  # of the number of discs or cells: smaller ones also need shorter steps
+ANNOUNCED_TIME = 30.0  # s of processor time: shorter runs are not announced
 # Largest number of seconds of a processor, and what is said of the time on two of them, free or busy.
 CLASSES = ((200.0, "a minute or two"), (1500.0, "some minutes"), (5400.0, "up to an hour"))
-LONGER = "more than an hour"
+LONGEST_WORDS = "more than an hour"
 
 
 def _cases(config: Config) -> int:
@@ -30,7 +30,7 @@ def _discs(config: Config) -> float:
     """Return the time of a run of the discs over that of `DISCS` discs."""
     area = float(config.section.layering.areas().sum())
     discs = area / (12.0**0.5 * config.dem.mean_radius(config.section) ** 2)
-    return float((discs / DISCS) ** POWER)
+    return float((discs / DISCS) ** TIME_POWER)
 
 
 def _packings(config: Config) -> int:
@@ -51,7 +51,7 @@ SECONDS: Mapping[str, Callable[[Config], float]] = {
     "faces": lambda config: len(structures_of(config.section)) * (40.0 + 0.8 * config.bounds.seconds),
     "residual": lambda config: 40.0,
     "liquefied": lambda config: 30.0 * _cases(config),
-    "mpm": lambda config: 70.0 * _cases(config) * (config.slide.mpm_cells / CELLS) ** POWER,
+    "mpm": lambda config: 70.0 * _cases(config) * (config.slide.mpm_cells / CELLS) ** TIME_POWER,
     "calibrate": lambda config: (
         5.0 * len(config.section.strata) * config.dem.element_tests + 35.0 * _packings(config) * _discs(config)
     ),
@@ -64,9 +64,9 @@ def announcement(decisions: Sequence[Decision], config: Config) -> str:
     """Return how long the stages that will run take, in a sentence; empty if they take hardly any time."""
     costs = {item.stage.name: SECONDS[item.stage.name](config) for item in decisions if item.action == "run"}
     total = sum(costs.values())
-    if total <= LEAST:
+    if total <= ANNOUNCED_TIME:
         return ""
-    time = next((words for most, words in CLASSES if total <= most), LONGER)
-    longest = sorted((name for name in costs if costs[name] > SHARE * total), key=lambda name: -costs[name])
+    time = next((words for most, words in CLASSES if total <= most), LONGEST_WORDS)
+    longest = sorted((name for name in costs if costs[name] > NAMED_SHARE * total), key=lambda name: -costs[name])
     first = ", and the critical Kh comes first" if "fem" in costs and len(costs) > 2 else ""
     return f"The run takes {time}{first}. Most of the time goes into {', '.join(longest)}."

@@ -25,8 +25,9 @@ from workflow.stages.liquefaction import liquefying
 from workflow.stages.random_packings import PackingTask, RandomPackingsWanted, packed
 from workflow.stages.sliding import ALONE, PlannedSlide, SlideTask, first_alike, slid, task
 
-PACKING = 6.0  # slides that take as long as a packing, which is calibrated before its slides
-USUAL, ALMOST = 0.4, 0.9  # of the time that a slide may last, when it is at rest as a rule; what is done by then
+SLIDES_PER_PACKING = 6.0  # slides that take as long as a packing, which is calibrated before its slides
+# Of the time that a slide may last, when it is at rest as a rule; what is done by then.
+USUAL_SHARE, NEAR_END_SHARE = 0.4, 0.9
 
 
 def slide_stage(job: Job) -> None:
@@ -110,7 +111,7 @@ class Hearer:
     def __init__(self, config: Config, progress: Progress, pieces: Sequence[SlideTask | PackingTask]) -> None:
         self.config, self.progress, self.pieces = config, progress, pieces
         self.done = [0.0] * len(pieces)
-        self.costs = [PACKING if isinstance(piece, PackingTask) else 1.0 for piece in pieces]
+        self.costs = [SLIDES_PER_PACKING if isinstance(piece, PackingTask) else 1.0 for piece in pieces]
 
     def __call__(self, place: int, message: Any) -> None:
         """Report the progress of one slide, or of one packing."""
@@ -140,8 +141,8 @@ def _share(of_duration: float) -> float:
     """Return the finished share of the work of a slide after a share of its longest duration. Most slides come to rest
     long before the longest duration.
     """
-    late = max(0.0, of_duration - USUAL) / (1.0 - USUAL)
-    return min(1.0, ALMOST * min(of_duration / USUAL, 1.0) + (1.0 - ALMOST) * late)
+    late = max(0.0, of_duration - USUAL_SHARE) / (1.0 - USUAL_SHARE)
+    return min(1.0, NEAR_END_SHARE * min(of_duration / USUAL_SHARE, 1.0) + (1.0 - NEAR_END_SHARE) * late)
 
 
 def slide_pictures(config: Config, store: Store, executor: Executor = SERIAL) -> None:

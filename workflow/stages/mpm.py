@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from fem.mpm import PointGround, PointSlide, PointSlider, SlideProgramme
 
 FOLDER = "mpm"  # of its files
-LEAD = 2.0  # s in which Kh comes on before anything liquefies, as for the discs
-DOUBTED_FROM = 0.05  # m: the energies of a smaller slide are those of a ground that swings
-THIN = 0.9  # of a cell: a slide below a thinner crust was off by a factor of up to 2
+LEAD_TIME = 2.0  # s in which Kh is applied before liquefaction begins, as for the discs
+SMALLEST_DOUBTED_SLIDE = 0.05  # m: the energies of a smaller slide are those of a ground that swings
+THIN_CRUST = 0.9  # of a cell: a slide below a thinner crust was off by a factor of up to 2
 CELLS_STEP = 100  # to a multiple of which the cells that a crust wants are rounded up
-COARSE = 2  # times larger cells, with which the errors by their size and by the decay of velocities are found
-TINY = 1e-6  # s: sums of steps are off by less
-ALMOST = 0.95  # share of a slide, as its progress tells, from when on it may come to rest
-AFTER = 1.0  # s after Kh has gone, from which on the ground may come to rest
+COARSE_RATIO = 2  # times larger cells, with which the errors by their size and by the decay of velocities are found
+TIME_TOLERANCE = 1e-6  # s: sums of steps are off by less
+NEAR_END_SHARE = 0.95  # progress of a slide from which it may come to rest
+REST_DELAY = 1.0  # s after the end of Kh from which the ground may come to rest
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +48,13 @@ class PointRun:
     @property
     def name(self) -> str:
         """Return the name of the case, with the differences if it is not the governing slide."""
-        from fem.mpm.slide import DECAYS
+        from fem.mpm.slide import DECAY_RATES
 
         called = self.config.called(self.number)
         if not self.coarse:
             return called
-        slower = "" if self.decay == DECAYS[0] else ", velocities decaying slower"
-        return f"{called}, error estimate in cells {COARSE} times larger{slower}"
+        slower = "" if self.decay == DECAY_RATES[0] else ", velocities decaying slower"
+        return f"{called}, error estimate in cells {COARSE_RATIO} times larger{slower}"
 
     @property
     def checkpoint(self) -> Path | None:
@@ -68,7 +68,7 @@ def work(job: Job) -> None:
 
     If the method is not applicable, the answer has the reason.
     """
-    from fem.mpm.slide import DECAYS
+    from fem.mpm.slide import DECAY_RATES
     from workflow.results.disc_grids import copy_frames, write_collection
 
     config = job.config
@@ -76,7 +76,7 @@ def work(job: Job) -> None:
     job.progress("material points come to rest under their weight", 0.0)
     try:
         slider, far = at_rest(config)
-        coarse, _ = at_rest(config, COARSE**2)
+        coarse, _ = at_rest(config, COARSE_RATIO**2)
     except FloatingPointError as error:
         PointSlidesAnswer(section=SectionLabel.of(config.section), not_possible=str(error)).write(job.store)
         return
@@ -85,11 +85,11 @@ def work(job: Job) -> None:
         run
         for number in dict.fromkeys(alike.values())
         for run in (
-            PointRun(config, slider, number, DECAYS[0], job.store),
-            *(PointRun(config, coarse, number, decay, job.store, coarse=True) for decay in DECAYS),
+            PointRun(config, slider, number, DECAY_RATES[0], job.store),
+            *(PointRun(config, coarse, number, decay, job.store, coarse=True) for decay in DECAY_RATES),
         )
     ]
-    shares, costs = [0.0] * len(runs), [COARSE**-3 if run.coarse else 1.0 for run in runs]
+    shares, costs = [0.0] * len(runs), [COARSE_RATIO**-3 if run.coarse else 1.0 for run in runs]
 
     def heard(place: int, message: tuple[float, float, float]) -> None:
         shares[place], time, slide = message
@@ -152,12 +152,12 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
 
 def slid(run: PointRun, tell: Tell) -> "PointSlide":
     """Compute a slide; ``tell`` is called with the finished share, the time (s) and the largest slide (m)."""
-    from fem.mpm.slide import DECAYS, LOOK
+    from fem.mpm.slide import CHECK_INTERVAL, DECAY_RATES
     from fem.mpm.slide_record import earliest_rest
 
     programme, slider = programme_of(run.config, run.number), copy.deepcopy(run.slider)
-    every = max(programme.duration / (run.config.slide.frames - 1), LOOK)
-    films = run.store if run.decay == DECAYS[0] and not run.coarse else None
+    every = max(programme.duration / (run.config.slide.frames - 1), CHECK_INTERVAL)
+    films = run.store if run.decay == DECAY_RATES[0] and not run.coarse else None
 
     def frame(number: int) -> None:
         from workflow.results.disc_grids import frame_file
@@ -169,13 +169,13 @@ def slid(run: PointRun, tell: Tell) -> "PointSlide":
     least = min(earliest_rest(programme.rest_from), programme.duration)
 
     def look(time: float, slide: np.ndarray) -> None:
-        tell((min(time / least, ALMOST), time, float(slide.max())))
-        if (time + TINY) % every < LOOK - TINY:
-            frame(int((time + TINY) / every))
+        tell((min(time / least, NEAR_END_SHARE), time, float(slide.max())))
+        if (time + TIME_TOLERANCE) % every < CHECK_INTERVAL - TIME_TOLERANCE:
+            frame(int((time + TIME_TOLERANCE) / every))
 
     frame(0)
     followed = slider.run(programme, look, run.decay, run.checkpoint)
-    frame(math.ceil((slider.engine.time - LOOK) / every))  # the last one, if it is as late
+    frame(math.ceil((slider.engine.time - CHECK_INTERVAL) / every))  # the last one, if it is as late
     return followed
 
 
@@ -201,12 +201,12 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
     duration = settings.kh_seconds
 
     def acceleration_at(t: np.ndarray) -> np.ndarray:
-        rise = 0.5 - 0.5 * np.cos(np.pi * np.clip(t / LEAD, 0.0, 1.0))
+        rise = 0.5 - 0.5 * np.cos(np.pi * np.clip(t / LEAD_TIME, 0.0, 1.0))
         return settings.kh * GRAVITY * rise * (np.ones_like(t) if duration is None else t < duration)
 
-    rest_from = LEAD + onset if duration is None else max(LEAD + onset, duration + AFTER)
+    rest_from = LEAD_TIME + onset if duration is None else max(LEAD_TIME + onset, duration + REST_DELAY)
     return SlideProgramme(
-        acceleration_at, dict.fromkeys(strata, LEAD), remains, onset, rest_from, settings.duration, settings.still,
+        acceleration_at, dict.fromkeys(strata, LEAD_TIME), remains, onset, rest_from, settings.duration, settings.still,
         case.volumetric_strain,
     )  # fmt: skip
 
@@ -223,7 +223,7 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
     uphill_first = counts.before[0, 1] >= counts.before[-1, 1]
     thirds = [np.array_split(values if uphill_first else values[::-1], 3) for values in (slide, settlement)]
     names = ("uphill", "middle", "downhill")
-    finer = counts.slide_max + (counts.slide_max - coarse.slide_max) / (COARSE - 1)
+    finer = counts.slide_max + (counts.slide_max - coarse.slide_max) / (COARSE_RATIO - 1)
     decaying_slower = counts.slide_max + slower.slide_max - coarse.slide_max
     ends = counts.slide_max, max(decaying_slower, 0.0), max(finer, 0.0)
     largest = int(np.argmax(slide))
@@ -250,10 +250,10 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
 
 def _notes(slide: "PointSlide", ground: "PointGround") -> Iterator[str]:
     """Yield what a reader needs to judge the numbers of a slide."""
-    from fem.mpm.slide import LOSS
+    from fem.mpm.slide import ENERGY_TOLERANCE
 
     lost = 100.0 * slide.energy_lost_share
-    if abs(slide.energy_lost_share) > LOSS and slide.slide_max > DOUBTED_FROM:
+    if abs(slide.energy_lost_share) > ENERGY_TOLERANCE and slide.slide_max > SMALLEST_DOUBTED_SLIDE:
         how = (
             "lost, so that the slide is a low estimate"
             if lost > 0.0
@@ -262,7 +262,7 @@ def _notes(slide: "PointSlide", ground: "PointGround") -> Iterator[str]:
         yield f"{WARNING}{abs(lost):.0f} % of the energy is {how}"
     if slide.stopped_by and ground.sides == "fixed":
         yield f"the slide reached the {slide.stopped_by} side of the section, which stopped it"
-    if ground.crust < THIN * slide.cell:
+    if ground.crust < THIN_CRUST * slide.cell:
         wanted = int(CELLS_STEP * np.ceil(ground.section.layering.areas().sum() / ground.crust**2 / CELLS_STEP))
         yield (
             f"{WARNING}the ground above the liquefied strata is {ground.crust:.2g} m thick, less than a cell, so that "

@@ -10,7 +10,7 @@ from dem.slides.drive import STEP_DURATION, Shaking, cycles
 from workflow.config import Config
 from workflow.earthquake import accelerogram
 from workflow.earthquake.column import column_of
-from workflow.earthquake.equivalent_kh import POWER
+from workflow.earthquake.equivalent_kh import CYCLE_POWER
 from workflow.stages.liquefaction import lowest_factors
 
 
@@ -48,7 +48,7 @@ def _passed(config: Config, strata: Sequence[int]) -> dict[int, float]:
         return {}
     lowest = lowest_factors(config)
     factors = {k: min(1.0, lowest[k] or 0.0) if k < len(lowest) else 0.0 for k in strata}
-    return {k: factor ** (1.0 / POWER) for k, factor in factors.items()}
+    return {k: factor ** (1.0 / CYCLE_POWER) for k, factor in factors.items()}
 
 
 def _record(config: Config) -> tuple[np.ndarray, np.ndarray]:

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     Circles = dict[tuple[float | None, int], tuple[Section, SlipCircle | None]]
 
 PICTURE = "figures/slip_circles.png"
-LEVEL = 10.0  # a circle with a larger factor of safety slides through level ground: there is no slope on that side
+LEVEL_GROUND_FACTOR = (
+    10.0  # a circle with a larger factor of safety slides through level ground: there is no slope on that side
+)
 NO_CIRCLE = "no circle slides: the ground is level, or every circle is too shallow or too steep"
 NO_FACE = "no circle slides with the crest: the ground is level there, or every circle is too shallow or too steep"
 SOURCE = "Bishop 1955 (simplified method); Spencer 1967; Duncan, Wright & Brandon 2014, chapter 6"
@@ -127,7 +129,7 @@ def _parts(
             strengthened=ground is not section,
         )
         for ground, circle in circles
-        if circle is not None and (kh is None or circle.bishop < LEVEL)
+        if circle is not None and (kh is None or circle.bishop < LEVEL_GROUND_FACTOR)
     ]
     return tuple(sorted(parts, key=lambda part: part.bishop))
 

@@ -17,9 +17,9 @@ from workflow.study.parts import PARTS
 from workflow.study.study import task_of
 from workflow.study.task import Numbers
 
-RATIO = math.sqrt(2.0)  # of one radius to the next
-RADII = (1.0, 1.0 / RATIO, 0.5)  # of the one asked for
-STEPS = (1.0, 1.0 / RATIO, 0.5)  # of the time step asked for
+RADIUS_RATIO = math.sqrt(2.0)  # of one radius to the next
+RADII = (1.0, 1.0 / RADIUS_RATIO, 0.5)  # of the one asked for
+STEPS = (1.0, 1.0 / RADIUS_RATIO, 0.5)  # of the time step asked for
 ORDERS = (0.5, 3.0)  # that a fit is believed to have
 
 
@@ -80,7 +80,7 @@ def fit(sizes: Sequence[float], values: Sequence[float], error: float = 0.0, lea
     return Fit(float(limit), None, share(away + error, float(limit)), share(error, float(limit)))
 
 
-SMALL = 0.1  # of the largest slide of its case: where a number is less, shares are taken of that
+SMALL_SLIDE = 0.1  # of the largest slide of its case: where a number is less, shares are taken of that
 SLIDES = next(part for part in PARTS if part.name == "slide")
 
 
@@ -130,7 +130,7 @@ def _series(over: str, sizes: Sequence[float], rows: Sequence[TaskOutcome[Number
             continue
         halves = [numbers.errors.get(name) for numbers in answers]
         largest = answers[-1].numbers.get(f"{name.split('_')[0]}_slide_max_m") or 0.0
-        fitted = fit(sizes, known, halves[-1] or 0.0, SMALL * abs(largest))
+        fitted = fit(sizes, known, halves[-1] or 0.0, SMALL_SLIDE * abs(largest))
         yield Series(
             name=name, over="radius" if over == "radius" else "step", sizes=tuple(sizes), values=tuple(known),
             half_ci95=tuple(halves), limit=fitted.limit, order=fitted.order, left=fitted.left,

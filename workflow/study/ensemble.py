@@ -14,8 +14,8 @@ from meshes.executor import LostError, Processes, is_interrupt
 from workflow.study.result_cache import Outcome, ResultCache
 from workflow.study.task import Input, Result, Task
 
-LOOK_AGAIN = 1.0  # s between two looks for answers that another machine computes
-PATIENCE = 30  # s for a scheduler to answer
+POLL_INTERVAL = 1.0  # s between two looks for answers that another machine computes
+SCHEDULER_TIMEOUT = 30  # s for a scheduler to answer
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Ensemble:
             with self._executor(min(self.workers, len(missing))) as executor:
                 self._round(executor, missing, rows, tell)
                 while missing:
-                    time.sleep(LOOK_AGAIN)
+                    time.sleep(POLL_INTERVAL)
                     self._round(executor, missing, rows, tell)
         return [rows[task.fingerprint] for task in tasks]
 
@@ -91,7 +91,7 @@ class Ensemble:
         from distributed import Client
 
         try:
-            client = Client(self.scheduler, timeout=PATIENCE, set_as_default=False)
+            client = Client(self.scheduler, timeout=SCHEDULER_TIMEOUT, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             message = (
                 f"no Dask scheduler answers ({error}); expected an address such as tcp://{socket.gethostname()}:8786"

@@ -61,8 +61,8 @@ KH, SCALE = "slide.kh", "slide.scale"  # by which a study draws what shakes the 
 POINTS = 41  # of a curve
 # Times the largest critical Kh where the curves of the block end, and times the median that curves over the peak of a
 # record do; they reach the shaking of the section file in any case.
-BEYOND, BEYOND_PEAK = 1.5, 4.0
-LEAST = 1e-3  # kc of a block that would never stop otherwise
+CURVE_END, PEAK_CURVE_END = 1.5, 4.0
+SMALLEST_KC = 1e-3  # kc of a block that would never stop otherwise
 
 
 def failure(table: SampleTable) -> ProbabilityCurve | None:
@@ -80,7 +80,7 @@ def fragility(config: Config, table: SampleTable) -> Iterator[ProbabilityCurve]:
     """
     kc = _known(table, "kc")
     if len(kc) >= 2:
-        yield from _blocks(config, np.maximum(kc, LEAST))
+        yield from _blocks(config, np.maximum(kc, SMALLEST_KC))
     for name in table.names:
         if name.endswith("slide_max_m"):
             yield from _discs(config, table, name)
@@ -116,14 +116,14 @@ def _levels(config: Config, table: SampleTable) -> dict[str, np.ndarray]:
 
 def _blocks(config: Config, kc: np.ndarray) -> Iterator[ProbabilityCurve]:
     drive = block_drive(config)
-    over = np.linspace(0.0, max(BEYOND * float(np.quantile(kc, 0.95)), constant_kh(config)), POINTS)
+    over = np.linspace(0.0, max(CURVE_END * float(np.quantile(kc, 0.95)), constant_kh(config)), POINTS)
     slides = np.array([[drive.slide(yield_kh, kh) for kh in over] for yield_kh in kc])
     for far in config.study.exceeds:
         yield probability(f"block, Kh {drive.words}: slide > {far:g} m", over, slides > far)
     if not config.sliding_block.accelerogram:
         return
     record = config.sliding_block.in_use()
-    peaks = np.linspace(0.0, max(BEYOND_PEAK * float(np.median(kc)), record.peak / GRAVITY), POINTS)
+    peaks = np.linspace(0.0, max(PEAK_CURVE_END * float(np.median(kc)), record.peak / GRAVITY), POINTS)
     slides = np.array([[_under(record, peak, yield_kh) for peak in peaks] for yield_kh in kc])
     for far in config.study.exceeds:
         yield probability(f"block, {record.name} by PGA / g: slide > {far:g} m", peaks, slides > far)
@@ -147,9 +147,9 @@ def block(config: Config, kc: float | None) -> float | None:
     if kc is None or (not recorded and math.isinf(drive.seconds)):
         return None
     if not recorded:
-        return drive.slide(max(kc, LEAST), constant_kh(config))
+        return drive.slide(max(kc, SMALLEST_KC), constant_kh(config))
     record = config.sliding_block.in_use()
-    return _under(record, record.peak / GRAVITY, max(kc, LEAST))
+    return _under(record, record.peak / GRAVITY, max(kc, SMALLEST_KC))
 
 
 def _known(table: SampleTable, name: str) -> np.ndarray:

@@ -11,9 +11,10 @@ from meshes.section.sentences import model_at
 from workflow.uncertain.distribution import Distribution
 from workflow.uncertain.path import changed_value, places, value_at
 
-FIRST, LAST = 2.0**-54, 1.0 - 2.0**-53  # the chances furthest from the median that a sample can have
+# The chances furthest from the median that a sample can have.
+SMALLEST_CHANCE, LARGEST_CHANCE = 2.0**-54, 1.0 - 2.0**-53
 HALVINGS = 60
-NOTABLE = 1e-4  # share that is cut off from which a person hears of it
+REPORTED_CUT_OFF = 1e-4  # share of a distribution that is cut off, from which it is reported
 
 Models = Sequence[type[BaseModel]]  # whose fields stand side by side in an input
 Check = Callable[[Any], str]  # what is wrong with a number that is drawn; empty where nothing is
@@ -67,14 +68,16 @@ def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
         return Reach()  # its median is reported with the whole input
     if distribution.kind in ("uniform", "triangular") or distribution.between is not None:
         ends = distribution.between or getattr(distribution, distribution.kind)
-        refused = [(end, check(at(chance))) for end, chance in ((ends[0], FIRST), (ends[-1], LAST))]
+        refused = [(end, check(at(chance))) for end, chance in ((ends[0], SMALLEST_CHANCE), (ends[-1], LARGEST_CHANCE))]
         return Reach(problem="\n".join(f"{name}: it reaches {end}: {text}" for end, text in refused if text))
-    low, high = (_furthest(lambda chance: not check(at(chance)), end) for end in (FIRST, LAST))
+    low, high = (_furthest(lambda chance: not check(at(chance)), end) for end in (SMALLEST_CHANCE, LARGEST_CHANCE))
     messages = [
         f"{name}: {100.0 * share:.2g} % of its {distribution.kind} distribution lie {side} "
         f"{distribution.written(round(at(bound), 9) + 0.0)} and are cut off ({check(at(end))})"
-        for side, bound, share, end in (("below", low, low, FIRST), ("above", high, 1.0 - high, LAST))
-        if share > NOTABLE
+        for side, bound, share, end in (
+            ("below", low, low, SMALLEST_CHANCE), ("above", high, 1.0 - high, LARGEST_CHANCE),
+        )
+        if share > REPORTED_CUT_OFF
     ]  # fmt: skip
     return Reach(low, high, "\n".join(messages))
 

@@ -12,7 +12,7 @@ from scipy.stats import qmc
 from workflow.uncertain.limits import Reach
 from workflow.uncertain.settings import SamplingMethod, StudySettings, UncertainSettings
 
-SMALLEST = 2.0**-54  # a chance of nothing at all would be infinitely far away
+SMALLEST_CHANCE = 2.0**-54  # a probability of zero would be infinitely far from the median
 
 
 def chances(dimensions: int, count: int, method: SamplingMethod, seed: int) -> np.ndarray:
@@ -34,7 +34,7 @@ def chances(dimensions: int, count: int, method: SamplingMethod, seed: int) -> n
             a, b = both[:, :dimensions], both[:, dimensions:]
             mixed = [np.where(np.arange(dimensions) == k, b, a) for k in range(dimensions)]
             drawn = np.concatenate([a, b, *mixed])
-    return np.clip(drawn, SMALLEST, 1.0 - SMALLEST)
+    return np.clip(drawn, SMALLEST_CHANCE, 1.0 - SMALLEST_CHANCE)
 
 
 def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
@@ -42,7 +42,7 @@ def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
     if np.array_equal(correlation, np.eye(len(correlation))):
         return points
     normal = ndtri(points) @ np.linalg.cholesky(correlation).T
-    return np.clip(np.asarray(ndtr(normal)), SMALLEST, 1.0 - SMALLEST)
+    return np.clip(np.asarray(ndtr(normal)), SMALLEST_CHANCE, 1.0 - SMALLEST_CHANCE)
 
 
 def samples(

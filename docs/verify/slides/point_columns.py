@@ -11,7 +11,7 @@ import numpy as np
 from docs.verify.slides.case import Column
 from docs.verify.slides.predict import STANDS
 from fem.mpm import BackgroundGrid, MaterialPointEngine, MaterialPoints, PointSoil
-from fem.mpm.slide import DECAYS
+from fem.mpm.slide import DECAY_RATES
 from meshes.section.quantity import GRAVITY
 
 FLOOR = 3  # rows of nodes at rest
@@ -70,7 +70,7 @@ class PointColumn:
 
     def let_go_slowly(self, weight_over_strength: float, steps: int = STEPS) -> MaterialPointEngine:
         """The deposit of a column whose gravity grows in ``steps`` from where it stands (γH/s_u of 3)."""
-        engine = self.engine(DECAYS[0])
+        engine = self.engine(DECAY_RATES[0])
         shares = np.geomspace(min(1.0, STANDS / weight_over_strength), 1.0, steps)
         engine.points.stress[:] *= shares[0]
         for share in shares:
@@ -128,6 +128,6 @@ def run_out_of_column(wanted: Column) -> float:
     if wanted.slowly:
         engine = column.let_go_slowly(wanted.weight_over_strength)
     else:
-        engine = column.engine(DECAYS[0])
+        engine = column.engine(DECAY_RATES[0])
         engine.run(RUNS * column.unit)
     return (front(engine, wanted.radius) - wanted.width) / (wanted.height if clay else wanted.width)

@@ -10,7 +10,7 @@ from docs.verify.slides.point_columns import run_out_of_column
 from docs.verify.slides.shaking import shaking_of_slope
 from docs.verify.slides.sliding import Sliding, number_of
 from fem.mpm import PointSlide, PointSlider, SlideProgramme, ground_of
-from fem.mpm.slide import DECAYS
+from fem.mpm.slide import DECAY_RATES
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.stages.mpm import PointRun, at_rest, slid
@@ -58,7 +58,7 @@ def _slid(sliding: Sliding, number: int) -> PointSlide:
 
 def slide_of_points(config: Config, number: int) -> PointSlide:
     """A slide by material points, with the damping rate of unresolved velocities that counts."""
-    return slid(PointRun(config, at_rest(config)[0], number, DECAYS[0]), lambda _: None)
+    return slid(PointRun(config, at_rest(config)[0], number, DECAY_RATES[0]), lambda _: None)
 
 
 def _along_uniform_slope(case: SlideCase, wanted: UniformSlope) -> float:

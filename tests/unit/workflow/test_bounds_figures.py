@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from workflow.figures.bounds import HIGH, failure_window
+from workflow.figures.bounds import LARGEST_HEIGHT, failure_window
 from workflow.figures.canvas import Window
 
 SECTION = Window(-2.8, 142.8, -12.5, 17.5)  # of a levee of 140 m
@@ -24,7 +24,7 @@ def test_small_failure_is_drawn_large_with_its_surroundings_in_width_and_in_dept
     points = np.array(slip)
     window = failure_window(points, SECTION)
     assert window.holds(points).all(), case
-    assert window.proportion <= HIGH + 1e-9, case
+    assert window.proportion <= LARGEST_HEIGHT + 1e-9, case
     assert window.right - window.left < 0.6 * (SECTION.right - SECTION.left), case
     assert SECTION.holds(np.array([[window.left, window.bottom], [window.right, window.top]])).all(), case
     assert window.bottom < points[:, 1].min(), case

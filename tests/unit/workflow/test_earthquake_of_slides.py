@@ -20,7 +20,7 @@ from workflow.config import Config
 from workflow.config.after_triggering import config_after_triggering
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.equivalent_kh import (
-    SHARE,
+    SHARE_OF_PEAK,
     cycles_of_magnitude,
     cycles_of_record,
     mean_period,
@@ -334,7 +334,7 @@ def test_cycles_drive_a_block_further_than_records_do(share: float, ratio: float
     M 7, a peak of 0.35 g, a yield coefficient of r times that; on this slope the block slides one way only.
     """
     magnitude, peak, angle = 7.0, 0.35, np.radians(20.0)
-    cycles = cyclic_acceleration(SHARE * peak, cycles_of_magnitude(magnitude), mean_period(magnitude))
+    cycles = cyclic_acceleration(SHARE_OF_PEAK * peak, cycles_of_magnitude(magnitude), mean_period(magnitude))
     slide = newmark_slide_speed(angle, float(np.tan(angle)) + share * peak, *cycles)
     median = 0.01 * 10.0 ** (-2.710 + 0.424 * magnitude) * (1.0 - share) ** 2.335 * share**-1.478
     assert slide / median == pytest.approx(ratio, rel=0.02)
@@ -349,5 +349,7 @@ def test_a_block_slides_under_the_cycles_as_far_as_under_records(magnitude: floa
     """
     polynomial = np.polyval([-29.06, 42.49, -19.64, -4.85, 4.89], ratio)
     median = 0.01 * np.exp(polynomial + 0.72 * np.log(peak) + 0.89 * (magnitude - 6.0))
-    time, acceleration = cyclic_acceleration(SHARE * peak, cycles_of_magnitude(magnitude), mean_period(magnitude))
+    time, acceleration = cyclic_acceleration(
+        SHARE_OF_PEAK * peak, cycles_of_magnitude(magnitude), mean_period(magnitude)
+    )
     assert 0.5 < newmark(time, acceleration, ratio * peak).permanent / median < 2.0

@@ -5,7 +5,7 @@ import pytest
 
 from docs.verify.slides.point_columns import PointColumn, front, toe
 from fem.kernels import material_points as kernel
-from fem.mpm.slide import DECAYS
+from fem.mpm.slide import DECAY_RATES
 from tests.support.material_points import UNIT_WEIGHT, slump
 
 
@@ -35,7 +35,7 @@ def test_a_low_dry_column_runs_out_as_in_a_channel(cell: float) -> None:
     """(L - L0)/L0 = 0.71 for a = 0.5 by another continuum, 1.2 a = 0.6 by experiments (Lube et al. 2005), where the
     deposit is L0/40 thick, by the transfer of slides. APIC loses 20 % of the energy in the coarse cells: 0.45."""
     half_width = 30.0
-    engine = PointColumn(half_width, 15.0, 0.0, np.radians(33.0), cell, 81.0).engine(DECAYS[0])
+    engine = PointColumn(half_width, 15.0, 0.0, np.radians(33.0), cell, 81.0).engine(DECAY_RATES[0])
     engine.run(4.0 * np.sqrt(half_width))
     run_out = toe(engine, half_width / 40.0) / half_width - 1.0
     assert run_out == pytest.approx(0.71, rel=0.15)
@@ -57,7 +57,7 @@ def test_clay_let_go_at_once_runs_out_as_by_another_transfer() -> None:
     assert slump(10.0, 20, steps=1).front == pytest.approx(2.13, rel=0.10)
 
 
-@pytest.mark.parametrize("decay", DECAYS)
+@pytest.mark.parametrize("decay", DECAY_RATES)
 def test_ground_without_strength_creates_no_energy(decay: float) -> None:
     """A column that nothing holds bursts: it has what weight gave it, but for some that transfers lose."""
     engine = PointColumn(4.0, 4.0, 1.0, 0.0, 0.5, 20.0).engine(decay)

@@ -21,7 +21,7 @@ from fem.mpm import (
     SlideProgramme,
     ground_of,
 )
-from fem.mpm.slide import DAMPING, LOOK, LOSS
+from fem.mpm.slide import CHECK_INTERVAL, DAMPING, ENERGY_TOLERANCE
 from fem.mpm.weak_edges import edge_strength
 from fem.settings import Sides
 from meshes.section.liquefies import Remains
@@ -307,7 +307,7 @@ def test_s13_under_the_cycles_of_its_earthquake_keeps_its_energy() -> None:
     the default the slide is the same within 7 %; it was 1.19 and 0.85 m while thin layers strained over whole cells."""
     config = config_after_triggering(Config.load(SECTIONS / "s13.toml"))
     fine, coarse = (slide_of_points(config.with_settings("slide", mpm_cells=n), 2) for n in (3000, 1500))
-    assert abs(fine.energy_lost_share) < LOSS
+    assert abs(fine.energy_lost_share) < ENERGY_TOLERANCE
     assert 0.9 < fine.slide_max < 1.0
     assert coarse.slide_max == pytest.approx(fine.slide_max, rel=0.07)
 
@@ -336,7 +336,7 @@ def test_sections_slide_at_the_critical_kh_of_the_finite_elements(
 def _speed(slide: PointSlide) -> float:
     """Of the surface (m/s), where it has slid furthest, over the last 2 s."""
     furthest = int(np.argmax(slide.slide[-1]))
-    looks = round(2.0 / LOOK)
+    looks = round(2.0 / CHECK_INTERVAL)
     return float((slide.slide[-1][furthest] - slide.slide[-1 - looks][furthest]) / 2.0)
 
 

@@ -22,7 +22,7 @@ from workflow.earthquake.triggering.methods import RELATIONS, Relation
 from workflow.earthquake.triggering.settings import TriggeringSettings
 
 ABOVE_WATER = "above the water table"  # why a soil is not judged
-LEAST_LOAD = 0.01  # of the total stress: what surcharges add to it is reported
+REPORTED_LOAD_SHARE = 0.01  # of the total stress: what surcharges add to it is reported
 CLAY = 'clay by its strength, φ = 0, and its plasticity index is not known; liquefies_in = "triggered" assesses it'
 
 
@@ -215,7 +215,7 @@ def below_loads(section: Section, settings: TriggeringSettings) -> list[str]:
 
 def _feels_loads(section: Section, boring: Boring) -> bool:
     stresses = [overburden(section, boring.x, z) for z in boring.depths if not outside(section, boring.x, z)]
-    return any(max(stress.loads) > LEAST_LOAD * stress.total for stress in stresses)
+    return any(max(stress.loads) > REPORTED_LOAD_SHARE * stress.total for stress in stresses)
 
 
 def _outside(section: Section, boring: Boring) -> list[str]:
@@ -314,7 +314,7 @@ def _stretches(section: Section, x: list[float]) -> dict[float, float]:
 
 
 SOURCE = "T. Iwasaki, F. Tatsuoka, K. Tokida, S. Yasuda, 2nd Int. Conf. Microzonation, San Francisco (1978) 885-896"
-DEEPEST = 20.0  # m
+LARGEST_DEPTH = 20.0  # m
 # P_L up to which damage is what (Iwasaki et al. 1982): the words of the method's authors.
 RISKS = ((0.0, "very low"), (5.0, "low"), (15.0, "high"))
 
@@ -328,7 +328,7 @@ def potential(layers: Sequence[tuple[float, float, float | None]]) -> float:
     """
     total = 0.0
     for top, bottom, factor in layers:
-        top, bottom = min(top, DEEPEST), min(bottom, DEEPEST)
+        top, bottom = min(top, LARGEST_DEPTH), min(bottom, LARGEST_DEPTH)
         if factor is None or factor >= 1.0 or bottom <= top:
             continue
         weight = 10.0 * (bottom - top) - 0.25 * (bottom**2 - top**2)

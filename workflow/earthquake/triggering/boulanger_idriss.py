@@ -8,14 +8,14 @@ import math
 from dataclasses import dataclass
 
 from workflow.earthquake.triggering.blow_count import ATMOSPHERE, Resistance, SurfaceMotion
-from workflow.earthquake.triggering.idriss_boulanger import DEEPEST, stress_reduction
+from workflow.earthquake.triggering.idriss_boulanger import LARGEST_DEPTH, stress_reduction
 
 SOURCE = "R. W. Boulanger, I. M. Idriss, CPT and SPT Based Liquefaction Triggering Procedures, UCD/CGM-14/01 (2014)"
 VALIDITY = "sands to non-plastic silts, soil behaviour index up to 2.6; M 5-8.5; its cases are less than 12 m deep"
 MAGNITUDES = (5.0, 8.5)
-CLAY = 2.6  # soil behaviour index beyond which a soil counts as clay
-DENSEST = 211.0  # qc1Ncs, which is a relative density of 0.9: beyond it sand does not liquefy
-ROUNDS = 100  # in which C_N and qc1Ncs, which depend on each other, are found
+LARGEST_SAND_INDEX = 2.6  # soil behaviour index beyond which a soil counts as clay
+LARGEST_RESISTANCE = 211.0  # qc1Ncs, which is a relative density of 0.9: beyond it sand does not liquefy
+MOST_ITERATIONS = 100  # in which C_N and qc1Ncs, which depend on each other, are found
 
 
 @dataclass(frozen=True)
@@ -45,9 +45,9 @@ class ConeTest:
             q = (self.q - self.total) / ATMOSPHERE * (ATMOSPHERE / self.effective) ** exponent
             return math.hypot(3.47 - math.log10(max(1.0, q)), 1.22 + math.log10(ratio))
 
-        if by(1.0) >= CLAY:
+        if by(1.0) >= LARGEST_SAND_INDEX:
             return by(1.0)
-        return by(0.5) if by(0.5) <= CLAY else by(0.75)
+        return by(0.5) if by(0.5) <= LARGEST_SAND_INDEX else by(0.75)
 
 
 def fines_of(index: float) -> float:
@@ -70,7 +70,7 @@ def overburden_correction(clean: float, effective: float) -> float:
 def overburden_factor(clean: float, effective: float) -> float:
     """Return the overburden factor K_σ = 1 - C_σ ln(σ'v/Pa), at most 1.1, C_σ = 1/(37.3 - 8.27 qc1Ncs^0.264), at most
     0.3, eqs. 2.16."""
-    slope = min(0.3, 1.0 / (37.3 - 8.27 * min(DENSEST, clean) ** 0.264))
+    slope = min(0.3, 1.0 / (37.3 - 8.27 * min(LARGEST_RESISTANCE, clean) ** 0.264))
     return min(1.1, 1.0 - slope * math.log(effective / ATMOSPHERE))
 
 
@@ -91,7 +91,7 @@ def normalised(point: ConeTest) -> tuple[float, float]:
     """Return the normalised cone resistances qc1N and qc1Ncs."""
     fines = fines_of(point.index) if point.fines is None else point.fines
     resistance = clean = point.q / ATMOSPHERE
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ITERATIONS):
         before = clean
         resistance = overburden_correction(clean, point.effective) * point.q / ATMOSPHERE
         clean = resistance + fines_correction(resistance, fines)
@@ -114,7 +114,7 @@ def assess(point: ConeTest, shaking: SurfaceMotion) -> Resistance:
     resistance, clean = normalised(point)
     reduction = stress_reduction(point.depth, shaking.magnitude)
     load = 0.65 * point.total / point.effective * shaking.peak * reduction
-    if clean >= DENSEST:
+    if clean >= LARGEST_RESISTANCE:
         return Resistance(resistance, clean, load, math.inf)
     capacity = resistance_ratio(clean) * magnitude_scaling(shaking.magnitude, clean)
     return Resistance(resistance, clean, load, capacity * overburden_factor(clean, point.effective))
@@ -124,8 +124,8 @@ def why_not(point: ConeTest) -> str:
     """Return the reason why a soil is not assessed by this method; empty if it is."""
     if point.q <= point.total:
         return "its cone resistance is below the weight of the soil above"
-    if point.index > CLAY:
-        return f"soil behaviour index {point.index:.2f} is above {CLAY:g}: behaves as clay"
-    if point.depth > DEEPEST:
-        return f"deeper than {DEEPEST:g} m"
+    if point.index > LARGEST_SAND_INDEX:
+        return f"soil behaviour index {point.index:.2f} is above {LARGEST_SAND_INDEX:g}: behaves as clay"
+    if point.depth > LARGEST_DEPTH:
+        return f"deeper than {LARGEST_DEPTH:g} m"
     return ""

@@ -22,9 +22,9 @@ ISHIHARA_YOSHIMINE = (
 STRAIN_VALIDITY = "clean sand, and silty sand by (N1)60cs; level ground"
 SEED = "H. B. Seed, P. P. Martin, J. Lysmer, J. Geotech. Eng. Div. 102 (1976) 323-346"
 PRESSURE_VALIDITY = "clean sand, undrained; F_L from 1 to 2"
-SAFE = 2.0  # F_L from which there is no strain
+SAFE_FACTOR = 2.0  # F_L from which there is no strain
 # b, the slope of cyclic strength against cycles, and α, how pore pressure rises with cycles (Seed et al. 1976).
-CYCLIC_SLOPE, RISE = 0.34, 0.7
+CYCLIC_SLOPE, PRESSURE_POWER = 0.34, 0.7
 
 
 def limiting_shear_strain(clean: float) -> float:
@@ -41,12 +41,12 @@ def limiting_factor(clean: float) -> float:
 def shear_strain(factor: float, clean: float) -> float:
     """Return the maximum shear strain γ_max = 0.035 (2 - F_L)(1 - F_α)/(F_L - F_α), at most γ_lim; γ_lim up to F_L =
     F_α, 0 from F_L = 2 on."""
-    if factor >= SAFE:
+    if factor >= SAFE_FACTOR:
         return 0.0
     limit, alpha = limiting_shear_strain(clean), limiting_factor(clean)
     if factor <= alpha:
         return limit
-    return max(0.0, min(limit, 0.035 * (SAFE - factor) * (1.0 - alpha) / (factor - alpha)))
+    return max(0.0, min(limit, 0.035 * (SAFE_FACTOR - factor) * (1.0 - alpha) / (factor - alpha)))
 
 
 def volumetric_strain(factor: float, clean: float) -> float:
@@ -63,7 +63,7 @@ def pore_pressure_ratio(factor: float) -> float:
     """
     if factor <= 1.0:
         return 1.0
-    return 2.0 / math.pi * math.asin(factor ** (-1.0 / (2.0 * RISE * CYCLIC_SLOPE)))
+    return 2.0 / math.pi * math.asin(factor ** (-1.0 / (2.0 * PRESSURE_POWER * CYCLIC_SLOPE)))
 
 
 CHOICE: Mapping[CaseName, Callable[[Sequence[float]], float]] = {

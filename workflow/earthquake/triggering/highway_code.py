@@ -13,7 +13,7 @@ from workflow.earthquake.triggering.blow_count import BlowCount, Resistance, Sur
 
 SOURCE = "Japan Road Association, Specifications for Highway Bridges, Part V: Seismic Design"
 VALIDITY = "alluvial sand to a depth of 20 m; the code needs no magnitude"
-DEEPEST = 20.0  # m
+LARGEST_DEPTH = 20.0  # m
 KGF = 98.0665  # kPa in a kgf/cm²
 MotionType = Literal["I", "II"]
 
@@ -119,8 +119,8 @@ def assess_later(
 
 def why_not(point: BlowCount) -> str:
     """Return the reason why the code requires no assessment of a soil; empty if the code requires one."""
-    if point.depth > DEEPEST:
-        return f"deeper than {DEEPEST:g} m"
+    if point.depth > LARGEST_DEPTH:
+        return f"deeper than {LARGEST_DEPTH:g} m"
     if point.fines > 35.0 and point.plasticity is not None and point.plasticity > 15.0:
         return f"fines {point.fines:g} % above 35 % with a plasticity index of {point.plasticity:g} % above 15 %"
     if point.d50 is not None and point.d50 > 10.0:

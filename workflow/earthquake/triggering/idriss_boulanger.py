@@ -11,9 +11,9 @@ from workflow.earthquake.triggering.blow_count import ATMOSPHERE, BlowCount, Res
 SOURCE = "I. M. Idriss, R. W. Boulanger, Soil Liquefaction during Earthquakes, EERI MNO-12 (2008)"
 VALIDITY = "sands to non-plastic silts; M 5-8.5; to a depth of 34 m, of little certainty below 20 m"
 MAGNITUDES = (5.0, 8.5)
-DEEPEST = 34.0  # m, of the stress reduction
-PLASTIC = 7.0  # %, plasticity index from which a soil behaves as clay
-DENSEST = 37.5  # (N1)60cs from which sand does not liquefy at all
+LARGEST_DEPTH = 34.0  # m, of the stress reduction
+PLASTIC_INDEX = 7.0  # %, plasticity index from which a soil behaves as clay
+LARGEST_BLOW_COUNT = 37.5  # (N1)60cs from which sand does not liquefy at all
 # Rod length (m) up to which C_R holds; longer ones have 1.
 RODS = ((3.0, 0.75), (4.0, 0.80), (6.0, 0.85), (10.0, 0.95))
 
@@ -91,7 +91,7 @@ def assess(point: BlowCount, shaking: SurfaceMotion, energy_ratio: float, rods_a
     """
     n1, clean = normalised(point, energy_ratio, rods_above)
     load = stress_ratio(point, shaking)
-    if clean >= DENSEST:
+    if clean >= LARGEST_BLOW_COUNT:
         return Resistance(n1, clean, load, math.inf)
     at_rest = resistance_ratio(clean) * magnitude_scaling(shaking.magnitude)
     return Resistance(n1, clean, load, at_rest * overburden_factor(clean, point.effective))
@@ -99,8 +99,8 @@ def assess(point: BlowCount, shaking: SurfaceMotion, energy_ratio: float, rods_a
 
 def why_not(point: BlowCount) -> str:
     """Return the reason why a soil is not assessed by this method; empty if it is."""
-    if point.plasticity is not None and point.plasticity >= PLASTIC:
-        return f"plasticity index {point.plasticity:g} % is at least {PLASTIC:g} %: behaves as clay"
-    if point.depth > DEEPEST:
-        return f"deeper than {DEEPEST:g} m"
+    if point.plasticity is not None and point.plasticity >= PLASTIC_INDEX:
+        return f"plasticity index {point.plasticity:g} % is at least {PLASTIC_INDEX:g} %: behaves as clay"
+    if point.depth > LARGEST_DEPTH:
+        return f"deeper than {LARGEST_DEPTH:g} m"
     return ""
