@@ -8,13 +8,13 @@ from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.report.first_page import conclusions, headlines
 from workflow.report.summary_text import findings
-from workflow.report.texts import Texts
 from workflow.report.warnings import warnings
 from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer, DirectionPart, Residuals
 from workflow.results.continuum import FemAnswer, Gravity, MeshCount, PathVerdict, StoredState, Variant
 from workflow.results.results import Results
 from workflow.run.store import Store
+from workflow.texts.report_texts import Texts
 
 
 def state(run: Config, kh: float, past: bool, failed: float) -> StoredState:

@@ -187,9 +187,9 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
     stages that they need. With ``every``, print the results of all stages with details.
     """
     from workflow.report.console import run_lines, sentences
-    from workflow.report.texts import Texts
     from workflow.results.results import Results
     from workflow.results.summary import Summary
+    from workflow.texts.report_texts import Texts
 
     reported = "report" in choice.chosen and job.store.has("report.html")
     shown = choice.requested or choice.chosen

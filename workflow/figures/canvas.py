@@ -28,7 +28,7 @@ from PIL import Image
 from meshes.section.cutting import soil_numbers
 from workflow.figures import fonts
 from workflow.figures.symbols import SYMBOL, in_mathtext
-from workflow.figures.translation import language_of, translated
+from workflow.texts.picture_texts import language_of, translated
 
 if TYPE_CHECKING:
     import pyvista as pv

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from PIL import Image
 
-from workflow.report.texts import Texts
+from workflow.texts.report_texts import Texts
 
 COLOURS = 64  # of a drawing without smooth shades
 QUALITY = 60  # of WebP, where shades are many: no difference can be seen at arm's length

@@ -10,10 +10,11 @@ import numpy as np
 from meshes.section.cutting import shown_name
 from meshes.section.section import Section
 from workflow.estimates.slip_circles import least_balance
-from workflow.report.numbers import coefficient, listed
+from workflow.report.numbers import coefficient
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, LongerCircle
+from workflow.texts.report_texts import listed
 
 # A slip circle does not govern if its Kh exceeds the strict upper bound by this ratio and this difference; a circle
 # below the strict lower bound by this ratio and difference contradicts a field of stress in equilibrium.

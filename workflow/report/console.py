@@ -27,7 +27,6 @@ from workflow.report.slices import slices_sentences
 from workflow.report.structures import structure_sentences
 from workflow.report.summary_text import lies_still, moved_lately
 from workflow.report.tables import case_heads, case_rows
-from workflow.report.texts import Texts
 from workflow.report.triggering import triggering_sentences
 from workflow.report.verdicts import verdict_paragraph
 from workflow.report.warnings import sides_warning, split
@@ -49,6 +48,7 @@ from workflow.results.stored_mesh import stored_mesh
 from workflow.results.summary import Summary
 from workflow.results.triggering import TriggeringAnswer
 from workflow.run.store import Store
+from workflow.texts.report_texts import Texts
 
 NO_NUMBER = "–"  # the value of a headline that has none, only its reason
 REPORTED_ERROR = 5e-4  # of a factor of safety: smaller discretisation errors are not reported

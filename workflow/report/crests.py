@@ -14,11 +14,11 @@ from workflow.estimates.crest_settlement import crest_settlement, freeboard, rec
 from workflow.estimates.structures import Standing, structures_of
 from workflow.report.numbers import signed_span, span
 from workflow.report.summary_text import at_rest
-from workflow.report.texts import Texts
 from workflow.results.cases import CasesAnswer, Profile
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.verdicts import CrestPart
+from workflow.texts.report_texts import Texts
 
 Settlements = tuple[float, float, float]  # by the slide: its value, and the interval over packings
 

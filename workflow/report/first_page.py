@@ -14,7 +14,6 @@ from workflow.report.paper import rows
 from workflow.report.post_liquefaction import just_enough
 from workflow.report.residual import residual_verdict
 from workflow.report.slide_headline import slide_headline
-from workflow.report.texts import Texts
 from workflow.report.verdicts import spared
 from workflow.results.accuracy import METHODS, Accuracy, accuracy, proven_by, strict_factor
 from workflow.results.answer import FORCE
@@ -22,6 +21,7 @@ from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.governing import GoverningKh, governing_factor, governing_kh
 from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
+from workflow.texts.report_texts import Texts
 
 FLOW: Mapping[str, str] = {
     "associated": "associated flow, ψ = φ",

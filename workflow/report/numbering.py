@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from workflow.report.texts import Texts
+from workflow.texts.report_texts import Texts
 
 
 @dataclass

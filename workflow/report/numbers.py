@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from workflow.results.accuracy import Accuracy
 from workflow.results.lengths import metres
+from workflow.texts.report_texts import listed
 
 SMALLEST_ERROR = 0.001  # numerical errors are reported as no less
 
@@ -65,11 +66,6 @@ def _plain(value: float) -> str:
 def coefficient(kh: float) -> str:
     """Return a seismic coefficient to three places, as in all tables and pictures: 0.234."""
     return f"{kh:.3f}"
-
-
-def listed(words: Sequence[str]) -> str:
-    """Return words in a list: a, b and c."""
-    return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)
 
 
 def of_cases(numbers: Sequence[int]) -> str:

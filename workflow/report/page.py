@@ -38,7 +38,6 @@ from workflow.report.stability import stability_rows
 from workflow.report.structures import elsewhere, face_rows
 from workflow.report.summary_text import lies_still, moved_lately, springs_of
 from workflow.report.templates import templates
-from workflow.report.texts import Texts
 from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.report.verdicts import interval_words, limit_words
 from workflow.results.cases import alike
@@ -48,6 +47,7 @@ from workflow.results.summary import Summary
 from workflow.results.verdicts import WarningPart
 from workflow.run.log import machine, versions
 from workflow.run.progress import duration
+from workflow.texts.report_texts import Texts
 
 MOST_TESTS = 60  # in a table
 MOST_WARNINGS, NOTE_WEIGHT = 9, 3  # on the first page; the weight of what stands among the checks

@@ -4,10 +4,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from meshes.section.cutting import shown_name
-from workflow.report.numbers import bracket, coefficient, listed, of_cases, span
+from workflow.report.numbers import bracket, coefficient, of_cases, span
 from workflow.results.lengths import metres
 from workflow.results.results import Results
 from workflow.results.stability import Bearing, LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
+from workflow.texts.report_texts import listed
 
 Strata = tuple[LiquefiedStratum, ...]
 FLOW_SHARE = 0.1  # of the height of the ground, below which a displacement was no flow: that ends when the face is flat

@@ -3,10 +3,9 @@
 from collections.abc import Iterator
 
 from meshes.section.cutting import shown_name
-from workflow.report.numbers import listed
 from workflow.report.post_liquefaction import factors
-from workflow.report.texts import Texts
 from workflow.results.stability import TwoSteps
+from workflow.texts.report_texts import Texts, listed
 
 
 def residual_verdict(steps: TwoSteps, _: Texts) -> str:

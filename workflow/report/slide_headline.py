@@ -8,13 +8,13 @@ from workflow.estimates.slide_error import SlideError
 from workflow.report.model_error import NAMES
 from workflow.report.numbers import rough_range, span
 from workflow.report.summary_text import at_rest
-from workflow.report.texts import Texts
 from workflow.results.cases import CaseAnswer
 from workflow.results.governing import MethodSlides, slides_by_weight
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
+from workflow.texts.report_texts import Texts
 
 LEAST_SLIDE = 0.1  # m: discs do not resolve less
 

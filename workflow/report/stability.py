@@ -13,12 +13,12 @@ from workflow.estimates.structures import structures_of
 from workflow.report.first_page import FLOW, SIDES
 from workflow.report.numbers import coefficient, number
 from workflow.report.slices import factor_on_surface
-from workflow.report.texts import Texts
 from workflow.results.accuracy import exceeds, strict_factor, strict_kh
 from workflow.results.bounds import SafetyPart
 from workflow.results.continuum import FemAnswer, OtherWay
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart
+from workflow.texts.report_texts import Texts
 
 
 @dataclass(frozen=True)

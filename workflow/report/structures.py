@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from workflow.config import Config
 from workflow.estimates.comparison import BlockSlide, block_slide
 from workflow.estimates.structures import structures_of
-from workflow.report.numbers import listed
 from workflow.results.slices import FacePart, SlicesAnswer
+from workflow.texts.report_texts import listed
 
 
 @dataclass(frozen=True)

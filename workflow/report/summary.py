@@ -8,7 +8,6 @@ from workflow.report.paper import rows
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.structures import face_rows
 from workflow.report.summary_text import findings
-from workflow.report.texts import Texts
 from workflow.report.verdicts import verdict_paragraph, verdicts
 from workflow.report.warnings import warnings
 from workflow.results.answer import SectionLabel
@@ -32,6 +31,7 @@ from workflow.results.summary import (
     VariantSummary,
 )
 from workflow.run.log import machine, versions
+from workflow.texts.report_texts import Texts
 
 
 def summary(results: Results, report_seconds: float) -> Summary:

@@ -12,7 +12,7 @@ from workflow.config import Config
 from workflow.report.contradictions import is_weaker, liquefied_strata
 from workflow.report.flow_rule import WHEN
 from workflow.report.model_error import model_error
-from workflow.report.numbers import about, coefficient, listed, numerical_error, of_cases, span
+from workflow.report.numbers import about, coefficient, numerical_error, of_cases, span
 from workflow.report.post_liquefaction import in_short
 from workflow.report.tables import factor
 from workflow.results.accuracy import Accuracy, accuracy
@@ -22,6 +22,7 @@ from workflow.results.governing import governing_kh
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
+from workflow.texts.report_texts import listed
 
 ASSUMED = ("dilation", "sides")  # variants that tell what an assumption is worth
 MESH_ERROR_RATIO = 1.02  # times the limit for ψ = φ, which the elements may exceed for their mesh

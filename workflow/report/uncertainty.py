@@ -5,12 +5,13 @@ from collections.abc import Iterator
 from workflow.report.assumptions import FLOWS, SIDES
 from workflow.report.console import meshes_sentences
 from workflow.report.flow_rule import critical_with_flow
-from workflow.report.numbers import coefficient, listed
+from workflow.report.numbers import coefficient
 from workflow.report.summary_text import fail_alike
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.discs import DiscsAnswer
 from workflow.results.results import Results
+from workflow.texts.report_texts import listed
 
 ROUNDED_SHARE = 0.005  # a share of Kh that is none in whole per cent
 

@@ -11,12 +11,12 @@ from workflow.estimates.structures import structures_of
 from workflow.report.crests import crest_parts, water_at_crest
 from workflow.report.structures import FaceRow, face_rows
 from workflow.report.summary_text import at_rest
-from workflow.report.texts import Texts
 from workflow.results.answer import Line
 from workflow.results.governing import governing_factor, governing_kh, governing_value
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, FacePart, SlicesAnswer
 from workflow.results.verdicts import Criterion, VerdictPart
+from workflow.texts.report_texts import Texts
 
 Interval = tuple[str, float | None, float | None, str]  # of what, ends of the interval, why there is no answer
 AT_LEAST: tuple[Criterion, ...] = ("factor of safety", "critical Kh", "freeboard")

@@ -9,12 +9,13 @@ from meshes.section.section import Section
 from meshes.section.stratum import cases_of
 from workflow.config import notice_lines
 from workflow.report.contradictions import contradictions
-from workflow.report.numbers import coefficient, listed, of_cases, span
+from workflow.report.numbers import coefficient, of_cases, span
 from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.discs import SlipSurfaces
 from workflow.results.material_points import WARNING
 from workflow.results.results import Results
 from workflow.results.verdicts import WarningPart, Weight
+from workflow.texts.report_texts import listed
 
 CALIBRATION_RATIO = 2.0  # times, or divided by it: a factor on the discs beyond this is reported
 SURFACE_DISTANCE = 0.25  # of the height of the section: slip surfaces farther apart than this are reported

@@ -10,10 +10,10 @@ from workflow.config import Config
 from workflow.report.first_page import headlines
 from workflow.report.numbers import numerical_error, rounded_up
 from workflow.report.summary_text import findings
-from workflow.report.texts import Texts
 from workflow.results.accuracy import Accuracy, accuracy, of_meshes
 from workflow.results.bounds import ShallowBoundPart
 from workflow.results.continuum import FemAnswer, MeshStep, VariantsAnswer
+from workflow.texts.report_texts import Texts
 
 RUN = Config.parse(slope())
 

@@ -8,7 +8,6 @@ from workflow.config import Config
 from workflow.report.first_page import headlines
 from workflow.report.flow_rule import how_to_get_own_dilation, own_dilation_sentences
 from workflow.report.stability import stability_rows
-from workflow.report.texts import Texts
 from workflow.results.bounds import SafetyPart
 from workflow.results.continuum import (
     FactorOfSafety,
@@ -21,6 +20,7 @@ from workflow.results.continuum import (
 from workflow.results.results import Results
 from workflow.run.record import Entry
 from workflow.run.store import Store
+from workflow.texts.report_texts import Texts
 
 
 @pytest.fixture

@@ -17,11 +17,11 @@ from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import structures_of
 from workflow.report.faces import face_lines, faces_sentences, note_sentences, side_words
 from workflow.report.first_page import headlines
-from workflow.report.texts import Texts
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, StrongZonePart
 from workflow.stages import faces
+from workflow.texts.report_texts import Texts
 
 BANK = ((40.0, 6.0), (43.0, 6.5), (46.0, 9.0))
 WHOLE = ((35.6, 6.0), (53.0, 5.0), (71.4, 15.0))

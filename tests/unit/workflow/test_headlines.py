@@ -11,11 +11,11 @@ from tests.support.sections import analysed, slope
 from workflow.estimates.slide_error import SlideError
 from workflow.report.console import fem_sentences
 from workflow.report.first_page import headlines
-from workflow.report.texts import Texts
 from workflow.results import governing
 from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety
+from workflow.texts.report_texts import Texts
 
 
 def test_a_factor_of_safety_is_in_the_headline_only_with_its_error() -> None:

@@ -2,8 +2,9 @@
 
 import pytest
 
-from workflow.report.numbers import about, between, coefficient, listed, rough, rough_range, span
+from workflow.report.numbers import about, between, coefficient, rough, rough_range, span
 from workflow.results.lengths import metres
+from workflow.texts.report_texts import listed
 
 
 @pytest.mark.parametrize(

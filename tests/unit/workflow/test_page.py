@@ -21,7 +21,6 @@ from workflow.report.console import run_lines
 from workflow.report.page import page
 from workflow.report.player import _extent
 from workflow.report.summary import summary
-from workflow.report.texts import Texts
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer, alike
 from workflow.results.continuum import VariantsAnswer
@@ -31,6 +30,7 @@ from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, Liquefied
 from workflow.results.summary import Summary
 from workflow.results.verdicts import WarningPart
 from workflow.run.store import Store
+from workflow.texts.report_texts import Texts
 
 
 def html(outcome: Results) -> str:

@@ -1,19 +1,16 @@
 """Pictures of a run are in the language of its report; names stay as they are."""
 
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
 
-from tests.support import TOP
 from tests.support.sections import slope
 from workflow.config import Config
 from workflow.figures.canvas import Sheet
-from workflow.figures.translation import PICTURES, language_of, translated
 from workflow.run.fingerprint import title
-
-CATALOGUE = tomllib.loads((TOP / "workflow/report/ja.toml").read_text(encoding="utf-8"))[PICTURES]
+from workflow.texts.catalogue import catalogue
+from workflow.texts.picture_texts import language_of, translated
 
 
 @pytest.mark.parametrize(
@@ -46,7 +43,7 @@ def test_names_stay_and_a_title_keeps_them() -> None:
     assert translated("Bray & Macedo (2019)", "ja") == "Bray & Macedo (2019)"
 
 
-@pytest.mark.parametrize(("english", "japanese"), sorted(CATALOGUE.items()))
+@pytest.mark.parametrize(("english", "japanese"), sorted(catalogue("ja", "pictures").items()))
 def test_a_translated_text_has_as_many_values(english: str, japanese: str) -> None:
     assert {int(number) for number in re.findall(r"{(\d+)}", japanese)} == set(range(english.count("{}")))
 

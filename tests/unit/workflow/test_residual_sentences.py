@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 
 from workflow.report.residual import residual_details, residual_verdict
-from workflow.report.texts import Texts
 from workflow.results.stability import AlongSurface, SoftenedStratum, TwoSteps
+from workflow.texts.report_texts import Texts
 
 
 def test_a_stratum_that_zones_divide_is_named_once() -> None:

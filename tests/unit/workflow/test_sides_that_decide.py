@@ -3,8 +3,8 @@
 from tests.support.answers import fem, results, variant, warned
 from tests.support.sections import slope
 from workflow.config import Config
-from workflow.report.texts import Texts
 from workflow.results.continuum import VariantsAnswer
+from workflow.texts.report_texts import Texts
 
 REMEDY = 'Take fem.sides = "smooth" if the ground continues beyond the right side, where it slides out.'
 

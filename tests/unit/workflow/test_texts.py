@@ -25,11 +25,12 @@ from workflow.report.first_page import FLOW, IN_FULL, SIDES, headlines
 from workflow.report.model_error import error_sentence
 from workflow.report.page import VARIED
 from workflow.report.tables import STRATA_HEADS
-from workflow.report.texts import Texts, catalogue, sentences
 from workflow.report.warnings import split
 from workflow.results.accuracy import METHODS
 from workflow.results.answer import FORCE
 from workflow.results.governing import MethodSlides
+from workflow.texts.catalogue import catalogue
+from workflow.texts.report_texts import Texts
 
 REPORT = TOP / "workflow/report"
 # Of the reports of a study and of a comparison, which are in English alone.
@@ -97,7 +98,7 @@ def test_every_text_has_its_japanese() -> None:
 
 def test_every_warning_has_its_japanese() -> None:
     """But for words about the response of layers, and what cases say."""
-    missing = {text for text in warnings_of_report() if text not in sentences("ja")}
+    missing = {text for text in warnings_of_report() if text not in catalogue("ja", "sentences")}
     assert all(text.startswith(("Response of", "{} ({}")) for text in missing)
 
 
@@ -126,7 +127,7 @@ def test_the_error_on_known_slides_has_its_japanese(factor: float, kind: str, me
     assert re.search("[a-z]{4}", sentence) is None
 
 
-@pytest.mark.parametrize(("english", "japanese"), sorted(sentences("ja").items()))
+@pytest.mark.parametrize(("english", "japanese"), sorted(catalogue("ja", "sentences").items()))
 def test_a_translated_sentence_has_as_many_values(english: str, japanese: str) -> None:
     used = {int(number) for number in re.findall(r"{(\d+)}", japanese)}
     assert used <= set(range(english.count("{}")))

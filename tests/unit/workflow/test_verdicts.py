@@ -14,12 +14,12 @@ from workflow.report.console import slide_sentences
 from workflow.report.crests import crest_parts
 from workflow.report.first_page import headlines
 from workflow.report.structures import face_rows, structure_sentences
-from workflow.report.texts import Texts
 from workflow.report.verdicts import verdict_paragraph, verdicts
 from workflow.results.answer import SectionLabel, line
 from workflow.results.cases import CaseAnswer, CasesAnswer
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue
 from workflow.results.slices import CirclePart, FacePart, FactorCircles, SlicesAnswer
+from workflow.texts.report_texts import Texts
 
 
 def levee(**tables: Any) -> Config:

@@ -4,12 +4,12 @@ import re
 import textwrap
 import tomllib
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 
 from workflow.config.tables import Language
+from workflow.texts.catalogue import Table, translation_of
 
-PICTURES, SENTENCES = "pictures", "sentences"  # tables of the catalogue; values in their texts are written {}
+TABLES: tuple[Table, ...] = ("report", "sentences", "pictures")  # in which texts of pictures may be
 MATH = re.compile(r"\$k_\{\\mathrm\{h\}\}\$")  # mathtext has the characters of one font
 CUTS = ((". ", "。"), ("; ", "。"), (": ", ":"))  # between parts of a text, and between their translations
 CHARACTERS = 44  # of a line of a text that is several lines in English
@@ -32,16 +32,6 @@ def _report(section: Path, changed: int) -> dict[str, object]:
     return table
 
 
-@cache
-def _patterns(language: Language) -> tuple[tuple[re.Pattern[str], str], ...]:
-    """Return the regular expressions of all texts, those with the most fixed words first, and their translations."""
-    data = tomllib.loads(files("workflow.report").joinpath(f"{language}.toml").read_text(encoding="utf-8"))
-    texts = {text: to for text, to in data.items() if isinstance(to, str)} | data[SENTENCES] | data[PICTURES]
-    plain = {text: to for text, to in texts.items() if not re.search(r"{\w+}", text)}
-    by_words = sorted(plain.items(), key=lambda pair: len(pair[0].replace("{}", "")), reverse=True)
-    return tuple((re.compile(VALUE.join(map(re.escape, text.split("{}")))), to) for text, to in by_words)
-
-
 def translated(text: str, language: Language) -> str:
     """Return the text of a picture in a language, in about as many lines; parts without a translation, such as names,
     are unchanged."""
@@ -57,10 +47,10 @@ def _part(text: str, language: Language) -> str:
     if text.endswith("."):
         part = _part(text.removesuffix("."), language)
         return text if part == text.removesuffix(".") else f"{part}。"
-    for pattern, to in _patterns(language):
-        match = pattern.fullmatch(text)
-        if match is not None:
-            return to.format(*(_part(group, language) for group in match.groups()))
+    whole = translation_of(text, language, TABLES, VALUE)
+    if whole is not None:
+        translation, values = whole
+        return translation.format(*(_part(value, language) for value in values))
     for cut, joint in CUTS:
         if cut in text:
             parts = text.split(cut)

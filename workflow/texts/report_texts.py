@@ -5,15 +5,11 @@ text as a key and its translation as the value. `tests/unit/workflow/test_texts.
 """
 
 import re
-import tomllib
-from functools import cache
-from importlib.resources import files
-from typing import Any
+from collections.abc import Sequence
 
 from workflow.config.tables import Language
-from workflow.report.numbers import listed
+from workflow.texts.catalogue import catalogue, translation_of
 
-SENTENCES = "sentences"  # the table of the catalogue with whole sentences, whose values are written {}
 CASES = re.compile(r"cases? (\d(?:[\d, and]*\d)?)")
 # A page is cut at scripts and at all tags but those within a sentence; a paragraph is cut behind its sentences.
 CUT = re.compile(r"(<(?:script|style)\b.*?</(?:script|style)>|<(?!/?(?:i|sub|a|br)\b)[^>]*>)", re.DOTALL)
@@ -26,32 +22,9 @@ SEPARATOR = re.compile(r", and | and |, |、")
 QUOTES = (("&#34;", '"'), ("&#39;", "'"))
 
 
-@cache
-def _file(language: Language) -> dict[str, Any]:
-    if language == "en":
-        return {SENTENCES: {}}
-    return tomllib.loads(files("workflow.report").joinpath(f"{language}.toml").read_text(encoding="utf-8"))
-
-
-@cache
-def catalogue(language: Language) -> dict[str, str]:
-    """Read the translations of a language, by English text; empty for English itself."""
-    return {text: translation for text, translation in _file(language).items() if isinstance(translation, str)}
-
-
-@cache
-def sentences(language: Language) -> dict[str, str]:
-    """Read the translations of whole sentences of the stages, with {} for their values."""
-    translations: dict[str, str] = _file(language)[SENTENCES]
-    return translations
-
-
-@cache
-def _patterns(language: Language) -> tuple[tuple[re.Pattern[str], str], ...]:
-    """Return the regular expressions of the sentences, those with the most fixed words first, and their
-    translations."""
-    by_words = sorted(sentences(language).items(), key=lambda pair: len(pair[0].replace("{}", "")), reverse=True)
-    return tuple((re.compile(VALUE.join(map(re.escape, text.split("{}")))), to) for text, to in by_words)
+def listed(words: Sequence[str]) -> str:
+    """Return words in an English list: a, b and c."""
+    return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)
 
 
 class Texts:
@@ -83,11 +56,11 @@ class Texts:
         """Translate a whole sentence of a stage, with its numbers; unchanged if there is no translation."""
         if text in self.translations:
             return self.translations[text]
-        for pattern, translation in _patterns(self.language):
-            match = pattern.fullmatch(text)
-            if match is not None:
-                return translation.format(*map(self._value, match.groups()))
-        return text
+        whole = translation_of(text, self.language, ("sentences",), VALUE)
+        if whole is None:
+            return text
+        translation, values = whole
+        return translation.format(*map(self._value, values))
 
     def page(self, html: str) -> str:
         """Translate the remaining English of a page, sentence by sentence; scripts and styles are unchanged."""
@@ -152,7 +125,7 @@ class Texts:
 
     def _name(self, name: str) -> str:
         """Return the translation of the name of a default case; names in a section file are unchanged."""
-        return self.translations.get(name, sentences(self.language).get(name, name))
+        return self.translations.get(name, catalogue(self.language, "sentences").get(name, name))
 
     def listed(self, words: list[str]) -> str:
         """Join words in a list: a, b and c."""

@@ -1,0 +1,1 @@
+"""Translates the texts of reports, pictures and the console from one catalogue."""
