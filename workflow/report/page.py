@@ -142,7 +142,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "written_heads": [symbol for _, symbol, _ in tables.written_columns(config.section)],
         "written_rows": list(tables.written_rows(config.section)),
         "lines": list(tables.line_rows(config.section)),
-        "changed": list(tables.changed_settings(config)),
+        "changed": [(name, value, texts.setting(words)) for name, value, words in tables.changed_settings(config)],
     }
 
 

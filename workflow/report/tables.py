@@ -200,7 +200,7 @@ def line_rows(config: Section) -> Iterator[tuple[str, str, str]]:
     for stratum in config.strata:
         if stratum.bottom is not None:
             yield f"bottom of {stratum.name}", *_line(stratum.bottom)
-    yield "base", *_line(config.base)
+    yield "base of the section", *_line(config.base)
     if config.water_table is not None:
         yield "water table", *_line(config.water_table)
     if config.water is not None:

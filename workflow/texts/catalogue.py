@@ -13,14 +13,14 @@ from typing import Any, Literal
 
 from workflow.config.tables import Language
 
-Table = Literal["report", "sentences", "pictures"]
+Table = Literal["report", "sentences", "pictures", "settings"]
 
 
 @cache
 def _file(language: Language) -> dict[str, Any]:
     """Return the content of the catalogue of a language; empty tables for English."""
     if language == "en":
-        return {"sentences": {}, "pictures": {}}
+        return {"sentences": {}, "pictures": {}, "settings": {}}
     return tomllib.loads(files("workflow.report").joinpath(f"{language}.toml").read_text(encoding="utf-8"))
 
 
@@ -32,7 +32,7 @@ def catalogue(language: Language, table: Table = "report") -> dict[str, str]:
     ----------
     language : Language
         Language of the translations.
-    table : "report", "sentences" or "pictures"
+    table : "report", "sentences", "pictures" or "settings"
         Table of the catalogue.
 
     Returns

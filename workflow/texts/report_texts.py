@@ -52,6 +52,10 @@ class Texts:
         words = {name: self._value(value) if isinstance(value, str) else value for name, value in values.items()}
         return translated.format(**words) if words else translated
 
+    def setting(self, description: str) -> str:
+        """Translate the description of a setting; unchanged if there is no translation."""
+        return catalogue(self.language, "settings").get(description, description)
+
     def sentence(self, text: str) -> str:
         """Translate a whole sentence of a stage, with its numbers; unchanged if there is no translation."""
         if text in self.translations:

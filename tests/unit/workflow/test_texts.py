@@ -96,6 +96,23 @@ def test_every_text_has_its_japanese() -> None:
     assert sorted(wanted() - set(catalogue("ja"))) == []
 
 
+def test_every_description_of_a_setting_has_its_japanese() -> None:
+    """But for those of [report], which the report does not describe."""
+    described = {
+        str(field.description)
+        for table in Config.tables()
+        if table != "report"
+        for field in type(Config.model_fields[table].default).model_fields.values()
+    }
+    assert set(catalogue("ja", "settings")) == described
+
+
+@pytest.mark.parametrize(("english", "japanese"), sorted(catalogue("ja", "settings").items()))
+def test_a_description_in_japanese_has_the_same_choices(english: str, japanese: str) -> None:
+    choices = [set(re.findall(r'"[^"]+"|\[\[?[a-z_.]+\]\]?', text)) for text in (english, japanese)]
+    assert choices[0] == choices[1]
+
+
 def test_every_warning_has_its_japanese() -> None:
     """But for words about the response of layers, and what cases say."""
     missing = {text for text in warnings_of_report() if text not in catalogue("ja", "sentences")}
