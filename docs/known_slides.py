@@ -14,7 +14,7 @@ from docs.verify.record import FILE, read_answers
 from docs.verify.slides.case import FOLDER, Column, Ground, SlideCase, read_cases
 from docs.verify.slides.command import number, predicted, sentence
 from docs.verify.slides.record import SlideAnswer
-from docs.verify.slides.verdict import CLOSE, FAR, SlideVerdict, bias, judge, judge_points, right
+from docs.verify.slides.verdict import CLOSE_FACTOR, FAR_FACTOR, SlideVerdict, bias, judge, judge_points, right
 from workflow.estimates import slide_error
 from workflow.estimates.slide_error import TABLE
 from workflow.figures.canvas import INK
@@ -34,9 +34,9 @@ relation. Every case is a file with a table `[known]`; a field case is a section
 The ratio is the mean prediction over the packings, divided by the geometric mean of the smallest and the largest
 measured value. The brackets have the ratios of the smallest and the largest prediction. A mean prediction between the
 smallest and the largest measured or derived value is **within the band**; otherwise the last column says whether the
-ratio is within a factor of {CLOSE:g}, within {FAR:g}, or beyond. Where nothing moved in nature, **stands** is right and
-**moved** is wrong. An infinite slope **flows** if its weight requires more than the residual strength. Loose mass is
-the share of the mass that left the connected ground.
+ratio is within a factor of {CLOSE_FACTOR:g}, within {FAR_FACTOR:g}, or beyond. Where nothing moved in nature,
+**stands** is right and **moved** is wrong. An infinite slope **flows** if its weight requires more than the residual
+strength. Loose mass is the share of the mass that left the connected ground.
 
 Field slides are computed as by a user who has no record of the site. Flow failures and dams slide by their weight
 alone. Lateral spreads slide under cycles of Kh in both directions, which the program derives from the earthquake.
@@ -95,7 +95,7 @@ def _summary(
         for name, judged in ((group, run), (f"{group}, by material points", points)):
             if chosen and (judged or name == group):
                 middle = bias(judged)
-                cells = [name, len(chosen), len(judged), right(judged, CLOSE), right(judged, FAR)]
+                cells = [name, len(chosen), len(judged), right(judged, CLOSE_FACTOR), right(judged, FAR_FACTOR)]
                 rows.append(f"| {' | '.join(map(str, cells))} | {'-' if middle is None else f'{middle:.2f}'} |")
     return "\n".join(rows)
 
@@ -107,7 +107,7 @@ def counts(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> di
         chosen = [judge(case, answers.get(case.name)) for case in cases if case.known.group == group]
         run = [verdict for verdict in chosen if verdict.word not in ("not run", "failed")]
         numbers |= {f"{group}_cases": len(chosen), f"{group}_run": len(run)}
-        numbers |= {f"{group}_within_1_5": right(run, CLOSE), f"{group}_within_3": right(run, FAR)}
+        numbers |= {f"{group}_within_1_5": right(run, CLOSE_FACTOR), f"{group}_within_3": right(run, FAR_FACTOR)}
     return numbers
 
 

@@ -15,7 +15,7 @@ from docs.numbers_file import keep_numbers
 from docs.verify.case import FOLDER, Case, Value, read_cases
 from docs.verify.record import FILE, Answer, read_answers
 from docs.verify.slopes import numbers
-from docs.verify.verdict import ABOVE, BELOW, TOLERANCE, CaseVerdict, judge
+from docs.verify.verdict import TOLERANCE, TOLERANCE_ABOVE, TOLERANCE_BELOW, CaseVerdict, judge
 from meshes.section.section import Section
 from workflow.figures.canvas import INK, soil_colours
 from workflow.run.store import Store
@@ -81,7 +81,7 @@ def with_remarks(parts: Sequence[str], remarks: Mapping[str, Sequence[str]], fol
 
 def _head() -> str:
     tolerances = ", ".join(f"{kind} {100 * share:g} %" for kind, share in TOLERANCE.items())
-    return HEAD.format(below=100 * BELOW, above=100 * ABOVE, tolerances=tolerances).strip()
+    return HEAD.format(below=100 * TOLERANCE_BELOW, above=100 * TOLERANCE_ABOVE, tolerances=tolerances).strip()
 
 
 def _summary(verdicts: Mapping[str, CaseVerdict], answers: Mapping[str, Answer]) -> str:

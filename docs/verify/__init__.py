@@ -1,1 +1,1 @@
-"""Comparison of the program with published slopes (`python -m docs.verify`)."""
+"""Compares the program with published slopes and known slides (`python -m docs.verify`)."""

@@ -1,4 +1,5 @@
-"""The command `python -m docs.verify` of a checkout: the collections of published slopes and of known slides."""
+"""Defines the command `python -m docs.verify` of a checkout for the collections of published slopes and known
+slides."""
 
 from json import dumps
 from pathlib import Path
@@ -15,35 +16,37 @@ from workflow.cli.exit_codes import ended_as_program
 from workflow.run.spelling import is_legible
 
 JSON_OPTION = typer.Option(
-    help="Write the rows to this file as JSON, too; - for standard output, and nothing else there.",
+    help="Also write the rows as JSON to this file; - for standard output, which then has nothing else.",
     allow_dash=True,
     dir_okay=False,
     show_default=False,
 )
 FOLDER_OPTION = typer.Option(
-    help="The cases; tests/verification/published, or slides, if not given.", show_default=False
+    help="Folder of the cases; by default tests/verification/published, or slides with --slides.", show_default=False
 )
 
 PACKINGS_OPTION = typer.Option(
     min=1,
     max=50,
-    help="Random packings of every known slide; as many as its file says if not given.",
+    help="Number of random packings of every known slide; by default that of its file.",
     show_default=False,
 )
 
 
 def verify(
-    names: Annotated[list[str] | None, typer.Argument(help="Cases whose names begin so; all without any.")] = None,
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Cases whose names begin with one of these words; all by default.")
+    ] = None,
     folder: Annotated[Path | None, FOLDER_OPTION] = None,
     only: Annotated[
         list[str] | None, typer.Option(help="bounds, associated or davis; repeatable.", show_default=False)
     ] = None,
-    judge: Annotated[bool, typer.Option("--judge", help="Compute nothing; judge what was found before.")] = False,
+    judge: Annotated[bool, typer.Option("--judge", help="Compute nothing; compare the stored answers.")] = False,
     json: Annotated[Path | None, JSON_OPTION] = None,
-    slides: Annotated[bool, typer.Option("--slides", help="Known slides in the place of slopes: how far.")] = False,
+    slides: Annotated[bool, typer.Option("--slides", help="Known slides instead of published slopes.")] = False,
     packings: Annotated[int | None, PACKINGS_OPTION] = None,
 ) -> None:
-    """Find the answers of published slopes, or of known slides, and judge them: right, wrong or explained."""
+    """Compute the answers of published slopes, or of known slides, and compare them with the published numbers."""
     unknown = [part for part in only or () if part not in PARTS]
     if unknown:
         raise InputError("--only", [f'"{part}": expected one of {", ".join(PARTS)}' for part in unknown])

@@ -1,4 +1,5 @@
-"""Results of this program for a published case: elements with ψ = φ and with Davis's estimate, and strict bounds."""
+"""Computes the answers of the program for a published slope: finite elements with ψ = φ and with Davis's estimate, and
+strict bounds."""
 
 import math
 import time
@@ -19,21 +20,30 @@ from meshes.errors import InputError, NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh
 
-# When bounds are close enough, and how many triangles they may take; cells of the elements.
+# Gap and largest number of triangles of the bounds; largest number of cells of the finite elements.
 BOUNDS, MOST_CELLS = BoundsSettings(gap=0.02, max_cells=10_000), 2500
 
 
 def answer(
     case: Case, parts: Collection[Part] = PARTS, known: Answer | None = None, bounds: BoundsSettings = BOUNDS
 ) -> Answer:
-    """The answer, or those ``parts`` of it over what is ``known``. What fails is told in ``failures``.
+    """Compute some parts of the answer, and keep the parts of an earlier answer.
 
-    ``case``: the published slope; ``bounds``: settings of the bounds.
+    Parameters
+    ----------
+    case : the published slope
+    parts : parts of the answer to compute
+    known : earlier answer, whose other parts are kept
+    bounds : settings of the bounds
+
+    Returns
+    -------
+    The answer; its ``failures`` have the reasons of missing parts.
     """
     result = known or Answer(case.name)
     failures = tuple(text for text in result.failures if text.split(":")[0] not in parts)
     result = replace(result, failures=failures)
-    for part in sorted(parts, key=lambda part: part == "bounds"):  # they begin at the factor of the elements
+    for part in sorted(parts, key=lambda part: part == "bounds"):  # the bounds start from the factor of the elements
         started = time.process_time()
         try:
             numbers = _bounds(case, result, bounds) if part == "bounds" else _elements(case, part, result)
@@ -79,9 +89,8 @@ def _elements(case: Case, part: Part, known: Answer) -> dict[str, Any]:
 
 
 def _adapted(case: Case, mesh: QuadMesh, wish: FemSettings) -> float | None:
-    """The result on adapted meshes, as of `noshiro fem`; None where the flow is not associated or the solver found
-    none, so that a path is followed.
-    """
+    """Return the result on adapted meshes, as `noshiro fem` computes it. Return None if the flow is not associated or
+    the solver finds no answer, so that an equilibrium path has to be followed."""
     if not is_associated(case.section.strata, wish.flow):
         return None
     try:

@@ -1,4 +1,4 @@
-"""A published case: a section as users write it, and in the table [published] what others found for it."""
+"""Reads a published case: a section file with a table [published] of published values."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -14,40 +14,40 @@ from meshes.section.section import Model, Section, read_toml
 from meshes.settings import MeshSettings
 from workflow.config.renamed import current
 
-# Where the cases are in a checkout, seen from its top.
+# Folder of the cases in a checkout.
 FOLDER = Path("tests/verification/published")
 
 Kind = Literal["equilibrium", "elements", "limit analysis", "closed form", "upper bound", "survey"]
 
 
 class Value(Model):
-    """A published value: one number, or a range."""
+    """Holds a published value: one number, or a range."""
 
-    kind: Kind = Field(description="how it was found: limit equilibrium, finite elements, ...")
+    kind: Kind = Field(description="method: limit equilibrium, finite elements, ...")
     author: str
     method: str
     value: float | tuple[float, float] = Field(description="a number, or the lower and the upper one")
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The lower and the upper number."""
+        """Return the lower and the upper number."""
         return self.value if isinstance(self.value, tuple) else (self.value, self.value)
 
 
 class Published(Model):
-    """The table [published]."""
+    """Holds the table [published] of a case."""
 
     source: str
     expected: Literal["fs", "kc"] = Field(description='"fs", a factor of safety, or "kc", a critical coefficient')
-    kh: float = Field(default=0.0, ge=0.0, description="the Kh at which the factor of safety is wanted")
+    kh: float = Field(default=0.0, ge=0.0, description="Kh of the factor of safety")
     note: str = Field(default="", description="what is uncertain, or where sources disagree")
-    explained: str = Field(default="", description="why what was published differs from what is right")
+    explained: str = Field(default="", description="why the published values are wrong")
     values: tuple[Value, ...] = Field(min_length=1)
 
 
 @dataclass(frozen=True)
 class Case:
-    """A section with what was published on it, and the settings of elements and mesh in its file."""
+    """Holds a section with the values published on it, and the settings of finite elements and mesh in its file."""
 
     section: Section
     fem: FemSettings
@@ -60,7 +60,7 @@ class Case:
 
 
 def read_case(path: Path) -> Case:
-    """The case in a file; raises InputError with every problem found."""
+    """Read the case in a file; raises InputError with all problems."""
     data = current(read_toml(path))
     try:
         published = TypeAdapter(Published).validate_python(data.pop("published", {}))
@@ -76,14 +76,15 @@ def read_case(path: Path) -> Case:
 
 
 def read_cases(folder: Path, names: Sequence[str] = ()) -> list[Case]:
-    """The `case_files` of a folder as they are read."""
+    """Read the cases in a folder, selected as in `case_files`."""
     return [read_case(path) for path in case_files(folder, names)]
 
 
 def case_files(folder: Path, names: Sequence[str]) -> list[Path]:
-    """The cases of a folder in the order of their names; some only, or those whose names begin with one of ``names``.
+    """Return the files of cases in a folder in alphabetical order; with ``names``, only files whose names begin with
+    one of them, upper or lower case.
 
-    Capitals are those of anybody. Raises InputError if the folder has none, or one that is asked for is missing.
+    Raises InputError if the folder has no cases, or if no case has one of the ``names``.
     """
     files = sorted(folder.glob("*.toml"))
     if not files:
@@ -97,6 +98,6 @@ def case_files(folder: Path, names: Sequence[str]) -> list[Path]:
 
 
 def _hint(name: str, stems: Sequence[str]) -> str:
-    """A hint: names similar to the one given, or how to list all."""
+    """Return a hint with similar names, or on where all cases are listed."""
     close = get_close_matches(name, stems, n=3)
     return f"; did you mean {' or '.join(close)}?" if close else "; README.md in it names all of them"

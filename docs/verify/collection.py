@@ -1,4 +1,4 @@
-"""A run over a collection of cases; results are stored after each case."""
+"""Runs a collection of cases and stores the results after each case."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -9,7 +9,7 @@ from docs.verify.record import FILE, Stored, read_answers, version_of, write_ans
 
 
 class Case(Protocol):
-    """What is common to published slopes and known slides."""
+    """Describes the common part of published slopes and known slides."""
 
     @property
     def name(self) -> str: ...
@@ -21,7 +21,7 @@ Verdict = TypeVar("Verdict")
 
 @dataclass(frozen=True)
 class Row(Generic[CaseOf, Stored, Verdict]):
-    """A case, its results, and the verdict."""
+    """Holds a case, its answer, and the verdict."""
 
     case: CaseOf
     answer: Stored | None
@@ -36,29 +36,27 @@ def run(
     find: Callable[[CaseOf, Stored | None], Stored] | None,
     tell: Callable[[Row[CaseOf, Stored, Verdict]], None],
 ) -> list[Row[CaseOf, Stored, Verdict]]:
-    """Find the answers of some cases, or take those that were found before, and judge them.
+    """Compute the answers of cases, or take the stored ones, and compare them with the published values.
 
     Parameters
     ----------
-    folder
-        Of the cases. Answers are written into it after each of them.
-    cases
-        The cases.
-    kind
-        Of their answers.
-    judge
-        The verdict on a case and its answer, None where it was not run.
-    find
-        The answer of a case, with what was found before; None to compute nothing.
-    tell
-        Called with every row.
+    folder : folder of the cases; the answers are written into it after each case
+    cases : the cases
+    kind : type of their answers
+    judge : returns the verdict on a case and its answer, which is None if the case was not run
+    find : computes the answer of a case from the case and its stored answer; None to compute nothing
+    tell : called with every row
+
+    Returns
+    -------
+    One row per case.
     """
     record, version = folder / FILE, version_of(folder)
     rows = []
     for case in cases:
         if find is not None:
             answer = replace(find(case, read_answers(record, kind).get(case.name)), commit=version)
-            # others may have been at it meanwhile
+            # another process may have written answers since
             write_answers(record, read_answers(record, kind) | {case.name: answer})
         known = read_answers(record, kind).get(case.name)
         rows.append(Row(case, known, judge(case, known)))

@@ -1,4 +1,4 @@
-"""Results for a case, and their file from run to run: `answers.json` beside the cases."""
+"""Stores the answers of the program for published cases in the file `answers.json` beside the cases."""
 
 import json
 import subprocess
@@ -20,7 +20,7 @@ PARTS: tuple[Part, ...] = ("bounds", "associated", "davis")
 
 @dataclass(frozen=True)
 class Named:
-    """Results for the case of this name; ``commit`` is the version of the program that found the last."""
+    """Holds an answer for the case of this name; ``commit`` is the version of the program that computed it last."""
 
     name: str
     commit: str = field(default="", kw_only=True)
@@ -31,11 +31,12 @@ Stored = TypeVar("Stored", bound=Named)
 
 @dataclass(frozen=True)
 class Answer(Named):
-    """Factors of safety or critical coefficients, None where there is none; seconds of processor time.
+    """Holds factors of safety or critical seismic coefficients of a slope, None where there is none, and processor
+    times (s).
 
-    ``associated`` and ``davis`` are of the finite elements with ψ = φ and with Davis's estimate for ψ < φ; each with
-    its upper limit. ``lower`` and ``upper`` are strict bounds with ψ = φ. Where a face fails before, at
-    ``shallow_failure``, all of these are of the slope as a whole.
+    ``associated`` and ``davis`` are answers of the finite elements with ψ = φ and with Davis's estimate for ψ < φ, each
+    with its upper limit. ``lower`` and ``upper`` are strict bounds with ψ = φ. If a cohesionless face fails before the
+    slope, at ``shallow_failure``, the other numbers are those of the slope as a whole.
     """
 
     lower: float | None = None
@@ -52,7 +53,8 @@ class Answer(Named):
 
 
 def version_of(folder: Path) -> str:
-    """The commit that a checkout with ``folder`` in it is at, with a + if Python files differ; empty elsewhere."""
+    """Return the commit of the checkout that contains ``folder``, with a + if Python files differ from it; empty
+    outside a checkout."""
     lines = []
     for command in (["rev-parse", "--short=9", "HEAD"], ["diff", "--name-only", "HEAD", "--", ":/*.py"]):
         try:
@@ -65,7 +67,8 @@ def version_of(folder: Path) -> str:
 
 
 def read_answers(path: Path, kind: type[Stored]) -> dict[str, Stored]:
-    """The answers of a kind in a file, none if there is no file; raises InputError if it is something else."""
+    """Read the answers of a kind from a file; none if there is no file. Raises InputError if the file has no such
+    answers."""
     if not path.exists():
         return {}
     try:
@@ -76,6 +79,6 @@ def read_answers(path: Path, kind: type[Stored]) -> dict[str, Stored]:
 
 
 def write_answers(path: Path, answers: Mapping[str, Stored]) -> None:
-    """Write answers in the order of their names, a line each, whole or not at all."""
+    """Write answers in alphabetical order, one per line; the file is replaced as a whole."""
     rows = [json.dumps(asdict(answers[name]), ensure_ascii=False) for name in sorted(answers)]
     Store(path.parent).write_text(path.name, "[\n" + ",\n".join(rows) + "\n]\n")

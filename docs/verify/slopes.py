@@ -1,4 +1,4 @@
-"""The command `python -m docs.verify` without --slides: the collection of published slopes."""
+"""Runs the collection of published slopes for `python -m docs.verify`."""
 
 from collections.abc import Collection
 from pathlib import Path
@@ -21,7 +21,7 @@ SlopeRow = Row[Case, Answer, CaseVerdict]
 def verify_slopes(
     out: Console, folder: Path | None, names: list[str], *, parts: Collection[Part]
 ) -> list[dict[str, Any]]:
-    """Find ``parts`` of the answers of published slopes and judge them; tells each, and returns rows for JSON."""
+    """Compute ``parts`` of the answers of published slopes, print a line on each, and return rows for JSON."""
     place = folder or FOLDER
     find = (lambda case, known: answer(case, parts, known)) if parts else None
     rows = run(place, read_cases(place, names), Answer, judge, find, lambda row: _tell(out, row))
@@ -35,7 +35,7 @@ def verify_slopes(
 
 
 def numbers(answer: Answer) -> str:
-    """The strict bounds as a range."""
+    """Return the strict bounds as a range in words."""
     if answer.lower is None and answer.upper is None:
         return "-"
     low = "?" if answer.lower is None else f"{answer.lower:.3f}"
@@ -44,19 +44,19 @@ def numbers(answer: Answer) -> str:
 
 
 def elements(answer: Answer) -> str:
-    """What the elements find with ψ = φ and with Davis's estimate."""
+    """Return the answers of the finite elements with ψ = φ and with Davis's estimate in words."""
     return " and ".join(f"{value:.3f}" if value is not None else "-" for value in (answer.associated, answer.davis))
 
 
 def published(case: Case) -> str:
-    """The smallest and the largest number published."""
+    """Return the smallest and the largest published number in words."""
     ends = [end for value in case.published.values for end in value.ends]
     low, high = min(ends), max(ends)
     return f"published {low:g}" if low == high else f"published {low:g} to {high:g}"
 
 
 def _tell(out: Console, row: SlopeRow) -> None:
-    """One line for a case, and one for each remark on a wrong one."""
+    """Print one line on a case, and one for each remark if its answer is wrong."""
     answer = f"bounds {numbers(row.answer)}, elements {elements(row.answer)}" if row.answer else ""
     line = f"{row.verdict.word:<9} {row.case.name:<26} {published(row.case)}; {answer}"
     out.print(escape(line), soft_wrap=True)
@@ -66,7 +66,7 @@ def _tell(out: Console, row: SlopeRow) -> None:
 
 
 def _as_dict(row: SlopeRow) -> dict[str, Any]:
-    """Name, verdict, numbers and seconds, for a file."""
+    """Return name, verdict, numbers and computing times of a case."""
     known = row.answer or Answer(row.case.name)
     return {
         "name": row.case.name,

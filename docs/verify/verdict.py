@@ -1,4 +1,4 @@
-"""Whether what this program finds for a published case is right."""
+"""Decides whether the answer of the program for a published slope is right."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,9 +8,9 @@ from typing import Literal
 from docs.verify.case import Case, Kind, Value
 from docs.verify.record import Answer
 
-# How far what was published may be from our bracket, as a share of it, by how it was found. Methods of slices that
-# satisfy equilibrium are within 6 % of each other (Duncan 1996); a survey is the mean of such; published elements have
-# coarse meshes and criteria of their own.
+# Largest distance of a published value from the bracket of the program, as a share of the bracket, by method. Methods
+# of slices that satisfy equilibrium are within 6 % of each other (Duncan 1996); a survey is their mean; published
+# finite elements have coarse meshes and other failure criteria.
 TOLERANCE: dict[Kind, float] = {
     "closed form": 0.02,
     "limit analysis": 0.005,
@@ -19,25 +19,26 @@ TOLERANCE: dict[Kind, float] = {
     "survey": 0.05,
     "elements": 0.06,
 }
-# How far the finite elements with ψ = φ may be outside the bracket, below and above: they come from above as the mesh
-# gets finer.
-BELOW, ABOVE = 0.01, 0.01
-# Without dilation a slope is no stronger; by how much the elements may say otherwise.
-NO_STRONGER = 0.02
+# Largest distance of the finite elements with ψ = φ below and above the bracket, which they approach from above as the
+# mesh becomes finer.
+TOLERANCE_BELOW, TOLERANCE_ABOVE = 0.01, 0.01
+# A slope without dilation is not stronger; this is the tolerance for the finite elements.
+DAVIS_TOLERANCE = 0.02
 
 Word = Literal["right", "wrong", "explained", "not run"]
 
 
 @dataclass(frozen=True)
 class CaseVerdict:
-    """The verdict in a word, and remarks."""
+    """Holds the verdict in a word, and remarks."""
 
     word: Word
     remarks: tuple[str, ...]
 
 
 def judge(case: Case, answer: Answer | None) -> CaseVerdict:
-    """Right if the finite elements agree with the bounds and the median of each kind of published value with both."""
+    """Return the verdict on a case. It is right if the finite elements agree with the bounds, and the median of each
+    kind of published values agrees with both."""
     if answer is None:
         return CaseVerdict("not run", ())
     faults = [*_contradictions(answer), *(f"no answer by {text}" for text in answer.failures)]
@@ -52,11 +53,12 @@ def judge(case: Case, answer: Answer | None) -> CaseVerdict:
 
 
 def interval(answer: Answer, kind: Kind) -> tuple[float, float] | None:
-    """The range of our answers that a published value of a kind is compared with; None without any.
+    """Return the range of the answers of the program that a published value of a kind is compared with; None without an
+    answer.
 
-    Published finite elements mostly have no dilation: their range extends down to our elements without dilation. With a
-    cohesionless face the least depth of a failure is each author's choice: all ranges extend down to the shallow
-    failure.
+    Most published finite elements have no dilation: for them the range extends down to the finite elements without
+    dilation. If there is a cohesionless face, every author chooses the least depth of failures: all ranges then extend
+    down to the shallow failure.
     """
     ends = [end for end in (answer.lower, answer.upper) if end is not None]
     if len(ends) < 2 and answer.associated is not None:
@@ -70,14 +72,14 @@ def interval(answer: Answer, kind: Kind) -> tuple[float, float] | None:
 
 
 def rolling(answer: Answer) -> Iterator[str]:
-    """A sentence on the shallow failure of a cohesionless face, where there is one."""
+    """Yield a sentence on the shallow failure of a cohesionless face, if there is one."""
     if answer.shallow_failure is not None:
         shallow = f"{answer.shallow_failure:.3f}"
         yield f"A cohesionless face fails (shallow failure) at {shallow}; the numbers are of the slope as a whole"
 
 
 def outside(case: Case, answer: Answer) -> Iterator[str]:
-    """A sentence on the published values that the strict bounds exclude, above and below."""
+    """Yield sentences on the published values that lie above or below the strict bounds."""
     values = case.published.values
     if answer.upper is not None:
         above = [_named(value) for value in values if value.ends[0] > answer.upper]
@@ -96,19 +98,20 @@ def _named(value: Value) -> str:
 
 
 def _contradictions(answer: Answer) -> Iterator[str]:
-    """Contradictions among the results of this program."""
+    """Yield contradictions among the answers of the program."""
     elements, lower, upper = answer.associated, answer.lower, answer.upper
-    if elements is not None and lower is not None and elements < (1.0 - BELOW) * lower:
+    if elements is not None and lower is not None and elements < (1.0 - TOLERANCE_BELOW) * lower:
         yield f"elements with ψ = φ find {elements:.4g}, below the lower bound {lower:.4g}"
-    if elements is not None and upper is not None and elements > (1.0 + ABOVE) * upper:
+    if elements is not None and upper is not None and elements > (1.0 + TOLERANCE_ABOVE) * upper:
         yield f"elements with ψ = φ find {elements:.4g}, {100 * (elements / upper - 1):.0f} % above the upper bound"
     top = upper if upper is not None else elements
-    if answer.davis is not None and top is not None and answer.davis > (1.0 + ABOVE + NO_STRONGER) * top:
+    if answer.davis is not None and top is not None and answer.davis > (1.0 + TOLERANCE_ABOVE + DAVIS_TOLERANCE) * top:
         yield f"elements find {answer.davis:.4g} by Davis's estimate, more than with ψ = φ"
 
 
 def _apart(case: Case, answer: Answer) -> Iterator[str]:
-    """A sentence for each kind of published value whose median is too far from ours."""
+    """Yield a sentence for each kind of published values whose median differs too much from the answers of the
+    program."""
     kinds = dict.fromkeys(value.kind for value in case.published.values)
     for kind in kinds:
         ours = interval(answer, kind)

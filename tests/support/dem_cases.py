@@ -18,17 +18,17 @@ KN = 1.0e8
 GRAVITY = 9.81
 
 # undamped, frictionless, without pore springs; tests add what they are about
-BARE = LayerSprings(
+BARE_SPRINGS = LayerSprings(
     "bare", kn=KN, ks=0.0, cn=0.0, ct=0.0, kpn=0.0, kps=0.0, density=DENSITY, effective_density=DENSITY,
     friction=0.0, cohesion=0.0,
 )  # fmt: skip
 # a soil with every part of the law at work
-SOIL = replace(
-    BARE, name="soil", ks=0.4 * KN, cn=0.2 * np.sqrt(MASS * KN), ct=0.1 * np.sqrt(MASS * KN), kpn=0.1 * KN,
+SOIL_SPRINGS = replace(
+    BARE_SPRINGS, name="soil", ks=0.4 * KN, cn=0.2 * np.sqrt(MASS * KN), ct=0.1 * np.sqrt(MASS * KN), kpn=0.1 * KN,
     kps=0.04 * KN, friction=0.7, cohesion=1.0e4,
 )  # fmt: skip
 # ... and every part of the law of soil discs
-EARTH = replace(SOIL, name="earth", contact_cohesion=2.0e3, rolling_friction=0.1, stop=4.0 * KN)
+EARTH_SPRINGS = replace(SOIL_SPRINGS, name="earth", contact_cohesion=2.0e3, rolling_friction=0.1, stop=4.0 * KN)
 FLOOR = np.array([[0.0, 0.0, 0.0, 1.0, -1e6, 1e6]])
 
 
@@ -39,7 +39,12 @@ def lattice(columns: int, rows: int, spacing: float = 2.0 * RADIUS) -> tuple[np.
 
 
 def box(
-    columns: int, rows: int, soil: LayerSprings = SOIL, tilt: float = 0.0, squeeze: float = 1e-4, law: Law = "paper"
+    columns: int,
+    rows: int,
+    soil: LayerSprings = SOIL_SPRINGS,
+    tilt: float = 0.0,
+    squeeze: float = 1e-4,
+    law: Law = "paper",
 ) -> DiscModel:
     """A lattice at rest in a box of fixed discs, open above, with a layer for the lower and one for the upper half."""
     x, z = lattice(columns + 2, rows + 1, 2.0 * RADIUS * (1.0 - squeeze))

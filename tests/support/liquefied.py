@@ -18,20 +18,20 @@ from dem.springs import LayerSprings, Strength, soil_discs
 from docs.verify.slides.tied_packing import TiedPacking, tied_packing
 
 GRAVITY, DENSITY = 9.81, 1800.0
-VOIDS = 0.28
-DEEP = 3  # rows of fixed discs of a base, so that all the reach of pore water is filled
+POROSITY = 0.28
+BASE_ROWS = 3  # rows of fixed discs of a base, so that all the reach of pore water is filled
 STEP = 0.6
 
 
 def sand(stiffness: float, radius: float, name: str = "sand") -> LayerSprings:
     """Discs of sand, phi = 35 degrees or so."""
-    return soil_discs(name, stiffness, Strength(0.36), DENSITY, DENSITY, radius, VOIDS)
+    return soil_discs(name, stiffness, Strength(0.36), DENSITY, DENSITY, radius, POROSITY)
 
 
 def on_a_deep_base(packing: TiedPacking) -> tuple[np.ndarray, ...]:
     """x, z, radius and layer of a packing whose plates go on away from the free discs, each row moved by a radius."""
     columns = [np.column_stack([packing.x, packing.z, packing.radius, packing.layer])]
-    for row in range(1, DEEP):
+    for row in range(1, BASE_ROWS):
         for plate, side in ((packing.above, 1.0), ((packing.layer < 0) & ~packing.above, -1.0)):
             x, z, radius = packing.x[plate], packing.z[plate], packing.radius[plate]
             away = side * row * 2.0 * radius * np.sqrt(0.75)
@@ -42,7 +42,7 @@ def on_a_deep_base(packing: TiedPacking) -> tuple[np.ndarray, ...]:
 
 def with_voids(model: DiscModel) -> np.ndarray:
     """Area of every disc with its voids (m2)."""
-    return (1.0 + VOIDS) * np.pi * model.radius**2
+    return (1.0 + POROSITY) * np.pi * model.radius**2
 
 
 @dataclass
@@ -60,7 +60,7 @@ class ShearedBox:
         pressure: float = 3.0e5, strain: float = SMALLEST_STRAIN,
     ) -> "ShearedBox":  # fmt: skip
         """At rest; strength in Pa."""
-        packing = tied_packing(columns, rows, radius, porosity=VOIDS / (1.0 + VOIDS), seed=seed)
+        packing = tied_packing(columns, rows, radius, porosity=POROSITY / (1.0 + POROSITY), seed=seed)
         layer = replace(sand(1.0e8, radius), faded=1.0)
         model = DiscModel.create(
             DiscGeometry(*on_a_deep_base(packing)),
@@ -171,10 +171,12 @@ class Slump:
         packing = tied_packing(columns, rows, radius, porosity=0.21, seed=seed)
         inside = packing.layer >= 0
         along = np.arange(-self.HALF - self.REACH * self.HEIGHT, self.HALF + self.REACH * self.HEIGHT, 2.0 * radius)
-        deep = [(along + radius * (row % 2), np.full(len(along), -radius * (0.9 + 1.74 * row))) for row in range(DEEP)]
+        deep = [
+            (along + radius * (row % 2), np.full(len(along), -radius * (0.9 + 1.74 * row))) for row in range(BASE_ROWS)
+        ]
         x = np.concatenate([packing.x[inside] - self.HALF, *(row[0] for row in deep)])
         z = np.concatenate([packing.z[inside], *(row[1] for row in deep)])
-        r = np.concatenate([packing.radius[inside], np.full(DEEP * len(along), radius)])
+        r = np.concatenate([packing.radius[inside], np.full(BASE_ROWS * len(along), radius)])
         self.free = np.arange(len(x)) < inside.sum()
         self.model = model = DiscModel.create(
             DiscGeometry(x, z, r, np.where(self.free, 0, -1)),

@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 
 # Points of the spiral; the work of the body between them and the ground is 1e-6 of itself off.
 POINTS = 400
-STARTS = 60
+STARTING_POINTS = 60
 
 
 def critical_kh(slope: float, phi: float, strength: float, seed: int = 1) -> float:
@@ -20,10 +20,12 @@ def critical_kh(slope: float, phi: float, strength: float, seed: int = 1) -> flo
         return _kh(shape, math.radians(slope), math.radians(phi), strength)
 
     # Shallow surfaces turn little: many of the starts, too.
-    starts = draw.uniform([0.1, math.log(0.06), 0.0], [math.pi - 0.3, math.log(2.0), 0.8], size=(40 * STARTS, 3))
+    starts = draw.uniform(
+        [0.1, math.log(0.06), 0.0], [math.pi - 0.3, math.log(2.0), 0.8], size=(40 * STARTING_POINTS, 3)
+    )
     starts[:, 1] = np.exp(starts[:, 1])
     starts[::2, 2] = 0.0
-    best = sorted(starts, key=tried)[:STARTS]
+    best = sorted(starts, key=tried)[:STARTING_POINTS]
     values = [
         minimize(tried, start, method="Nelder-Mead", options={"xatol": 1e-7, "fatol": 1e-10}) for start in best[:6]
     ]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from docs.verify.slides.point_columns import FLOOR, PointColumn, front, lattice
+from docs.verify.slides.point_columns import FLOOR_ROWS, PointColumn, front, lattice
 from fem.mpm import (
     BackgroundGrid,
     MaterialPointEngine,
@@ -74,7 +74,7 @@ class EndlessSlope:
         at_rest_strength = self.strength * UNIT_WEIGHT * depth if self.as_ratio else np.full(len(depth), self.strength)
         cohesion = np.where(stratum == 0, at_rest_strength, np.where(stratum < 0, 1e15, 5e3))
         friction = np.where(stratum == 1, np.radians(33.0), 0.0)
-        places = places + np.array([0.0, (FLOOR - 1 - deeper + above_node) * cell])
+        places = places + np.array([0.0, (FLOOR_ROWS - 1 - deeper + above_node) * cell])
         if not self.as_ratio:  # whose shear band is at the edge
             mass = np.full(len(places), density * 0.25 * cell**2)
             weak = np.where(stratum == 0, 0, -1)
@@ -85,7 +85,9 @@ class EndlessSlope:
         points.stress[:, 1] = -UNIT_WEIGHT * np.cos(self.angle) * depth
         points.stress[:, 0] = np.where(stratum == 0, 1.0, 0.6) * points.stress[:, 1]
         points.stress[:, 2] = UNIT_WEIGHT * np.sin(self.angle) * depth
-        grid = BackgroundGrid.empty(cell, columns, int((deep + firm) / cell) + FLOOR + 6, periodic=True, floor=FLOOR)
+        grid = BackgroundGrid.empty(
+            cell, columns, int((deep + firm) / cell) + FLOOR_ROWS + 6, periodic=True, floor=FLOOR_ROWS
+        )
         gravity = GRAVITY * np.sin(self.angle), -GRAVITY * np.cos(self.angle)
         return MaterialPointEngine(points, grid, gravity, threads, decay)
 

@@ -11,14 +11,14 @@ import numpy as np
 from numba import njit
 
 from docs.verify.slides.case import UniformSlope
-from docs.verify.slides.points import BELOW, POISSON, YOUNG, cell_size
+from docs.verify.slides.points import CELLS_BELOW, POISSON, YOUNG, cell_size
 from docs.verify.slides.shaking import shaking_of_slope
 from fem.mpm.ground import FASTEST_WAVE
 from meshes.section.quantity import GRAVITY
 
 SPRINGS = 120  # in the height of the column
-RESTS = 10.0  # s after the shaking
-STRONG = 1e8  # Pa: strength of ground that does not liquefy
+REST_TIME = 10.0  # s after the shaking
+LARGE_STRENGTH = 1e8  # Pa: strength of ground that does not liquefy
 
 
 def crust_slide(wanted: UniformSlope, folder: Path) -> float:
@@ -31,17 +31,17 @@ def crust_slide(wanted: UniformSlope, folder: Path) -> float:
     folder
         Where its record lies.
     """
-    firm, (weak, crust) = BELOW * cell_size(wanted) * np.cos(wanted.angle), wanted.thickness
+    firm, (weak, crust) = CELLS_BELOW * cell_size(wanted) * np.cos(wanted.angle), wanted.thickness
     height = (firm + weak + crust) / SPRINGS
     middle = (np.arange(SPRINGS) + 0.5) * height
     normal = wanted.density * GRAVITY * np.cos(wanted.angle) * (firm + weak + crust - middle)
     liquefied = (middle > firm) & (middle < firm + weak)
-    strength = np.where(liquefied, wanted.left.residual * normal, STRONG)
+    strength = np.where(liquefied, wanted.left.residual * normal, LARGE_STRENGTH)
     waves = wanted.density * FASTEST_WAVE**2 * (1.0 - 2.0 * POISSON) / (2.0 * (1.0 - POISSON))
     shear = min(YOUNG / (2.0 * (1.0 + POISSON)), waves)
     time, acceleration = shaking_of_slope(wanted, folder)
     step = 0.5 * height / np.sqrt(shear / wanted.density)
-    instants = np.arange(0.0, time[-1] + RESTS, step)
+    instants = np.arange(0.0, time[-1] + REST_TIME, step)
     felt = np.interp(instants, time, acceleration, right=0.0) * np.cos(wanted.angle) + GRAVITY * np.sin(wanted.angle)
     at_rest = wanted.density * GRAVITY * np.sin(wanted.angle) * (firm + weak + crust - middle)
     return float(_slid(felt, step, height, wanted.density, shear, strength, at_rest))

@@ -22,13 +22,13 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.strain_potential import BEYOND, stress_at_potential
 from workflow.stages.shaking import shaking_of
 
-STRETCHED, SHORTENED = 0.005, 0.04  # strains of the crust at its active and passive earth pressure
-SLIPS = 0.01  # strain of a layer that slips, at its least and its greatest lateral stress
-THINNEST = 0.02  # m: of a column that takes part
-CREEP = 5.0  # s: dashpot over stiffness of ground short of its potential, as in discs and points
-LEAST = 0.2  # of its length that a column keeps
-QUIET = 5.0  # s before the shaking of a case, in which its ground liquefies
-LASTS = 45.0  # s for which the spread is followed
+ACTIVE_STRAIN, PASSIVE_STRAIN = 0.005, 0.04  # strains of the crust at its active and passive earth pressure
+SLIP_STRAIN = 0.01  # strain of a layer that slips, at its least and its greatest lateral stress
+THINNEST_COLUMN = 0.02  # m: of a column that takes part
+CREEP_TIME = 5.0  # s: dashpot over stiffness of ground short of its potential, as in discs and points
+LEAST_LENGTH_SHARE = 0.2  # of its length that a column keeps
+TIME_BEFORE_SHAKING = 5.0  # s before the shaking of a case, in which its ground liquefies
+FOLLOWED_TIME = 45.0  # s for which the spread is followed
 
 
 @dataclass(frozen=True)
@@ -77,26 +77,26 @@ class ThinGround:
         """Horizontal force N (N/m) in columns of which the crust is stretched by a share (n,), and went a way (m)."""
         sine = np.sin(self.friction_angle)
         active, rest, passive = (1.0 - sine) / (1.0 + sine), 1.0 - sine, (1.0 + sine) / (1.0 - sine)
-        rising = np.where(stretch > 0.0, (rest - active) / STRETCHED, (passive - rest) / SHORTENED)
+        rising = np.where(stretch > 0.0, (rest - active) / ACTIVE_STRAIN, (passive - rest) / PASSIVE_STRAIN)
         earth = np.clip(rest - rising * stretch, active, passive)
-        layer = self.layer / np.maximum(1.0 + 0.5 * stretch, LEAST)
-        crust = self.crust / np.maximum(1.0 + stretch, LEAST)
+        layer = self.layer / np.maximum(1.0 + 0.5 * stretch, LEAST_LENGTH_SHARE)
+        crust = self.crust / np.maximum(1.0 + stretch, LEAST_LENGTH_SHARE)
         liquid = self.crust_weight * crust * layer + 0.5 * self.layer_weight * layer**2
         slips = np.clip((np.hypot(way / self.layer, stretch) - self.potential) / BEYOND, 0.0, 1.0)
-        lateral = 0.5 * np.pi * self.strength * layer * slips * np.clip(stretch / SLIPS, -1.0, 1.0)
+        lateral = 0.5 * np.pi * self.strength * layer * slips * np.clip(stretch / SLIP_STRAIN, -1.0, 1.0)
         return np.asarray(liquid - lateral + 0.5 * earth * self.crust_weight * crust**2)
 
     def spread(self, time: np.ndarray, loading: np.ndarray, seconds: float, dt: float = 0.005) -> np.ndarray:
         """How far the crust (n,) has moved (m) some seconds after the layer liquefied; time (s), push (m/s2)."""
         way, speed, plastic = (np.zeros(len(self.layer)) for _ in range(3))
         crust, layer = self.crust_weight * self.crust / GRAVITY, self.layer_weight * self.layer / GRAVITY
-        moving = self.crust + self.layer > 2.0 * THINNEST
+        moving = self.crust + self.layer > 2.0 * THINNEST_COLUMN
         for a in np.interp(np.arange(0.0, seconds, dt), time, loading, right=0.0):
             ends = np.concatenate([[0.0], 0.5 * (way[1:] + way[:-1]), [0.0]])
             force = self.pressure(np.diff(ends) / self.step, way)
             between = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1]), force[-1:]])
             stress, stiffness, plastic = self.stress_of(way, plastic)
-            stress = np.clip(stress + CREEP * stiffness * speed / self.layer, -self.strength, self.strength)
+            stress = np.clip(stress + CREEP_TIME * stiffness * speed / self.layer, -self.strength, self.strength)
             net = -np.diff(between) / self.step - stress + (crust + layer) * a
             speed = np.where(moving, speed + dt * net / (crust + 0.5 * layer), 0.0)
             way = way + dt * speed
@@ -121,16 +121,18 @@ def spread_of(case: SlideCase, step: float = 1.0) -> float:
     top, bottom = heights[:, k], heights[:, k + 1]
     water, there = section.water_pressure, np.full(len(x), k)
     above, below, middle = (np.column_stack([x, z]) for z in (top, bottom, 0.5 * (top + bottom)))
-    crust, layer = heights[:, 0] - top, np.maximum(top - bottom, 0.5 * THINNEST)
+    crust, layer = heights[:, 0] - top, np.maximum(top - bottom, 0.5 * THINNEST_COLUMN)
     weight, all_of_it = water.overburden(above, above), water.overburden(below, below)
     left_over = config.cases[number - 1].remains_of(section, k)
     ground = ThinGround(
         step=step, crust=crust, layer=layer,
-        crust_weight=weight / np.maximum(crust, THINNEST), layer_weight=(all_of_it - weight) / layer,
+        crust_weight=weight / np.maximum(crust, THINNEST_COLUMN), layer_weight=(all_of_it - weight) / layer,
         effective=water.vertical_effective(middle, middle, there),
         strength=left_over.strength, potential=left_over.strain_potential,
         friction_angle=section.strata[k - 1].friction_angle,
     )  # fmt: skip
     shaking = shaking_of(config, [k])
     assert shaking is not None
-    return float(np.interp(problem.at, x, ground.spread(shaking.time - QUIET, shaking.acceleration, LASTS)))
+    return float(
+        np.interp(problem.at, x, ground.spread(shaking.time - TIME_BEFORE_SHAKING, shaking.acceleration, FOLLOWED_TIME))
+    )

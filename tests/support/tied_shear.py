@@ -16,15 +16,15 @@ from dem.model import DiscModel
 from dem.springs import LayerSprings
 from docs.verify.slides.tied_packing import TiedPacking
 
-STEP = 0.4  # of the stable step
+STEP_SHARE = 0.4  # of the stable step
 SKIN = 0.2  # mean radii
-INERTIAL = 2e-3  # number at most: rate times diameter times sqrt(density / pressure)
+INERTIAL_NUMBER = 2e-3  # number at most: rate times diameter times sqrt(density / pressure)
 INTERVAL = 10.0  # sqrt(m / kn) between two looks of the servo
-ANSWER, STEADY = 1.5, 4.0  # intervals in which it takes back an error, and a steady one
-AT_REST = 0.01  # of the pressure: error of what the plate carries
-PATIENCE = 4000  # intervals
+CORRECTION_INTERVALS, STEADY_INTERVALS = 1.5, 4.0  # intervals in which it takes back an error, and a steady one
+PRESSURE_TOLERANCE = 0.01  # of the pressure: error of what the plate carries
+MOST_INTERVALS = 4000  # intervals
 RECORDS = 60
-AFTER = 0.1  # shear strain from which on is after the peak
+POST_PEAK_STRAIN = 0.1  # shear strain from which on is after the peak
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,8 @@ class ShearTest:
 
     @property
     def after(self) -> float:
-        """Shear stress over pressure after the peak, from a strain of `AFTER` on."""
-        late = self.strain > AFTER
+        """Shear stress over pressure after the peak, from a strain of `POST_PEAK_STRAIN` on."""
+        late = self.strain > POST_PEAK_STRAIN
         return float((self.shear / self.normal)[late].mean())
 
 
@@ -96,8 +96,13 @@ class _Box:
 
         Changes of its speed go to the free discs in proportion to their height, so that no wave starts at the plate.
         """
-        answer = (self.stress()[1] - self.pressure) / self.modulus * self.packing.height / (ANSWER * self.interval)
-        self.steady = float(np.clip(self.steady + answer / STEADY, -fastest, fastest))
+        answer = (
+            (self.stress()[1] - self.pressure)
+            / self.modulus
+            * self.packing.height
+            / (CORRECTION_INTERVALS * self.interval)
+        )
+        self.steady = float(np.clip(self.steady + answer / STEADY_INTERVALS, -fastest, fastest))
         speed = np.array([along, np.clip(answer + self.steady, -fastest, fastest)])
         share = np.where(self.free, self.model.z / self.height, self.plate)
         for name, change in zip(("vx", "vz"), speed - self.speed, strict=True):
@@ -105,15 +110,15 @@ class _Box:
             for values in (getattr(self.model, name), getattr(self.model, name + "_half")):
                 values += share * change
         self.speed = speed
-        Engine(dt=STEP * largest_step(self.model).seconds, energies=False).run(self.model, self.interval)
+        Engine(dt=STEP_SHARE * largest_step(self.model).seconds, energies=False).run(self.model, self.interval)
 
     def confine(self) -> None:
         """Presses the discs together. Raises ConfinementError if they do not come to rest."""
-        for _ in range(PATIENCE):
+        for _ in range(MOST_INTERVALS):
             self.advance(0.0, 1e-2 * self.packing.height / self.interval)
             moving = 0.5 * np.sum((self.model.mass * (self.model.vx**2 + self.model.vz**2))[self.free])
             pressed = self.pressure**2 / self.modulus * self.packing.length * self.packing.height
-            if abs(self.stress()[1] - self.pressure) < AT_REST * self.pressure and moving < 1e-6 * pressed:
+            if abs(self.stress()[1] - self.pressure) < PRESSURE_TOLERANCE * self.pressure and moving < 1e-6 * pressed:
                 return
         raise ConfinementError(f"the discs between the plates do not come to rest at {self.pressure:g} Pa")
 
@@ -125,7 +130,7 @@ def shear(packing: TiedPacking, layer: LayerSprings, pressure: float, strain: fl
     solid = float(np.sum(np.pi * box.model.radius[box.free] ** 2))
     porosity = 1.0 - solid / (packing.length * box.height)
     density = layer.density
-    rate = INERTIAL / (2.0 * float(packing.radius.mean()) * np.sqrt(density / pressure))
+    rate = INERTIAL_NUMBER / (2.0 * float(packing.radius.mean()) * np.sqrt(density / pressure))
     intervals = int(np.ceil(strain / (rate * box.interval) / RECORDS)) * RECORDS
     rows = []
     for step in range(intervals):

@@ -114,7 +114,7 @@ def test_what_material_points_cannot_do_is_told_and_ends_no_run(
 def test_a_stopped_slide_goes_on_with_the_same_bits(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fem.mpm.slide.KEEP", 0.0)
+    monkeypatch.setattr("fem.mpm.slide.CHECKPOINT_INTERVAL", 0.0)
     config = Config.load(folder.parent / "gentle.toml", {"slide": {"duration": 5.0}})
     slider, _ = at_rest(config)
     checkpoint = Store(tmp_path)

@@ -1,1 +1,1 @@
-"""Slides known by theory, experiment or the field, compared with predictions (`python -m docs.verify --slides`)."""
+"""Compares predictions with slides known from theory, experiments and the field (`python -m docs.verify --slides`)."""

@@ -1,4 +1,4 @@
-"""A known slide: measured values, and the problem to be computed, in a TOML file each."""
+"""Reads a known slide: measured values and the problem to be computed, one TOML file each."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ from meshes.section.section import Model, read_toml
 from workflow.config import Config
 from workflow.config.after_triggering import config_after_triggering
 
-# Where the cases are in a checkout, seen from its top.
+# Folder of the cases in a checkout.
 FOLDER = Path("tests/verification/slides")
 
 Group = Literal["theory", "experiment", "field"]
 
 
 class Measured(Model):
-    """A measured or derived value: a number, or two between which it lies."""
+    """Holds a measured or derived value: one number, or a range."""
 
     author: str
     value: float | tuple[float, float] = Field(description="a number, or the lower and the upper one")
@@ -31,12 +31,13 @@ class Measured(Model):
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The lower and the upper number."""
+        """Return the lower and the upper number."""
         return self.value if isinstance(self.value, tuple) else (self.value, self.value)
 
 
 class Column(Model):
-    """A column behind a gate that is taken away: run-out over its width (sand) or its height (clay)."""
+    """Describes a column behind a gate that is removed. Its result is the run-out over its width (sand) or its height
+    (clay)."""
 
     kind: Literal["column"]
     width: Length
@@ -46,19 +47,22 @@ class Column(Model):
     friction_angle: Angle = 0.0
     weight_over_strength: float = Field(default=0.0, ge=0.0, description="gamma H / s_u of clay; 0 for sand")
     rigidity: float = Field(default=300.0, gt=0.0, description="E / s_u of clay")
-    slowly: bool = Field(default=False, description="whether gravity grows slowly from where the column stands")
+    slowly: bool = Field(
+        default=False, description="whether gravity grows slowly from a share at which the column stands"
+    )
     reach: float = Field(default=8.0, gt=1.0, description="length of the floor over the width")
 
 
 class UniformSlope(Model):
-    """A layer that liquefies under a crust on an endless slope: how far the crust slides under Kh, or on a shaken base.
+    """Describes an infinite slope with a liquefying layer below a crust. Its result is the slide of the crust under Kh
+    or on a shaken base.
 
-    Kh is constant for ``seconds``, or reverses in ``cycles`` of a ``period``, or is the peak of a ``record``.
+    Kh is constant for ``seconds``, alternates in ``cycles`` of a ``period``, or is the peak of a ``record``.
     """
 
     kind: Literal["uniform slope"]
     angle: Angle
-    thickness: tuple[Length, Length] = Field(description="of the layer that liquefies, and of the crust")
+    thickness: tuple[Length, Length] = Field(description="thickness of the layer that liquefies, and of the crust")
     radius: Length
     density: float = Field(default=1800.0, gt=0.0, description="kg/m3")
     friction_angle: Angle
@@ -73,37 +77,37 @@ class UniformSlope(Model):
 
 
 class Ground(Model):
-    """A section as users write it, which has this table besides its own: the slide at a place of its surface."""
+    """Describes a section file with a table [known]. Its result is the slide at a place of its surface."""
 
     kind: Literal["section"]
-    section: str = Field(default="", description="its file, seen from that of the case, if not the same")
+    section: str = Field(default="", description="its file, relative to that of the case; by default the same file")
     case: str = Field(description="name or number of the case of the slide")
     at: float | Literal["front", "largest", "crest"] = Field(
-        description='x of the surface (m), its largest slide, the run-out of its "front", or how much its crest sinks'
+        description='x of a surface point (m), "largest" slide, run-out of the "front", or sinking of the "crest"'
     )
-    flow: bool = Field(default=False, description="whether the field flowed, and did not only spread")
+    flow: bool = Field(default=False, description="whether the ground flowed instead of spreading laterally")
 
 
 Problem = Annotated[Column | UniformSlope | Ground, Field(discriminator="kind")]
 
 
 class Known(Model):
-    """The table [known] of a case."""
+    """Holds the table [known] of a case."""
 
     group: Group
     source: str
     quantity: str = Field(description="what was measured, such as run-out over width")
     unit: str = Field(default="", description='"m", or nothing for a ratio')
     assumed: str = Field(default="", description="what had to be assumed")
-    seeds: int = Field(default=3, ge=1, le=50, description="packings that are computed")
-    zero: float = Field(default=0.0, ge=0.0, description="what counts as nothing, where nothing was measured")
+    seeds: int = Field(default=3, ge=1, le=50, description="number of packings")
+    zero: float = Field(default=0.0, ge=0.0, description="largest value that counts as no movement")
     values: tuple[Measured, ...] = Field(min_length=1)
     problem: Problem
 
 
 @dataclass(frozen=True)
 class SlideCase:
-    """A known slide, with its section where there is one."""
+    """Holds a known slide, with its config if it has a section."""
 
     name: str
     title: str
@@ -113,13 +117,13 @@ class SlideCase:
 
     @property
     def measured(self) -> tuple[float, float]:
-        """The lowest and the highest number that count."""
+        """Return the smallest and the largest of the numbers that count."""
         ends = [end for value in self.known.values if value.counts for end in value.ends]
         return min(ends), max(ends)
 
 
 def read_case(path: Path) -> SlideCase:
-    """The case in a file; raises InputError with every problem found."""
+    """Read the case in a file; raises InputError with all problems."""
     data: dict[str, Any] = read_toml(path)
     try:
         known = TypeAdapter(Known).validate_python(data.pop("known", {}))
@@ -139,5 +143,5 @@ def read_case(path: Path) -> SlideCase:
 
 
 def read_cases(folder: Path, names: Sequence[str] = ()) -> list[SlideCase]:
-    """The `case_files` of a folder as they are read."""
+    """Read the cases in a folder, selected as in `case_files`."""
     return [read_case(path) for path in case_files(folder, names)]

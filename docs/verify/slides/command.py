@@ -1,4 +1,4 @@
-"""The command `python -m docs.verify --slides`."""
+"""Runs the collection of known slides for `python -m docs.verify --slides`."""
 
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -20,7 +20,7 @@ SlideRow = Row[SlideCase, SlideAnswer, SlideVerdict]
 def verify_slides(
     out: Console, folder: Path | None, names: list[str], *, judge_only: bool, packings: int | None
 ) -> list[dict[str, Any]]:
-    """Predict known slides and judge them; tells each, and returns the rows as JSON can hold them."""
+    """Predict known slides, print a line on each, and return rows for JSON."""
     place = folder or FOLDER
     find = None if judge_only else lambda case, _: _by_both(case, packings)
     rows = run(place, read_cases(place, names), SlideAnswer, judge, find, lambda row: _tell(out, row))
@@ -28,13 +28,14 @@ def verify_slides(
 
 
 def _by_both(case: SlideCase, packings: int | None) -> SlideAnswer:
-    """What discs predict in some packings, and what material points do; no points where discs find nothing."""
+    """Return the predictions by discs in some packings and by material points; without points if the discs have no
+    answer."""
     answer = predict(case, packings)
     return answer if answer.failure else replace(answer, points=by_points(case))
 
 
 def sentence(verdict: SlideVerdict) -> str:
-    """A ratio and its spread in words, with significant digits only."""
+    """Return a ratio and its spread in words, with significant digits only."""
     if verdict.ratio is None or verdict.spread is None:
         return ""
     low, high = verdict.spread
@@ -42,12 +43,12 @@ def sentence(verdict: SlideVerdict) -> str:
 
 
 def predicted(answer: SlideAnswer, verdict: SlideVerdict) -> str:
-    """The numbers of all packings; of ground that flows there are none."""
+    """Return the predictions of all packings in words; "no end" for ground that flows."""
     return "no end" if verdict.word == "flows" else ", ".join(number(value) for value in answer.values)
 
 
 def number(value: float) -> str:
-    """A measured or a predicted number."""
+    """Return a measured or predicted number as text."""
     return f"{value:.3g}"
 
 
@@ -64,7 +65,7 @@ def _as_dict(row: SlideRow) -> dict[str, object]:
 
 
 def _tell(out: Console, row: SlideRow) -> None:
-    """One line for a case."""
+    """Print one line on a case, and further lines on material points and failures."""
     answer = row.answer
     values = predicted(answer, row.verdict) if answer is not None else ""
     measured = " to ".join(dict.fromkeys(number(end) for end in row.case.measured))

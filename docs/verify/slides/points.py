@@ -1,4 +1,4 @@
-"""Predictions of a known slide by material points, beside those of the discs: the same ground, strength and shaking."""
+"""Predicts a known slide by material points, with the ground, strength and shaking of the prediction by discs."""
 
 from functools import lru_cache
 
@@ -16,26 +16,16 @@ from workflow.config import Config
 from workflow.stages.mpm import PointRun, at_rest, slid
 
 # Cells: at least, over the layer that liquefies and over its crust; along the slope; of firm ground below.
-ACROSS, CRUST, ALONG, BELOW = 6, 2, 4, 3
+CELLS_ACROSS, CELLS_IN_CRUST, CELLS_ALONG, CELLS_BELOW = 6, 2, 4, 3
 YOUNG = 1e9  # Pa: blocks are rigid, as far as the speed of waves allows
 POISSON = 0.33
-QUIET = 5.0  # s from liquefaction to shaking: ground without a strain potential has come to rest
-LATER = 60.0  # s after that, until which a slope is followed
+TIME_BEFORE_SHAKING = 5.0  # s from liquefaction to shaking: ground without a strain potential has come to rest
+FOLLOWED_TIME = 60.0  # s after that, until which a slope is followed
 
 
 def by_points(case: SlideCase) -> float | None:
-    """The number that was measured, by material points.
-
-    Parameters
-    ----------
-    case : SlideCase
-        The known slide.
-
-    Returns
-    -------
-    float or None
-        None for the front of a flow, and for a section that does not name points among its methods.
-    """
+    """Return the prediction of the measured number by material points; None for the front of a flow, and for a section
+    that does not name material points among its methods."""
     config, wanted = case.config, case.known.problem
     if isinstance(wanted, Column):
         return round(run_out_of_column(wanted), 4)
@@ -57,51 +47,41 @@ def _slid(sliding: Sliding, number: int) -> PointSlide:
 
 
 def slide_of_points(config: Config, number: int) -> PointSlide:
-    """A slide by material points, with the damping rate of unresolved velocities that counts."""
+    """Compute a slide by material points with the governing damping rate of unresolved velocities."""
     return slid(PointRun(config, at_rest(config)[0], number, DECAY_RATES[0]), lambda _: None)
 
 
 def _along_uniform_slope(case: SlideCase, wanted: UniformSlope) -> float:
-    """Slide of the crust (m) along a slope whose sections repeat."""
+    """Return the slide of the crust (m) along a slope with periodic sides."""
     section = uniform_section(wanted)
-    cells = ALONG * round(float(section.layering.areas().sum()) / (ALONG * cell_size(wanted) ** 2))
+    cells = CELLS_ALONG * round(float(section.layering.areas().sum()) / (CELLS_ALONG * cell_size(wanted) ** 2))
     slider = PointSlider(ground_of(section, cells, "periodic"), 1)
     slider.settle()
     time, acceleration = shaking_of_slope(wanted, case.folder)
     onset = SlideSettings().onset_of("soil")
-    time, acceleration = np.append(0.0, onset + QUIET + time), np.append(0.0, acceleration)
+    time, acceleration = np.append(0.0, onset + TIME_BEFORE_SHAKING + time), np.append(0.0, acceleration)
     last = float(time[-1])
     slide = slider.run(
         SlideProgramme(
             lambda t: np.interp(t, time, acceleration, right=0.0), {1: 0.0}, {1: wanted.left.remains_of(section, 1)},
-            onset, last, last + LATER,
+            onset, last, last + FOLLOWED_TIME,
         )
     )  # fmt: skip
     return float(slide.slide[-1].mean() / np.cos(wanted.angle))
 
 
 def cell_size(wanted: UniformSlope) -> float:
-    """Size of the cells (m) with which points follow a slope."""
+    """Return the size of the cells (m) for a uniform slope."""
     weak, crust = wanted.thickness
-    return min(weak / ACROSS, crust / CRUST)
+    return min(weak / CELLS_ACROSS, crust / CELLS_IN_CRUST)
 
 
 def uniform_section(wanted: UniformSlope) -> Section:
-    """A uniform slope as a section of firm ground, the layer that liquefies and the crust, whose sides repeat.
-
-    Parameters
-    ----------
-    wanted : UniformSlope
-        The problem.
-
-    Returns
-    -------
-    Section
-        Its strata from the surface down.
-    """
+    """Return a uniform slope as a section with periodic sides: the crust, the layer that liquefies, and firm ground,
+    from the surface down."""
     cell, upright, fall = cell_size(wanted), 1.0 / np.cos(wanted.angle), np.tan(wanted.angle)
     weak, crust = (thickness * upright for thickness in wanted.thickness)
-    width, top = ALONG * cell, weak + crust + BELOW * cell
+    width, top = CELLS_ALONG * cell, weak + crust + CELLS_BELOW * cell
     soil = {
         "density_ordinary": wanted.density,
         "density_seismic": wanted.density,

@@ -1,4 +1,4 @@
-"""Predictions of a known slide by discs: one number and a profile for every packing."""
+"""Predicts a known slide by discs: one number and one profile per packing."""
 
 import time
 from collections.abc import Callable
@@ -23,23 +23,25 @@ from docs.verify.slides.sliding import Sliding, number_of
 from meshes.errors import InputError, NoAnswerError
 from workflow.stages.shaking import shaking_of
 
-STANDS = 3.0  # gamma H / s_u at which a slow loss of strength begins; columns stand below 3.83
-STEPS = 24  # of gravity in a slow loss of strength, each of a unit sqrt(H / g)
-UNITS = 12.0  # of that, after it, at most
-POINTS = 60  # of a profile that is kept
+STABLE_WEIGHT_RATIO = 3.0  # gamma H / s_u at which a slow loss of strength begins; columns stand below 3.83
+GRAVITY_STEPS = 24  # of gravity in a slow loss of strength, each of a unit sqrt(H / g)
+SPREADING_UNITS = 12.0  # of that, after it, at most
+PROFILE_POINTS = 60  # of a profile that is kept
 
 SlideNumbers = tuple[float, float, bool, Line, Line]  # value, loose share, at rest, surface before and after
 
 
 def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
-    """The prediction for a case; why there is none stands in its failure.
+    """Predict a known slide by discs.
 
     Parameters
     ----------
-    case
-        The known slide.
-    seeds
-        Packings; as many as the case asks for if None.
+    case : the known slide
+    seeds : number of packings; None for the number in the case
+
+    Returns
+    -------
+    The predictions; ``failure`` has the reason if there is none.
     """
     started = time.process_time()
     find = _FINDERS[type(case.known.problem)]
@@ -62,13 +64,13 @@ def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
 
 
 def _thinned(points: np.ndarray) -> Line:
-    """At most `POINTS` of them, in centimetres."""
-    step = max(1, len(points) // POINTS)
+    """Return at most `PROFILE_POINTS` of the points, rounded to centimetres."""
+    step = max(1, len(points) // PROFILE_POINTS)
     return tuple((round(float(x), 2), round(float(z), 2)) for x, z in points[::step])
 
 
 def _column(case: SlideCase, wanted: Column, seed: int) -> SlideNumbers:
-    """Run-out over the width of sand, over the height of clay."""
+    """Return the run-out of a column over the width of sand or the height of clay."""
     weight = wanted.density * G * wanted.height
     clay = wanted.weight_over_strength > 0.0
     su = weight / wanted.weight_over_strength if clay else 0.0
@@ -86,22 +88,25 @@ def _column(case: SlideCase, wanted: Column, seed: int) -> SlideNumbers:
 
 
 def _strength_is_lost_slowly(column: SoilColumn, wanted: Column) -> bool:
-    """The strength is lost slowly: gravity grows from a share at which the column stands to its full value."""
+    """Increase gravity from a share at which the column stands to its full value, which is equivalent to a slow loss of
+    strength."""
     model = column.model
-    first, *others = np.geomspace(min(1.0, STANDS / wanted.weight_over_strength), 1.0, STEPS)
+    first, *others = np.geomspace(min(1.0, STABLE_WEIGHT_RATIO / wanted.weight_over_strength), 1.0, GRAVITY_STEPS)
     model.gravity = (0.0, -G * float(first))
     unit = column.unit / float(np.sqrt(first))
-    run_until_rest(model, still=1e-3 * column.width, longest=UNITS * unit, every=0.5 * unit)
-    column.release(longest=UNITS)
+    run_until_rest(model, still=1e-3 * column.width, longest=SPREADING_UNITS * unit, every=0.5 * unit)
+    column.release(longest=SPREADING_UNITS)
     for share in others:
         model.gravity = (0.0, -G * float(share))
         unit = column.unit / float(np.sqrt(share))
         run_until_rest(model, still=1e-9, longest=unit, every=unit)
-    return run_until_rest(model, still=1e-3 * column.width, longest=UNITS * column.unit, every=0.5 * column.unit).rested
+    return run_until_rest(
+        model, still=1e-3 * column.width, longest=SPREADING_UNITS * column.unit, every=0.5 * column.unit
+    ).rested
 
 
 def _uniform_slope(case: SlideCase, wanted: UniformSlope, seed: int) -> SlideNumbers:
-    """Slide of the crust (m)."""
+    """Return the slide of the crust (m)."""
     stress = 0.5 * wanted.density * G * sum(wanted.thickness)
     sand = soil_contacts(0.0, wanted.friction_angle, stress)
 
@@ -123,7 +128,8 @@ def _uniform_slope(case: SlideCase, wanted: UniformSlope, seed: int) -> SlideNum
 
 
 def _section(case: SlideCase, wanted: Ground, seed: int) -> SlideNumbers:
-    """Slide at a place of the surface (m), of discs with the strengths of the section: no factor is fitted."""
+    """Return the slide (m) at a place of the surface, by discs with the strengths of the section and without a fitted
+    factor."""
     config = case.config
     if config is None:
         raise ValueError(f"{case.name}: a section is wanted")
@@ -135,7 +141,7 @@ def _section(case: SlideCase, wanted: Ground, seed: int) -> SlideNumbers:
 
 @lru_cache(maxsize=8)
 def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscModel, Slide]:
-    """Discs at rest, where they came to lie, and the slide in between."""
+    """Return the discs at rest before and after the slide, and the slide."""
     config = sliding.config
     soil = soil_layers(config.section)
     settings = config.dem.changed(seed=seed)
@@ -155,7 +161,7 @@ def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscMode
 
 
 def _at(wanted: Ground, along: np.ndarray, largest: float, start: DiscModel, end: DiscModel) -> float:
-    """The number that was measured in the field, of the discs (m)."""
+    """Return the number (m) that was measured in the field, from the slides and profiles of the discs."""
     if wanted.at == "largest":
         return largest
     if wanted.at == "crest":

@@ -1,4 +1,4 @@
-"""Predictions of a known slide, and their file from run to run: `answers.json` beside the cases."""
+"""Stores the predictions of known slides in the file `answers.json` beside the cases."""
 
 from dataclasses import dataclass
 
@@ -9,24 +9,17 @@ Line = tuple[tuple[float, float], ...]
 
 @dataclass(frozen=True)
 class SlideAnswer(Named):
-    """Predictions by packing.
+    """Holds the predictions of a known slide.
 
     Attributes
     ----------
-    values : tuple of float
-        Of the quantity of the case, by seed.
-    loose : tuple of float
-        Shares of the mass that left the connected ground.
-    rested : tuple of bool
-        Whether the ground came to rest.
-    before, after : tuple of (x, z)
-        Surface of the first packing (m).
-    seconds : float
-        Of processor time.
-    failure : str
-        Why there is no prediction; empty where there is one.
-    points : float or None
-        What material points predict, where the case asks for them.
+    values : predicted numbers, one per packing
+    loose : shares of the mass that left the connected ground, one per packing
+    rested : whether the ground came to rest, one per packing
+    before, after : surface (x, z) of the first packing before and after the slide (m)
+    seconds : processor time (s)
+    failure : reason of a missing prediction; empty if there is one
+    points : prediction by material points; None if the case does not request it
     """
 
     values: tuple[float, ...] = ()

@@ -1,4 +1,4 @@
-"""The shaking of a uniform slope of the collection."""
+"""Provides the shaking of a uniform slope of the collection."""
 
 from pathlib import Path
 
@@ -9,26 +9,25 @@ from docs.verify.slides.case import UniformSlope
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake import accelerogram
 
-SUDDEN = 1e-3  # s in which a constant Kh comes, and in which it goes
+RISE_TIME = 1e-3  # s in which a constant Kh comes, and in which it goes
 
 
 def shaking_of_slope(wanted: UniformSlope, folder: Path) -> tuple[np.ndarray, np.ndarray]:
-    """What the ground feels: Kh held for some seconds, cycles of it, or a record with its peak.
+    """Return the acceleration of a uniform slope: a constant Kh for some seconds, cycles of Kh, or a record scaled to
+    its peak.
 
     Parameters
     ----------
-    wanted : UniformSlope
-        The problem.
-    folder : Path
-        Where its record lies.
+    wanted : the slope
+    folder : folder of its record
 
     Returns
     -------
-    time, push : ndarray (n,)
-        Times from 0 (s), and accelerations along the horizontal (m/s²), downhill positive.
+    time (n,) : times from 0 (s)
+    acceleration (n,) : horizontal acceleration of the ground (m/s²), positive downslope
     """
     if wanted.seconds is not None:
-        time = np.array([0.0, SUDDEN, wanted.seconds, wanted.seconds + SUDDEN])
+        time = np.array([0.0, RISE_TIME, wanted.seconds, wanted.seconds + RISE_TIME])
         return time, wanted.kh * GRAVITY * np.array([0.0, 1.0, 1.0, 0.0])
     if not wanted.record:
         return cyclic_acceleration(wanted.kh, wanted.cycles or 1.0, wanted.period)

@@ -1,11 +1,11 @@
-"""An input of which several known slides ask."""
+"""Identifies configs that several known slides share."""
 
 from dem.case import Case
 from workflow.config import Config
 
 
 class Sliding:
-    """An input, compared by content and not by name: several cases may share one ground."""
+    """Holds a config that is compared by content and not by name, since several cases may share one ground."""
 
     def __init__(self, config: Config) -> None:
         self.config = config
@@ -19,7 +19,7 @@ class Sliding:
 
 
 def number_of(case: str, cases: tuple[Case, ...]) -> int:
-    """The number of a case by its name or number. Raises ValueError where there is none."""
+    """Return the number of a case of liquefaction from its name or number; raises ValueError if there is none."""
     for number, numbered in enumerate(cases, start=1):
         if case in (numbered.name, str(number)):
             return number

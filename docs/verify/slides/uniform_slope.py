@@ -1,8 +1,8 @@
-"""A uniform slope with periodic sides: endless ground whose layers liquefy, under a Kh that acts downslope.
+"""Computes a uniform slope with periodic sides by discs: an infinite slope whose layers liquefy, under a downslope Kh.
 
-The frame of the discs lies along the slope: x downhill along its surface, z across it, gravity tilted. Planes parallel
-to the surface carry, at a normal stress p, the shear stress p (tan b + kh) by statics, where vertical inertia is left
-out (p from the weight alone), and the block on top slides as Newmark's does.
+The axes lie along the slope: x along its surface, positive downslope, z perpendicular to it; gravity is inclined. By
+statics without vertical inertia, planes parallel to the surface carry the shear stress p (tan b + kh) at the normal
+stress p of the weight, and the block above slides as Newmark's block does.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,46 +27,41 @@ from meshes.section.quantity import GRAVITY
 
 G = 9.81  # m/s2
 UNIT_WEIGHT = 9.81e3  # of water, N/m3
-SETTLES, TILTS, RESTS = 6.0, 5, 3.0  # s on the level, steps of a second in which it is tilted, s after that
-LATER = 60.0  # s after a push, until which a slope is followed
-STILL = 5e-3  # m in `LOOK` s: a crust goes on swinging by less for a while
-LOOK = 0.5  # s
+SETTLING_TIME, TILTING_STEPS, REST_TIME = (
+    6.0,
+    5,
+    3.0,
+)  # s on the level, steps of a second in which it is tilted, s after that
+FOLLOWED_TIME = 60.0  # s after a push, until which a slope is followed
+REST_DISPLACEMENT = 5e-3  # m in `CHECK_INTERVAL` s: a crust goes on swinging by less for a while
+CHECK_INTERVAL = 0.5  # s
 
 LayersOf = Callable[[float], Sequence[LayerSprings]]  # void ratio to springs, from the lowest layer up
 
 
 class UniformSlope:
-    """Discs of a uniform slope at rest, one period of it.
+    """Holds the discs of one period of a uniform slope at rest.
 
     Parameters
     ----------
-    angle
-        Of the slope (rad).
-    thickness
-        Of its layers across the slope (m), from the base up.
-    radius
-        Mean radius of the discs (m).
-    layers_of
-        The springs of the layers, from the base up, by the void ratio of the packing.
-    length
-        The period along the slope (m).
-    seed
-        Of the packing.
-    water
-        Depth below the surface from which on the ground is saturated, its water flowing along the slope (m); dry if
-        None.
+    angle : inclination of the slope (rad)
+    thickness : thickness of the layers perpendicular to the slope (m), from the base up
+    radius : mean radius of the discs (m)
+    layers_of : function of the void ratio of the packing that returns the springs of the layers, from the base up
+    length : length of the period along the slope (m)
+    seed : seed of the packing
+    water : depth of the water table (m), below which the ground is saturated and seepage is parallel to the slope; None
+        for dry ground
 
     Attributes
     ----------
-    model : DiscModel
-        The discs, at rest.
-    ground : Ground
-        Where they lie, for `Slider`; without any section.
+    model : the discs at rest
+    ground : their geometry for `Slider`, without a section
 
     Raises
     ------
     ValueError
-        For as many springs as there are no layers.
+        If the numbers of springs and of layers differ.
     """
 
     def __init__(
@@ -87,7 +82,7 @@ class UniformSlope:
         if len(layers) != len(thickness):
             raise ValueError(f"{len(thickness)} layers have a thickness, {len(layers)} have springs")
         self.model = _discs(bare, layers)
-        self._on(SETTLES)
+        self._on(SETTLING_TIME)
         free = ~self.model.fixed
         top = float(np.sort((self.model.z + self.model.radius)[free])[-columns // 2 :].mean())
         void_ratio = bare.length * top / float(np.sum(np.pi * self.model.radius[free] ** 2)) - 1.0
@@ -103,81 +98,72 @@ class UniformSlope:
         self.ground = Ground(packing, "random", radius, 0, angle, (0.0, 0.0), 1)
 
     def _settle(self) -> None:
-        self._on(RESTS)
-        for tilt in np.linspace(0.0, self.angle, TILTS + 1)[1:]:
+        self._on(REST_TIME)
+        for tilt in np.linspace(0.0, self.angle, TILTING_STEPS + 1)[1:]:
             self.model.gravity = tilted_gravity(tilt, G)
             self._on(1.0)
-        self._on(RESTS)
+        self._on(REST_TIME)
 
     def _on(self, seconds: float) -> None:
         Engine(dt=0.5 * largest_step(self.model).seconds, energies=False).run(self.model, seconds)
 
     def above(self, layer: int) -> np.ndarray:
-        """Mask of the discs of the layers above this one."""
+        """Return the mask of the discs in the layers above this one."""
         return np.asarray(~self.model.fixed & (self.model.layer > layer))
 
     def liquefy(self, layers: Sequence[int], case: Case, settings: SlideSettings | None = None) -> Slider:
-        """Liquefies layers as a case says, without Kh, and follows the slope until it rests or its time is over.
+        """Liquefy layers without Kh, and follow the slope until it is at rest or its time is over.
 
         Parameters
         ----------
-        layers
-            Their numbers, from the base up.
-        case
-            What they lose, and keep.
-        settings
-            Onset and time; 20 s without Kh if None. Its Kh comes on before the layers liquefy.
+        layers : numbers of the layers, from the base up
+        case : their remaining stiffness and strength
+        settings : onset and duration; by default 20 s without Kh. Kh is applied before the layers liquefy
 
         Returns
         -------
-        Slider
-            The slide as it went in its `slide`; the slope continues from where that ended.
+        The slider with the slide; the slope continues from its end.
         """
         slider = Slider(self.model, self.ground, list(layers), case, settings or SlideSettings(kh=0.0, duration=20.0))
         slider.run()
         self.model = slider.model
         return slider
 
-    def shake_constant(self, kh: float, seconds: float, *, layer: int = 0, later: float = LATER) -> "SlopeResponse":
-        """Puts a seismic coefficient on for some seconds, then takes it away, and follows the slope until it rests.
+    def shake_constant(
+        self, kh: float, seconds: float, *, layer: int = 0, later: float = FOLLOWED_TIME
+    ) -> "SlopeResponse":
+        """Apply a constant seismic coefficient for some seconds, and follow the slope until it is at rest.
 
         Parameters
         ----------
-        kh
-            Seismic coefficient, downhill; it comes and goes within a millisecond, as in Newmark's closed form.
-        seconds
-            How long it acts (s).
-        layer
-            The layer above which the ground is the block that slides.
-        later
-            Time after it until which the slope is followed (s).
+        kh : seismic coefficient, positive downslope; it is applied and removed within a millisecond, as in Newmark's
+            closed form
+        seconds : duration of Kh (s)
+        layer : number of the layer above which the ground is the sliding block
+        later : time after Kh until which the slope is followed (s)
 
         Returns
         -------
-        SlopeResponse
-            How far the block slid, and the strength that held it.
+        The response of the block.
         """
         times = np.array([0.0, 1e-3, seconds, seconds + 1e-3])
         return self.shake(times, kh * GRAVITY * np.array([0.0, 1.0, 1.0, 0.0]), layer=layer, later=later)
 
     def shake(
-        self, time: np.ndarray, acceleration: np.ndarray, *, layer: int = 0, later: float = LATER
+        self, time: np.ndarray, acceleration: np.ndarray, *, layer: int = 0, later: float = FOLLOWED_TIME
     ) -> "SlopeResponse":
-        """Shakes the base, and follows the slope until it rests.
+        """Shake the base, and follow the slope until it is at rest.
 
         Parameters
         ----------
-        time, push
-            (n,) Times from 0 (s), rising, and what the ground feels along the horizontal (m/s2), downhill positive.
-        layer
-            The layer above which the ground is the block that slides.
-        later
-            Time after it until which the slope is followed (s).
+        time (n,) : increasing times from 0 (s)
+        acceleration (n,) : horizontal acceleration of the ground (m/s²), positive downslope
+        layer : number of the layer above which the ground is the sliding block
+        later : time after the shaking until which the slope is followed (s)
 
         Returns
         -------
-        SlopeResponse
-            How far the block slid.
+        The response of the block.
         """
         model, block, seconds = self.model, self.above(layer), float(time[-1])
         begin, start = model.time, model.x.copy()
@@ -188,13 +174,18 @@ class UniformSlope:
             rows.append((m.time - begin, float((m.x - start)[block].mean()), float(m.vx[block].mean())))
 
         rest = run_until_rest(
-            model, still=STILL, longest=seconds + later, every=LOOK, at_least=seconds + 1.0, on_look=look
+            model,
+            still=REST_DISPLACEMENT,
+            longest=seconds + later,
+            every=CHECK_INTERVAL,
+            at_least=seconds + 1.0,
+            on_look=look,
         )
         return SlopeResponse(self.angle, float(acceleration.max()) / GRAVITY, seconds, np.array(rows), rest)
 
 
 def _discs(packing: TiedPacking, layers: Sequence[LayerSprings], thickness: Sequence[float] = ()) -> DiscModel:
-    """Discs of a periodic packing on the level, in layers of some thickness from z = 0 up."""
+    """Return the discs of a periodic packing under vertical gravity, in layers of some thickness from z = 0 upwards."""
     layer = np.searchsorted(np.cumsum(thickness)[:-1], packing.z, side="right") if len(thickness) else 0
     return DiscModel.create(
         DiscGeometry(packing.x, packing.z, packing.radius, np.where(packing.layer < 0, -1, layer)),
@@ -206,25 +197,27 @@ def _discs(packing: TiedPacking, layers: Sequence[LayerSprings], thickness: Sequ
 
 
 class SlopeResponse:
-    """How a block slid under Kh, or under a base that shook.
+    """Holds the response of a block to Kh or to a shaken base.
 
     Attributes
     ----------
-    time, slide, speed : (k,)
-        Since Kh came on (s), along the slope (m), and its rate (m/s): means over the block.
-    rest : UntilRest
-        Whether it came to rest.
+    time (k,) : time since the beginning of Kh (s)
+    slide, speed (k,) : mean displacement (m) and velocity (m/s) of the block along the slope
+    rest : whether it came to rest
     """
 
     def __init__(self, angle: float, kh: float, seconds: float, rows: np.ndarray, rest: UntilRest) -> None:
-        """angle: of the slope (rad); kh: held for `seconds` (s); rows (k, 3): time, slide, speed; rest: its end."""
+        """Take the inclination ``angle`` (rad), the coefficient ``kh`` that acts for ``seconds`` (s), the ``rows`` (k,
+        3) of time, slide and speed, and the state of ``rest`` at the end."""
         self.angle, self.kh, self.seconds, self.rest = angle, kh, seconds, rest
         self.time, self.slide, self.speed = rows.T
 
     def strength(self) -> tuple[float, float]:
-        """Shear strength over normal stress that its accelerations show under a constant Kh, and while it is braked.
+        """Return the ratio of shear strength to normal stress that follows from the accelerations, under the constant
+        Kh and after it.
 
-        Of a block on a plane: (sin b + k cos b - a/g) / (cos b - k sin b); NaN where it did not move long enough.
+        For a block on a plane it is (sin b + k cos b - a/g) / (cos b - k sin b); NaN if the block did not move long
+        enough.
         """
         b = self.angle
         shaking = (self.time > 1.5) & (self.time <= self.seconds)

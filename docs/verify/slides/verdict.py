@@ -1,4 +1,4 @@
-"""Whether a prediction of a slide is right: how far it is off what was measured."""
+"""Decides whether the prediction of a slide is right by its ratio to the measured slide."""
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
@@ -9,24 +9,21 @@ import numpy as np
 from docs.verify.slides.case import SlideCase, UniformSlope
 from docs.verify.slides.record import SlideAnswer
 
-CLOSE, FAR = 1.5, 3.0  # times or a part of what was measured
+CLOSE_FACTOR, FAR_FACTOR = 1.5, 3.0  # times or a part of what was measured
 
 Word = Literal["not run", "failed", "within the band", "within 1.5", "within 3", "beyond 3", "stands", "moved", "flows"]
 
 
 @dataclass(frozen=True)
 class SlideVerdict:
-    """The verdict on a prediction.
+    """Holds the verdict on a prediction.
 
     Attributes
     ----------
-    word : str
-        As in `Word`.
-    ratio : float or None
-        Mean of the predictions over the middle (geometric) of what was measured; infinite where the ground flows; None
-        where nothing was measured to move, or there is no prediction.
-    spread : (float, float) or None
-        The same of the least and the largest prediction of the packings.
+    word : one of `Word`
+    ratio : mean prediction over the geometric mean of the measured range; infinite if the ground flows; None without a
+        prediction, or if no movement was measured
+    spread : the same for the smallest and the largest prediction of the packings
     """
 
     word: Word
@@ -35,14 +32,15 @@ class SlideVerdict:
 
     @property
     def factor(self) -> float | None:
-        """Error as a factor: the larger one of predicted over measured and measured over predicted."""
+        """Return the error as a factor: the larger one of predicted over measured and measured over predicted."""
         if self.ratio is None:
             return None
         return max(self.ratio, 1.0 / self.ratio) if self.ratio > 0.0 else float("inf")
 
 
 def judge(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict:
-    """The verdict on a case. An endless slope flows where it does not come to rest: its weight asks for more."""
+    """Return the verdict on a case. An infinite slope that does not come to rest flows, since its weight exceeds its
+    strength."""
     if answer is None:
         return SlideVerdict("not run")
     if isinstance(case.known.problem, UniformSlope) and not all(answer.rested):
@@ -51,8 +49,8 @@ def judge(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict:
 
 
 def judge_points(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict | None:
-    """The verdict on the prediction by material points; None where MPM was not requested. Points flow where discs
-    do not come to rest, and points go far, too."""
+    """Return the verdict on the prediction by material points; None if it was not requested. The points flow if the
+    discs do not come to rest and the points move more than three times as far as measured."""
     if answer is None or answer.points is None:
         return None
     verdict = _judged(case, (answer.points,))
@@ -74,16 +72,16 @@ def _judged(case: SlideCase, predicted: tuple[float, ...]) -> SlideVerdict:
         word = "within the band"
     elif ratio > 0.0:
         off = max(ratio, 1.0 / ratio)
-        word = "within 1.5" if off <= CLOSE else "within 3" if off <= FAR else "beyond 3"
+        word = "within 1.5" if off <= CLOSE_FACTOR else "within 3" if off <= FAR_FACTOR else "beyond 3"
     return SlideVerdict(word, ratio, spread)
 
 
 def right(verdicts: Iterable[SlideVerdict], factor: float) -> int:
-    """Number of predictions within a factor of the measured slide, explained ones included."""
+    """Return the number of predictions within a factor of the measured slide, including explained ones."""
     return sum(v.word == "stands" or (v.factor is not None and v.factor <= factor) for v in verdicts)
 
 
 def bias(verdicts: Collection[SlideVerdict]) -> float | None:
-    """Median of predicted over measured; None where there is nothing to take it of."""
+    """Return the median of predicted over measured slides; None without any."""
     ratios = [v.ratio for v in verdicts if v.ratio is not None]
     return float(np.median(ratios)) if ratios else None

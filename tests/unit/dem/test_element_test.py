@@ -25,7 +25,7 @@ from dem.model import DiscModel
 from meshes.executor import is_interrupt
 from meshes.section.section import Section, Stratum
 from tests.support import SECTIONS
-from tests.support.dem_cases import KN, RADIUS, SOIL, stress
+from tests.support.dem_cases import KN, RADIUS, SOIL_SPRINGS, stress
 
 SMALL = (12, 14)
 STRATUM = Stratum(
@@ -36,7 +36,9 @@ STRATUM = Stratum(
 
 @pytest.fixture(scope="module")
 def sand() -> ElementTest:
-    return element_test(PatchSample(replace(SOIL, cohesion=0.0), "random", RADIUS, size=SMALL), [2e6, 1e6], strain=0.1)
+    return element_test(
+        PatchSample(replace(SOIL_SPRINGS, cohesion=0.0), "random", RADIUS, size=SMALL), [2e6, 1e6], strain=0.1
+    )
 
 
 coordinate = st.floats(-5.0, 5.0)
@@ -117,7 +119,7 @@ def test_dilation_of_a_curve_that_grows_at_a_known_angle(psi: float) -> None:
 
 @pytest.mark.parametrize("make", [lattice_patch, random_patch])
 def test_confined_on_all_sides_and_stress_as_the_forces_say(make: type) -> None:
-    patch = make(SOIL, RADIUS)
+    patch = make(SOIL_SPRINGS, RADIUS)
     confine(patch, 2e5)
     now = patch.stress_state()
     assert now.stress == pytest.approx(-2e5 * np.eye(2), abs=1.01e-3 * 2e5)
@@ -131,7 +133,7 @@ def test_confined_on_all_sides_and_stress_as_the_forces_say(make: type) -> None:
 
 
 def test_what_a_press_keeps_is_what_the_model_would_say() -> None:
-    made = PatchSample(replace(SOIL, cohesion=0.0), "random", RADIUS, size=SMALL, law="soil").patch()
+    made = PatchSample(replace(SOIL_SPRINGS, cohesion=0.0), "random", RADIUS, size=SMALL, law="soil").patch()
     confine(made, 1e6)
     disc_model, renewed = made.copy(), made.copy()
     per_second = 1e-3 / made.time_unit
@@ -165,7 +167,7 @@ def whole(patch: Patch) -> DiscModel:
 
 
 def test_frame_follows_its_affine_motion_to_rounding() -> None:
-    patch = lattice_patch(SOIL, RADIUS)
+    patch = lattice_patch(SOIL_SPRINGS, RADIUS)
     start = np.array([patch.model.x, patch.model.z])
     confine(patch, 1e5)
     load(patch, "simple shear", 1e5, 0.02, 1e-3, probe(patch, 1e5)[0])
@@ -188,7 +190,7 @@ def test_frame_follows_its_affine_motion_to_rounding() -> None:
     ],
 )
 def test_refuses(changes: dict[str, object], words: str) -> None:
-    sample = {"layer": SOIL, "packing": "lattice", "radius": RADIUS, "size": None}
+    sample = {"layer": SOIL_SPRINGS, "packing": "lattice", "radius": RADIUS, "size": None}
     test = {"pressures": [1e4, 2e4], "strain": 0.2, "rate": 2e-4}
     with pytest.raises(ValueError, match=words):
         element_test(
@@ -198,7 +200,7 @@ def test_refuses(changes: dict[str, object], words: str) -> None:
 
 
 def test_a_disc_outside_of_the_frame_is_found() -> None:
-    patch = lattice_patch(SOIL, RADIUS)
+    patch = lattice_patch(SOIL_SPRINGS, RADIUS)
     patch.check_frame()
     disc = int(np.flatnonzero(~patch.frame)[0])
     patch.model.x[disc] += 100.0 * RADIUS
@@ -208,12 +210,12 @@ def test_a_disc_outside_of_the_frame_is_found() -> None:
 
 def test_discs_too_soft_for_the_pressure_are_said_to_be() -> None:
     with pytest.raises(OverlapError, match="overlap"):
-        confine(lattice_patch(SOIL, RADIUS), 2.0 * KN)
+        confine(lattice_patch(SOIL_SPRINGS, RADIUS), 2.0 * KN)
 
 
 def test_a_test_that_cannot_go_on_keeps_its_curve_and_says_why() -> None:
     """A lattice locks: its discs are pressed into each other until they may not be."""
-    patch = lattice_patch(replace(SOIL, allowed_overlap=0.03), RADIUS)
+    patch = lattice_patch(replace(SOIL_SPRINGS, allowed_overlap=0.03), RADIUS)
     confine(patch, 4e5)
     curve = load(patch, "biaxial", 4e5, 0.2, 1e-3, probe(patch, 4e5)[0])
     assert "overlap" in curve.stopped
@@ -244,7 +246,7 @@ def test_element_tests_hear_an_interrupt(monkeypatch: pytest.MonkeyPatch) -> Non
 
     monkeypatch.setattr("dem.laboratory.element_table.element_test", counted)
     section = Section.read(SECTIONS / "s13.toml")
-    layers = [replace(SOIL, kn=4e6, ks=1.6e6, allowed_overlap=1.0)] * len(section.strata)
+    layers = [replace(SOIL_SPRINGS, kn=4e6, ks=1.6e6, allowed_overlap=1.0)] * len(section.strata)
     element_test(PatchSample(layers[0], "lattice", RADIUS, size=(8, 8)), [1e4, 2e4], strain=0.01)  # compiled by then
 
     def press() -> None:

@@ -21,14 +21,14 @@ from dem.engine.pulses import Pulses
 from dem.model import DiscModel
 from dem.springs import Law
 from tests.support import TOP
-from tests.support.dem_cases import BARE, EARTH, FLOOR, GRAVITY, RADIUS, SOIL, box, trace
+from tests.support.dem_cases import BARE_SPRINGS, EARTH_SPRINGS, FLOOR, GRAVITY, RADIUS, SOIL_SPRINGS, box, trace
 
 QUAKE = Acceleration(np.linspace(0.0, 2.0, 41), 3.0 * np.sin(np.arange(41.0)), np.cos(np.arange(41.0)))
 
 
 def shaking(law: Law = "paper") -> DiscModel:
     """A box in which lists are made anew, pore springs crack and discs slide; and roll, if they are soil discs."""
-    model = box(20, 14, replace(SOIL if law == "paper" else EARTH, cohesion=4e3), tilt=0.1, law=law)
+    model = box(20, 14, replace(SOIL_SPRINGS if law == "paper" else EARTH_SPRINGS, cohesion=4e3), tilt=0.1, law=law)
     model.skin = 0.04  # a thin one, so that lists are made often
     model.set_pore_springs()
     model.acceleration = QUAKE
@@ -50,7 +50,7 @@ def same(a: DiscModel, b: DiscModel) -> bool:
 def lists(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Few discs are listed, laid out and brought back by one thread, unless they count as many."""
     if request.param == "lists by all threads":
-        monkeypatch.setattr("dem.chunked_map.FEW", 0)
+        monkeypatch.setattr("dem.chunked_map.FEW_DISCS", 0)
 
 
 @pytest.mark.usefixtures("lists")
@@ -109,7 +109,7 @@ def test_restart_changes_no_bit(tmp_path: Path, law: Law) -> None:
 
 def test_room_is_used_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Zeros each time, in the same place where they fit; in another where they do not, or where many discs count."""
-    monkeypatch.setattr("dem.engine.memory.LARGEST", 40)
+    monkeypatch.setattr("dem.engine.memory.LARGEST_ARRAY", 40)
     room = Room(100)
     first = room.zeros("links", 7, 3)
     place = first.ctypes.data
@@ -177,7 +177,7 @@ def test_skin_of_the_list_changes_rounding_only(law: Law) -> None:
 
 def test_no_jump_of_force_when_a_pair_enters_or_leaves_the_list() -> None:
     """A disc that flies past another and back: its force changes by no more in a step than its path allows."""
-    soil = replace(SOIL, cn=0.0, ct=0.0)
+    soil = replace(SOIL_SPRINGS, cn=0.0, ct=0.0)
     model = DiscModel.create(DiscGeometry([0.0, 3.0], [0.0, 1.3], RADIUS, fixed=[True, False]), DiscMaterials([soil]))
     model.set_velocity(np.array([0.0, -2.0]), 0.0)
     pairs, force = [], []
@@ -197,7 +197,7 @@ def test_no_jump_of_force_when_a_pair_enters_or_leaves_the_list() -> None:
 
 
 def test_list_is_made_only_when_a_disc_has_moved_half_the_skin() -> None:
-    model = DiscModel.create(DiscGeometry([0.0, 10.0], [0.0, 0.0], RADIUS), DiscMaterials([BARE]), skin=0.2)
+    model = DiscModel.create(DiscGeometry([0.0, 10.0], [0.0, 0.0], RADIUS), DiscMaterials([BARE_SPRINGS]), skin=0.2)
     model.set_velocity(np.array([0.0, 1.0]), 0.0)
     begin = model.lists_made
     Engine(dt=1e-3).run(model, steps=99)
@@ -220,7 +220,7 @@ def test_no_steps_leave_the_model_as_it_is() -> None:
 
 def test_output_comes_at_the_times_asked_for() -> None:
     model = DiscModel.create(
-        DiscGeometry([0.0, 10.0], [0.0, 0.0], RADIUS), DiscMaterials([BARE]), gravity=(0.0, -GRAVITY)
+        DiscGeometry([0.0, 10.0], [0.0, 0.0], RADIUS), DiscMaterials([BARE_SPRINGS]), gravity=(0.0, -GRAVITY)
     )
     seen = []
     Engine(dt=1e-3).run(model, 0.1, every=0.03, on_output=lambda m: seen.append((m.time, m.z[0])))
@@ -230,7 +230,7 @@ def test_output_comes_at_the_times_asked_for() -> None:
 
 def test_weight_is_effective_and_the_rest_is_full() -> None:
     """Gravity moves a disc with rho_w / rho_d of its value, Kh with all of it."""
-    soil = replace(BARE, density=2220.0, effective_density=1220.0)
+    soil = replace(BARE_SPRINGS, density=2220.0, effective_density=1220.0)
     model = DiscModel.create(
         DiscGeometry([0.0, 10.0], [0.0, 0.0], RADIUS), DiscMaterials([soil]), gravity=(0.0, -GRAVITY)
     )
@@ -242,7 +242,7 @@ def test_weight_is_effective_and_the_rest_is_full() -> None:
 
 def test_acceleration_in_time_is_followed() -> None:
     times = np.linspace(0.0, 1.0, 11)
-    model = DiscModel.create(DiscGeometry([0.0, 10.0], [0.0, 0.0], RADIUS), DiscMaterials([BARE]))
+    model = DiscModel.create(DiscGeometry([0.0, 10.0], [0.0, 0.0], RADIUS), DiscMaterials([BARE_SPRINGS]))
     model.acceleration = Acceleration(times, np.sin(5.0 * times), times**2)
     Engine(dt=1e-3).run(model, 1.5)
     for v, a in ((model.vx, np.sin(5.0 * times)), (model.vz, times**2)):
@@ -277,7 +277,7 @@ def test_softened_springs_keep_overlap_and_slip() -> None:
 
 
 def test_shrunk_discs_keep_mass_and_spin_and_their_overlaps_change() -> None:
-    model = box(8, 6, EARTH, tilt=0.1, law="soil")
+    model = box(8, 6, EARTH_SPRINGS, tilt=0.1, law="soil")
     engine = Engine()
     engine.run(model, 1.0)
     mass, spin, edits = model.mass.copy(), model.spin.copy(), engine.measure(model).edits
@@ -310,7 +310,7 @@ def test_cut_pore_springs_by_layer() -> None:
 def test_settled_column_of_discs_carries_its_weight_to_the_base() -> None:
     model = DiscModel.create(
         DiscGeometry(np.zeros(9), RADIUS + 2.0 * RADIUS * np.arange(9), RADIUS),
-        DiscMaterials([replace(SOIL, effective_density=1200.0, cn=5.0 * SOIL.cn)]),
+        DiscMaterials([replace(SOIL_SPRINGS, effective_density=1200.0, cn=5.0 * SOIL_SPRINGS.cn)]),
         DiscBoundary(FLOOR),
         gravity=(0.0, -GRAVITY),
     )
@@ -345,11 +345,11 @@ def test_interrupted_run_leaves_a_whole_model() -> None:
 TINY = """
 import numpy as np
 import sys
-from tests.support.dem_cases import box, EARTH, SOIL
+from tests.support.dem_cases import box, EARTH_SPRINGS, SOIL_SPRINGS
 from dataclasses import replace
 from dem.engine.engine import Engine
 law = sys.argv[1]
-model = box(5, 4, replace(SOIL if law == "paper" else EARTH, cohesion=2e3), tilt=0.1, law=law)
+model = box(5, 4, replace(SOIL_SPRINGS if law == "paper" else EARTH_SPRINGS, cohesion=2e3), tilt=0.1, law=law)
 model.lines = np.array([[0.0, -1.5, 0.0, 1.0, -1e3, 1e3], [0.0, 1.0, 1.0, 0.0, -1e3, 1e3]])
 model.make_list()
 model.set_pore_springs()

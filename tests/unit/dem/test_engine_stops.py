@@ -10,13 +10,13 @@ from dem.engine.engine import Engine, largest_step
 from dem.errors import EnergyBalanceError, EscapeError, NotFiniteError, OverlapError, SpeedError, StepTooLargeError
 from dem.kernels.contact import KN
 from dem.model import DiscModel
-from tests.support.dem_cases import BARE, FLOOR, RADIUS, SOIL, box
+from tests.support.dem_cases import BARE_SPRINGS, FLOOR, RADIUS, SOIL_SPRINGS, box
 
 
 def test_fast_disc_stays_inside_or_the_run_stops_in_words() -> None:
     stopped = 0
     for speed in (10.0, 100.0, 1000.0, 10000.0):
-        model = box(6, 5, replace(SOIL, allowed_overlap=2.0))
+        model = box(6, 5, replace(SOIL_SPRINGS, allowed_overlap=2.0))
         model.lines = np.array([
             [0.0, -2.0 * RADIUS, 0.0, 1.0, -1e3, 1e3], [-2.0 * RADIUS, 0.0, 1.0, 0.0, -1e3, 1e3],
             [17.0 * RADIUS, 0.0, -1.0, 0.0, -1e3, 1e3],
@@ -58,10 +58,10 @@ def test_pairs_that_parted_for_good_do_not_shrink_the_step() -> None:
 def test_smallest_of_all_limits_sets_the_step() -> None:
     """One light disc among heavy ones: its limit counts, that of a disc between two that hardly move, where each of
     equal discs moves its neighbours, too (a factor of 2 at most in the square of the frequency)."""
-    light = replace(BARE, name="light", density=20.0, effective_density=20.0)
+    light = replace(BARE_SPRINGS, name="light", density=20.0, effective_density=20.0)
     x = np.array([0.0, 1.5, 3.0, 4.5])
-    heavy = DiscModel.create(DiscGeometry(x, np.zeros(4), RADIUS, 0), DiscMaterials([BARE, light]))
-    mixed = DiscModel.create(DiscGeometry(x, np.zeros(4), RADIUS, [0, 0, 1, 0]), DiscMaterials([BARE, light]))
+    heavy = DiscModel.create(DiscGeometry(x, np.zeros(4), RADIUS, 0), DiscMaterials([BARE_SPRINGS, light]))
+    mixed = DiscModel.create(DiscGeometry(x, np.zeros(4), RADIUS, [0, 0, 1, 0]), DiscMaterials([BARE_SPRINGS, light]))
     assert 0.1 * np.sqrt(1.6) < largest_step(mixed).seconds / largest_step(heavy).seconds < 0.1 * np.sqrt(2.0)
     assert largest_step(mixed).disc == 2
 
@@ -75,12 +75,12 @@ def test_nan_stops_the_run() -> None:
 
 
 def test_too_deep_an_overlap_stops_the_run() -> None:
-    model = box(6, 5, replace(SOIL, kn=1e4, ks=1e4))
+    model = box(6, 5, replace(SOIL_SPRINGS, kn=1e4, ks=1e4))
     with pytest.raises(
         OverlapError, match=r"disc \d+ at x = .* overlap by 0\.5\d* of their mean radius, allowed is 0\.5"
     ):
         Engine(balance=1.0).run(model, 5.0)
-    model = box(6, 5, replace(SOIL, kn=3e5, ks=1e4, allowed_overlap=1.5))
+    model = box(6, 5, replace(SOIL_SPRINGS, kn=3e5, ks=1e4, allowed_overlap=1.5))
     Engine(balance=1.0).run(model, 1.0)
 
 
@@ -97,7 +97,7 @@ def test_energy_from_nowhere_stops_the_run(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_undamped_heap_that_gains_energy_is_caught() -> None:
     """A spring whose stiffness is changed under the engine's feet: the energy balance sees it."""
-    model = box(8, 6, replace(SOIL, cn=0.0, ct=0.0, friction=0.0, kpn=0.0, kps=0.0))
+    model = box(8, 6, replace(SOIL_SPRINGS, cn=0.0, ct=0.0, friction=0.0, kpn=0.0, kps=0.0))
     engine = Engine(dt=2e-5)
     engine.run(model, 0.05)
 
@@ -109,7 +109,7 @@ def test_undamped_heap_that_gains_energy_is_caught() -> None:
 
 
 def test_disc_behind_a_line_is_found() -> None:
-    model = DiscModel.create(DiscGeometry([0.0], [RADIUS], RADIUS), DiscMaterials([BARE]), DiscBoundary(FLOOR))
+    model = DiscModel.create(DiscGeometry([0.0], [RADIUS], RADIUS), DiscMaterials([BARE_SPRINGS]), DiscBoundary(FLOOR))
     model.z[:] = -1.5 * RADIUS
     with pytest.raises(EscapeError, match="has passed rigid line 0"):
         Engine(dt=1e-4, balance=1.0).run(model, steps=1)
@@ -137,4 +137,4 @@ def test_impossible_discs_are_refused(change: dict, words: str) -> None:
     config = {"x": [0.0], "z": [0.0], "radius": RADIUS, "layer": 0, "skin": None} | change
     skin = config.pop("skin")
     with pytest.raises(ValueError, match=words):
-        DiscModel.create(DiscGeometry(**config), DiscMaterials([BARE]), skin=skin)
+        DiscModel.create(DiscGeometry(**config), DiscMaterials([BARE_SPRINGS]), skin=skin)

@@ -7,7 +7,7 @@ from dem.assembly import DiscMaterials
 from dem.packing import Packing
 from dem.search.levelling import INSERTION_OVERLAP, LARGEST_PROTRUSION, levelled, misfit
 from meshes.section.section import Section
-from tests.support.dem_cases import SOIL
+from tests.support.dem_cases import SOIL_SPRINGS
 from tests.support.sections import layer
 
 RADIUS = 0.5
@@ -40,7 +40,7 @@ def without(packing: Packing, gone: np.ndarray) -> Packing:
 
 
 def off(inputs: Section, packing: Packing) -> np.ndarray:
-    return misfit(inputs, packing.discs(DiscMaterials([SOIL], law="soil")), RADIUS)
+    return misfit(inputs, packing.discs(DiscMaterials([SOIL_SPRINGS], law="soil")), RADIUS)
 
 
 @pytest.mark.parametrize("surface", [LEVEL, FACE])

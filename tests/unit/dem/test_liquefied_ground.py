@@ -42,7 +42,7 @@ from dem.packing import lattice_box
 from dem.pair_table import pair_table
 from dem.pressure_shear import take_back_shear
 from dem.slides.liquefied_strength import SHEAR_MODULUS, liquefied, onset
-from tests.support.dem_cases import BARE, RADIUS
+from tests.support.dem_cases import BARE_SPRINGS, RADIUS
 from tests.support.liquefied import GRAVITY, ShearedBox, sand, with_voids
 
 LOOSE = sand(3e7, 0.5)
@@ -306,7 +306,7 @@ def test_what_cannot_liquefy() -> None:
     x, z, nothing = np.arange(n) * 2.0 * RADIUS, np.zeros(n), np.zeros(n)
     config = Onset(np.ones(n, bool), np.ones(n), nothing, nothing, nothing)
     with pytest.raises(ValueError, match="the laws of liquefied ground need law='soil'"):
-        liquefy(DiscModel.create(DiscGeometry(x, z, RADIUS), DiscMaterials([BARE])), config)
+        liquefy(DiscModel.create(DiscGeometry(x, z, RADIUS), DiscMaterials([BARE_SPRINGS])), config)
     short = DiscModel.create(
         DiscGeometry(x[:6], z[:6], RADIUS),
         DiscMaterials([LOOSE], law="soil"),

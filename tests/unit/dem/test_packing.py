@@ -10,7 +10,7 @@ from dem.packing import Packing, lattice_box, periodic_packing, random_packing, 
 from dem.springs import from_strata
 from meshes.section.section import Section
 from tests.support import SECTIONS
-from tests.support.dem_cases import BARE, GRAVITY, SOIL
+from tests.support.dem_cases import BARE_SPRINGS, GRAVITY, SOIL_SPRINGS
 
 RADIUS = 0.5
 # a slope with a step: a corner that points inwards, another in the base
@@ -104,7 +104,7 @@ def test_boundary_has_no_hole_and_holds_what_falls() -> None:
     apart = np.sort(np.hypot(dx, dz), axis=1)[:, 1:3]
     ends = 2  # the upper ends of the two side walls
     assert np.sum(apart[:, 1] > 2.3 * RADIUS) <= ends
-    model = packing.discs(DiscMaterials([SOIL, BARE]), gravity=(0.0, -GRAVITY))
+    model = packing.discs(DiscMaterials([SOIL_SPRINGS, BARE_SPRINGS]), gravity=(0.0, -GRAVITY))
     rng = np.random.default_rng(0)
     model.set_velocity(*(8.0 * rng.standard_normal((2, len(model))) * packing.free), 0.0)
     Engine(balance=1e-2).run(model, 1.5)

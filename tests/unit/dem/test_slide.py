@@ -22,12 +22,21 @@ from dem.slides.slide import Row, Slide
 from dem.slides.slip import compare, cracked_shares, slip_surface
 from dem.slides.surface import Surface, crack_opening, escaped
 from meshes.section.section import Section
-from tests.support.dem_cases import RADIUS, SOIL
+from tests.support.dem_cases import RADIUS, SOIL_SPRINGS
 from tests.support.sections import slope
 
 # springs as soft, for their weight, as those of Table 2
 SAND = replace(
-    SOIL, kn=4.0e6, ks=1.0e6, cn=1.3e5, ct=6.5e4, kpn=4.0e5, kps=1.0e5, cohesion=0.0, allowed_overlap=1.0, name="sand"
+    SOIL_SPRINGS,
+    kn=4.0e6,
+    ks=1.0e6,
+    cn=1.3e5,
+    ct=6.5e4,
+    kpn=4.0e5,
+    kps=1.0e5,
+    cohesion=0.0,
+    allowed_overlap=1.0,
+    name="sand",
 )
 LAYERS = [SAND, replace(SAND, name="loose")]
 SETTINGS = SlideSettings(duration=6.0, frames=3)

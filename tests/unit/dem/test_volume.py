@@ -125,7 +125,7 @@ def test_what_swells_goes_on_with_the_same_bits(
     undrained_wedge: tuple[DiscModel, Ground], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Stopped after the rows of a look were written, and before its checkpoint was."""
-    monkeypatch.setattr("dem.slides.liquefaction.KEEP", 0.0)
+    monkeypatch.setattr("dem.slides.liquefaction.CHECKPOINT_INTERVAL", 0.0)
     whole = Slider(*undrained_wedge, [], None, SETTINGS)
     slide = whole.run()
     save: Callable[[DiscModel, Path], None] = DiscModel.save

@@ -8,7 +8,7 @@ import pytest
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.model import DiscModel
-from tests.support.dem_cases import BARE, FLOOR, KN, MASS, RADIUS, order, trace
+from tests.support.dem_cases import BARE_SPRINGS, FLOOR, KN, MASS, RADIUS, order, trace
 
 OMEGA = np.sqrt(KN / (0.5 * MASS))
 SPEED = 1e-4  # so small that the direction of the contact and its lever stay what they are
@@ -17,7 +17,7 @@ LEVELS = [100, 200, 400, 800]  # steps in half a period
 
 def collide(zeta: float, steps: int, pulls: bool) -> tuple[float, float, float]:
     """Restitution, duration times OMEGA, largest overlap times OMEGA / speed of approach, of a head-on collision."""
-    soil = replace(BARE, cn=2.0 * zeta * np.sqrt(KN * 0.5 * MASS))
+    soil = replace(BARE_SPRINGS, cn=2.0 * zeta * np.sqrt(KN * 0.5 * MASS))
     # the first step begins with the discs just in touch, so the jump of the dashpot's force falls on a step
     model = DiscModel.create(
         DiscGeometry([0.0, 2.0 * RADIUS * (1.0 - 1e-14)], [0.0, 0.0], RADIUS), DiscMaterials([soil])
@@ -78,7 +78,7 @@ def test_undamped_head_on_returns_all_energy() -> None:
 
 def impact(friction: float, vt: float, steps: int) -> tuple[float, float]:
     """Tangential velocity and spin times radius after an impact on a rigid line at speed (vt, -1) * SPEED."""
-    soil = replace(BARE, ks=0.5 * KN, friction=friction)
+    soil = replace(BARE_SPRINGS, ks=0.5 * KN, friction=friction)
     model = DiscModel.create(
         DiscGeometry([0.0], [RADIUS * (1.0 - 1e-14)], RADIUS), DiscMaterials([soil]), DiscBoundary(FLOOR)
     )

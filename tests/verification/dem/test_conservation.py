@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from dem.acceleration import Acceleration
 from dem.engine.engine import Engine, largest_step
 from dem.model import DiscModel
-from tests.support.dem_cases import BARE, KN, SOIL, box, order, random_discs
+from tests.support.dem_cases import BARE_SPRINGS, KN, SOIL_SPRINGS, box, order, random_discs
 
-ELASTIC = replace(BARE, ks=0.4 * KN, kpn=0.1 * KN, kps=0.04 * KN, friction=1e12, cohesion=1e12, beta=5.0)
+ELASTIC = replace(BARE_SPRINGS, ks=0.4 * KN, kpn=0.1 * KN, kps=0.04 * KN, friction=1e12, cohesion=1e12, beta=5.0)
 
 
 def momenta(model: DiscModel) -> np.ndarray:
@@ -25,7 +25,7 @@ def momenta(model: DiscModel) -> np.ndarray:
 @settings(max_examples=8, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(2, 150), pores=st.booleans(), sliding=st.booleans())
 def test_momentum_is_kept_to_rounding(seed: int, count: int, pores: bool, sliding: bool) -> None:
-    model = random_discs(seed, count, SOIL if sliding else ELASTIC, speed=0.5)
+    model = random_discs(seed, count, SOIL_SPRINGS if sliding else ELASTIC, speed=0.5)
     if pores:
         model.set_pore_springs()
     before = momenta(model)
@@ -69,7 +69,7 @@ def test_energy_error_is_of_second_order() -> None:
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_ledger_balances_with_every_part_of_the_law(seed: int) -> None:
     """Weight, Kh in time, dashpots, sliding, cracks of both kinds: to 0.1 % of what is turned over, and better."""
-    model = box(16, 10, replace(SOIL, cohesion=3e3), tilt=0.05)
+    model = box(16, 10, replace(SOIL_SPRINGS, cohesion=3e3), tilt=0.05)
     model.set_pore_springs()
     rng = np.random.default_rng(seed)
     free = ~model.fixed

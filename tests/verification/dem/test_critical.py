@@ -15,7 +15,7 @@ from dem.search.critical import critical_kh
 from dem.search.equilibrium import Rise, displacement, period, settle, step_on, stop, try_kh, unbalanced_ratio
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
-from tests.support.dem_cases import FLOOR, RADIUS, SOIL
+from tests.support.dem_cases import FLOOR, RADIUS, SOIL_SPRINGS
 
 MU = 0.313  # no multiple of a step of Kh
 SETTINGS = DemSettings(model="paper", resolution=0.005)
@@ -39,7 +39,7 @@ def blocks(layers: list[LayerSprings], tilt: float = 0.0, count: int = 4) -> tup
 @pytest.mark.parametrize(("mu", "tilt_deg"), [(MU, 0.0), (MU, 5.0), (0.031, 0.0), (0.022, 0.0), (0.087, 0.0)])
 def test_a_block_slides_where_friction_says(mu: float, tilt_deg: float) -> None:
     """A block on a plane that dips by beta slides at Kh = tan(phi - beta), from tan(beta + atan Kh) = mu."""
-    soil = replace(SOIL, friction=mu, kpn=0.0, kps=0.0)
+    soil = replace(SOIL_SPRINGS, friction=mu, kpn=0.0, kps=0.0)
     ground, model = blocks([soil], np.radians(tilt_deg))
     search = critical_kh(model, ground, SETTINGS)
     kc = np.tan(np.arctan(mu) - np.radians(tilt_deg))
@@ -51,14 +51,14 @@ def test_a_block_slides_where_friction_says(mu: float, tilt_deg: float) -> None:
 
 def test_elastic_displacement_is_that_of_the_spring() -> None:
     """Under Kh a block gives way by Kh m g / ks, the answer that `flexibility` is."""
-    soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
+    soil = replace(SOIL_SPRINGS, friction=MU, kpn=0.0, kps=0.0)
     ground, model = blocks([soil])
     search = critical_kh(model, ground, SETTINGS)
     assert search.flexibility_m == pytest.approx(model.mass[0] * 9.80665 / soil.ks, rel=2e-2)
 
 
 def test_the_answer_does_not_depend_on_threads_or_on_the_way() -> None:
-    soil = replace(SOIL, friction=MU)
+    soil = replace(SOIL_SPRINGS, friction=MU)
     packing = lattice_box(12, 4, RADIUS)
     ground = Ground(packing, "box", RADIUS, 4, 0.0, (0.0, 0.0), 1)
     model = settle(ground, [soil], SETTINGS)
@@ -69,7 +69,7 @@ def test_the_answer_does_not_depend_on_threads_or_on_the_way() -> None:
 
 
 def test_what_stands_and_what_fails_says_why() -> None:
-    soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
+    soil = replace(SOIL_SPRINGS, friction=MU, kpn=0.0, kps=0.0)
     ground, model = blocks([soil])
     stands = try_kh(model.copy(), model, ground, SETTINGS, Rise(0.0, 0.8 * MU, 1e-3))
     assert (stands.verdict, stands.unbalanced_ratio < SETTINGS.unbalanced) == ("stands", True)
@@ -85,14 +85,14 @@ def test_what_stands_and_what_fails_says_why() -> None:
 
 def test_ground_that_slides_at_the_first_kh_stood_under_its_own_weight() -> None:
     """Friction of 0.01 holds blocks on a level floor, and gives way at Kh = 0.01, before the first that is tried."""
-    ground, model = blocks([replace(SOIL, friction=0.01, ks=1.0, kpn=0.0, kps=0.0)])
+    ground, model = blocks([replace(SOIL_SPRINGS, friction=0.01, ks=1.0, kpn=0.0, kps=0.0)])
     search = critical_kh(model, ground, SETTINGS)
     assert (search.verdict, search.kc_lower, search.kc_upper, search.kc) == ("undecided", 0.0, 0.02, None)
     assert search.reason.startswith("the discs stand at rest, but not at Kh = 0.02")
 
 
 def test_ground_that_does_not_fail_stands_to_the_limit() -> None:
-    ground, model = blocks([replace(SOIL, friction=5.0)])
+    ground, model = blocks([replace(SOIL_SPRINGS, friction=5.0)])
     limited = critical_kh(model, ground, SETTINGS.model_copy(update={"kh_limit": 0.25}))
     assert (limited.verdict, limited.kc) == ("stands everywhere", None)
 
@@ -101,10 +101,10 @@ def test_period_of_a_uniform_ground() -> None:
     """4 H / V_s with V_s = r sqrt(1.5 (kn + ks) / m) (verification: waves in the triangular lattice)."""
     packing = lattice_box(20, 6, RADIUS)
     ground = Ground(packing, "box", RADIUS, 6, 0.0, (0.0, 0.0), 1)
-    model = packing.discs(DiscMaterials([SOIL]))
-    mass = np.pi * RADIUS**2 * SOIL.density
+    model = packing.discs(DiscMaterials([SOIL_SPRINGS]))
+    mass = np.pi * RADIUS**2 * SOIL_SPRINGS.density
     height = 5 * RADIUS * np.sqrt(3.0) + 2.0 * RADIUS
-    speed = RADIUS * np.sqrt(1.5 * (SOIL.kn + SOIL.ks) / mass)
+    speed = RADIUS * np.sqrt(1.5 * (SOIL_SPRINGS.kn + SOIL_SPRINGS.ks) / mass)
     assert period(model, ground) == pytest.approx(4.0 * height / speed, rel=1e-6)
 
 
@@ -113,7 +113,7 @@ class OnBlocks(Calibrator):
 
     @classmethod
     def of_friction(cls, **changes: Any) -> "OnBlocks":
-        soil = replace(SOIL, friction=MU, kpn=0.0, kps=0.0)
+        soil = replace(SOIL_SPRINGS, friction=MU, kpn=0.0, kps=0.0)
         ground, model = blocks([soil])
         return cls(ground, [soil], model, SETTINGS.model_copy(update={"parameter": "friction"}), **changes)
 
@@ -163,7 +163,7 @@ def test_springs_that_do_not_carry_the_ground_are_no_fault() -> None:
     """Discs so soft that they are pushed through each other fail under their own weight, and calibration goes on."""
     packing = lattice_box(10, 8, RADIUS)
     ground = Ground(packing, "box", RADIUS, 8, 0.0, (0.0, 0.0), 1)
-    soil = replace(SOIL, kn=2.0e6, ks=5.0e5, cn=8e4, ct=4e4, kpn=0.0, kps=0.0)
+    soil = replace(SOIL_SPRINGS, kn=2.0e6, ks=5.0e5, cn=8e4, ct=4e4, kpn=0.0, kps=0.0)
     model = settle(ground, [soil], SETTINGS)
     calibrator = Calibrator(ground, [soil], model, SETTINGS)
     assert calibrator.search("stiffness", 0.02).verdict == "fails under its own weight"

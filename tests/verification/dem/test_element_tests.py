@@ -13,7 +13,7 @@ from dem.laboratory.plane_elastic import lattice_elastic
 from dem.laboratory.strength import dilation
 from dem.laboratory.strength_map import strength_map
 from dem.springs import ROLLING, Strength, soil_discs
-from tests.support.dem_cases import KN, RADIUS, SOIL
+from tests.support.dem_cases import KN, RADIUS, SOIL_SPRINGS
 
 SMALL = (16, 18)  # discs of a random patch: stronger than a large one by a few degrees, but quick
 STIFF = 3e-4 * KN  # pressure (Pa) at which discs are nearly rigid
@@ -21,7 +21,7 @@ STIFF = 3e-4 * KN  # pressure (Pa) at which discs are nearly rigid
 
 def confined(friction: float, turns: bool = True, pressure: float = STIFF, **changes: float) -> Patch:
     """A lattice without pore springs under a pressure."""
-    patch = lattice_patch(replace(SOIL, friction=friction, **changes), RADIUS)
+    patch = lattice_patch(replace(SOIL_SPRINGS, friction=friction, **changes), RADIUS)
     if not turns:
         patch.model.inertia_ratio[:] = 0.0
     confine(patch, pressure)
@@ -118,7 +118,7 @@ def test_lattice_locks_where_friction_exceeds_the_wedge() -> None:
 
 def test_random_discs_without_pore_springs() -> None:
     """Discs roll, so an assembly is weaker than its contacts (atan 0.7 = 35 deg), but not below 20 deg; no cohesion."""
-    soil = replace(SOIL, cohesion=0.0, kpn=0.0, kps=0.0)
+    soil = replace(SOIL_SPRINGS, cohesion=0.0, kpn=0.0, kps=0.0)
     pressures = [1e-3 * KN, 4e-3 * KN]
     samples = [PatchSample(soil, "random", RADIUS, seed, SMALL) for seed in (0, 1)]
     tests = [element_test(sample, pressures, strain=0.1) for sample in samples]
@@ -132,7 +132,7 @@ def test_random_discs_without_pore_springs() -> None:
 
 def test_cohesion_of_pore_springs_is_cohesion_of_the_patch() -> None:
     """... as long as they fail in shear: once they snap at 1.02 of their length first, more of it adds nothing."""
-    soil = replace(SOIL, friction=0.2)
+    soil = replace(SOIL_SPRINGS, friction=0.2)
     values = [
         element_test(PatchSample(replace(soil, cohesion=c), "random", RADIUS, size=SMALL), [1e5, 2e5], strain=0.04)
         for c in (0.0, 1e5, 1e8, 1e9)
@@ -146,7 +146,7 @@ def test_cohesion_of_pore_springs_is_cohesion_of_the_patch() -> None:
 @pytest.mark.slow
 def test_half_the_rate_gives_the_same_strength() -> None:
     """A single peak hangs on which contact goes first (2 % either way); two pressures and two tests agree to 2 %."""
-    soil = replace(SOIL, cohesion=0.0)
+    soil = replace(SOIL_SPRINGS, cohesion=0.0)
     sample = PatchSample(soil, "random", RADIUS, size=SMALL)
     fast, slow = (element_test(sample, [1e6, 2e6], strain=0.15, rate=rate) for rate in (2e-4, 1e-4))
     assert fast.E == slow.E

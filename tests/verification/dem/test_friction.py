@@ -10,10 +10,10 @@ from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.kernels.contact import CN, MU
 from dem.model import DiscModel
-from tests.support.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, order
+from tests.support.dem_cases import BARE_SPRINGS, FLOOR, GRAVITY, KN, MASS, RADIUS, order
 
 SUNK = MASS * GRAVITY / KN  # overlap that carries the weight on a level floor
-ROUGH = replace(BARE, ks=0.5 * KN, cn=np.sqrt(MASS * KN), ct=0.5 * np.sqrt(MASS * KN))
+ROUGH = replace(BARE_SPRINGS, ks=0.5 * KN, cn=np.sqrt(MASS * KN), ct=0.5 * np.sqrt(MASS * KN))
 
 
 def on_floor(friction: float, tilt: float = 0.0, turns: bool = True, kh: float = 0.0) -> DiscModel:

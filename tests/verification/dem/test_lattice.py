@@ -9,14 +9,14 @@ from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
 from dem.model import DiscModel
-from tests.support.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, random_discs, stress, trace
+from tests.support.dem_cases import BARE_SPRINGS, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, random_discs, stress, trace
 
 SPACING = 2.0 * RADIUS * (1.0 - 1e-6)  # everything touches
 
 
 def patch(ks: float, size: int = 11) -> tuple[DiscModel, np.ndarray]:
     """A free patch of lattice that sticks at its contacts, and the mask of the disc in the middle."""
-    soil = replace(BARE, ks=ks, friction=1e12)
+    soil = replace(BARE_SPRINGS, ks=ks, friction=1e12)
     x, z = lattice(size, size, SPACING)
     middle = np.hypot(x - x.mean(), z - z.mean())
     model = DiscModel.create(
@@ -76,7 +76,7 @@ def test_long_waves(kind: str, direction: float) -> None:
 
 def constant(ks: float, cn: float = 0.0) -> DiscModel:
     """A lattice inside a frame of fixed discs, everything touching, with a little random motion."""
-    soil = replace(BARE, ks=ks, friction=1e12, cn=cn, ct=cn)
+    soil = replace(BARE_SPRINGS, ks=ks, friction=1e12, cn=cn, ct=cn)
     x, z = lattice(14, 14, SPACING)
     i, j = np.meshgrid(np.arange(14), np.arange(14))
     frame = ((i == 0) | (i == 13) | (j == 0) | (j == 13)).ravel()
@@ -135,14 +135,14 @@ def highest_frequency(model: DiscModel, ks: float) -> float:
 @pytest.mark.parametrize("ratio", [0.1, 0.5, 1.0])
 def test_bound_of_the_step_is_safe_and_close_for_random_discs(seed: int, ratio: float) -> None:
     """The bound allows 0.94 to 0.96 of the step that the exact highest frequency allows."""
-    model = random_discs(seed, 49, replace(BARE, ks=ratio * KN), 0.0)
+    model = random_discs(seed, 49, replace(BARE_SPRINGS, ks=ratio * KN), 0.0)
     exact = 2.0 / highest_frequency(model, ratio * KN)
     assert 0.9 * exact < largest_step(model).seconds <= exact
 
 
 def test_column_settles_under_its_weight() -> None:
     count = 12
-    soil = replace(BARE, cn=np.sqrt(MASS * KN))
+    soil = replace(BARE_SPRINGS, cn=np.sqrt(MASS * KN))
     z = RADIUS + 2.0 * RADIUS * np.arange(count)
     model = DiscModel.create(
         DiscGeometry(np.zeros(count), z, RADIUS), DiscMaterials([soil]), DiscBoundary(FLOOR), gravity=(0.0, -GRAVITY)
@@ -161,7 +161,7 @@ def test_chain_frequencies(mode: int) -> None:
     count, dt = 8, 5e-4
     x = SPACING * np.arange(count + 2)
     ends = (np.arange(count + 2) == 0) | (np.arange(count + 2) == count + 1)
-    model = DiscModel.create(DiscGeometry(x, np.zeros(count + 2), RADIUS, fixed=ends), DiscMaterials([BARE]))
+    model = DiscModel.create(DiscGeometry(x, np.zeros(count + 2), RADIUS, fixed=ends), DiscMaterials([BARE_SPRINGS]))
     shape = np.sin(np.arange(count + 2) * mode * np.pi / (count + 1))
     model.set_velocity(1e-6 * np.where(ends, 0.0, shape), 0.0)
     q = trace(model, dt, 60, lambda m: (m.x - x) @ shape)

@@ -13,9 +13,9 @@ from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces
 from dem.model import DiscModel
 from dem.springs import LayerSprings
-from tests.support.dem_cases import MASS, RADIUS, SOIL, trace
+from tests.support.dem_cases import MASS, RADIUS, SOIL_SPRINGS, trace
 
-HEAVY = replace(SOIL, density=1e16, effective_density=0.0, cn=0.0, ct=0.0, allowed_overlap=2.0)
+HEAVY = replace(SOIL_SPRINGS, density=1e16, effective_density=0.0, cn=0.0, ct=0.0, allowed_overlap=2.0)
 LENGTH = 2.1 * RADIUS  # set with a gap: the contact springs do not touch
 DT = 2e-3
 
@@ -37,7 +37,7 @@ def watch(model: DiscModel) -> tuple[float, float, float, float]:
 
 def test_reach_of_new_springs() -> None:
     x = np.array([0.0, 1.2 * 2.0 * RADIUS, 2.4 * 2.0 * RADIUS + 1e-9])
-    model = DiscModel.create(DiscGeometry(x, np.zeros(3), RADIUS), DiscMaterials([SOIL]))
+    model = DiscModel.create(DiscGeometry(x, np.zeros(3), RADIUS), DiscMaterials([SOIL_SPRINGS]))
     assert model.set_pore_springs() == 1
     linked = model.pore_length != 0.0
     assert set(model.pair_i[linked]) | set(model.pair_j[linked]) == {0, 1}
@@ -146,7 +146,7 @@ def test_cracked_spring_shears_only_while_compressed_and_up_to_friction() -> Non
 
 def test_order_of_the_two_discs_does_not_matter() -> None:
     """Same forces, same crack at the same step, to the last bit, whichever disc was named first."""
-    soil = replace(SOIL, cohesion=2e4)
+    soil = replace(SOIL_SPRINGS, cohesion=2e4)
     runs = []
     for swapped in (False, True):
         model = pair(soil, 0.4, 0.9, swapped=swapped)
@@ -160,11 +160,13 @@ def test_order_of_the_two_discs_does_not_matter() -> None:
 
 def test_bonded_pair_turns_as_one_body_without_slip() -> None:
     """A rigid rotation strains neither spring: levers add up to the distance."""
-    model = DiscModel.create(DiscGeometry([-0.5 * LENGTH, 0.5 * LENGTH], [0.0, 0.0], RADIUS), DiscMaterials([SOIL]))
+    model = DiscModel.create(
+        DiscGeometry([-0.5 * LENGTH, 0.5 * LENGTH], [0.0, 0.0], RADIUS), DiscMaterials([SOIL_SPRINGS])
+    )
     model.set_pore_springs()
     spin = 0.2
     model.set_velocity(0.0, spin * model.x, spin)
     Engine(dt=1e-4, balance=np.inf).run(model, steps=20000)
     assert model.angle == pytest.approx(0.4, rel=1e-4)
-    assert np.abs(model.pore_shear) < 1e-6 * SOIL.kps * LENGTH
-    assert model.distance() == pytest.approx([LENGTH * (1.0 + MASS * spin**2 / (2.0 * SOIL.kpn))], rel=1e-4)
+    assert np.abs(model.pore_shear) < 1e-6 * SOIL_SPRINGS.kps * LENGTH
+    assert model.distance() == pytest.approx([LENGTH * (1.0 + MASS * spin**2 / (2.0 * SOIL_SPRINGS.kpn))], rel=1e-4)

@@ -20,7 +20,7 @@ from dem.search.equilibrium import Trial, settle, step_on, stop
 from dem.search.pushover import BAND_DISPLACEMENT, LAST_DISPLACEMENT, LAST_REACH, Continuum, pushover_critical_kh
 from dem.settings import DemSettings
 from dem.springs import LayerSprings, Strength, soil_discs
-from tests.support.dem_cases import FLOOR, GRAVITY, RADIUS, SOIL
+from tests.support.dem_cases import FLOOR, GRAVITY, RADIUS, SOIL_SPRINGS
 
 MU = 0.313
 SETTINGS = DemSettings()
@@ -41,7 +41,7 @@ def block(soil: LayerSprings, tilt: float = 0.0) -> tuple[Ground, DiscModel, Con
 @cache
 def sliding_block() -> tuple[Search, DiscModel]:
     """The push of a block of MU on a level plane, and its discs at the end."""
-    ground, model, continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
+    ground, model, continuum = block(replace(SOIL_SPRINGS, friction=MU, kpn=0.0, kps=0.0))
     return pushover_critical_kh(model, ground, SETTINGS, continuum)
 
 
@@ -49,7 +49,7 @@ def sliding_block() -> tuple[Search, DiscModel]:
 def test_a_block_is_pushed_over_where_friction_says(mu: float, tilt_deg: float) -> None:
     """A block on a plane that dips by beta slides at Kh = tan(phi - beta)."""
     tilt = np.radians(tilt_deg)
-    ground, model, continuum = block(replace(SOIL, friction=mu, kpn=0.0, kps=0.0), tilt)
+    ground, model, continuum = block(replace(SOIL_SPRINGS, friction=mu, kpn=0.0, kps=0.0), tilt)
     result = pushover_critical_kh(model, ground, SETTINGS, continuum, until_failed=False)[0]
     assert result.verdict == "bracketed"
     assert result.kc == pytest.approx(np.tan(np.arctan(mu) - tilt), rel=0.02)
@@ -58,7 +58,7 @@ def test_a_block_is_pushed_over_where_friction_says(mu: float, tilt_deg: float) 
 
 def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
     """A disc that is nowhere is no ground that slid: the answer is whole, and the slip surface that of the curve."""
-    ground, model, continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
+    ground, model, continuum = block(replace(SOIL_SPRINGS, friction=MU, kpn=0.0, kps=0.0))
     points = pushover._points
 
     def lost(discs: DiscModel, *options: Any) -> Iterator[Trial | str | None]:
@@ -79,7 +79,7 @@ def test_an_error_after_the_curve_leaves_the_discs_of_its_end(monkeypatch: pytes
 
 def test_a_push_tells_where_and_why_it_ends() -> None:
     """A block whose reach is short moves by eight of them, one whose reach is long by eight radii."""
-    ground, model, short = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
+    ground, model, short = block(replace(SOIL_SPRINGS, friction=MU, kpn=0.0, kps=0.0))
     long = short._replace(yielding=2.0 * RADIUS / SETTINGS.ductility)
     for (item, loaded), way, why in (
         (
@@ -96,7 +96,7 @@ def test_a_push_tells_where_and_why_it_ends() -> None:
 
 def test_the_critical_kh_is_known_before_the_discs_have_failed() -> None:
     """A push that ends with its curve has the same curve to the last bit; its block is a little past the reach."""
-    ground, model, continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
+    ground, model, continuum = block(replace(SOIL_SPRINGS, friction=MU, kpn=0.0, kps=0.0))
     result, loaded = pushover_critical_kh(model, ground, SETTINGS, continuum, until_failed=False)
     until_failed, furthest = sliding_block()
     assert (result.kc_lower, result.kc_upper, result.curve) == (
@@ -110,7 +110,7 @@ def test_the_critical_kh_is_known_before_the_discs_have_failed() -> None:
 
 def test_ground_of_which_a_part_comes_apart_is_pushed_no_further() -> None:
     """One disc of four is twenty times as far as the others."""
-    ground, model, _ = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
+    ground, model, _ = block(replace(SOIL_SPRINGS, friction=MU, kpn=0.0, kps=0.0))
     disc_model = model.copy()
     disc_model.x += 0.1 * RADIUS
     machine = pushover.DisplacementControl(RADIUS, 1.0)
@@ -121,7 +121,7 @@ def test_ground_of_which_a_part_comes_apart_is_pushed_no_further() -> None:
 
 def test_the_curve_is_elastic_and_then_level() -> None:
     """Up to mu a block gives way by Kh m g / ks, beyond it slides at that Kh."""
-    continuum = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))[2]
+    continuum = block(replace(SOIL_SPRINGS, friction=MU, kpn=0.0, kps=0.0))[2]
     result = sliding_block()[0]
     assert result.kc == pytest.approx(MU, rel=0.02)
     assert result.kc_lower <= result.kc <= result.kc_upper
@@ -202,8 +202,8 @@ class _Proportional(Calibrator):
 @pytest.mark.parametrize(("first", "factors"), [(0.9, {0.9}), (0.8, {0.8, 0.89474})])
 def test_another_packing_begins_with_the_factor_of_the_first(first: float, factors: set[float]) -> None:
     """Random packings of one section differ little: a factor that is close enough needs one search."""
-    ground, model, _ = block(replace(SOIL, friction=MU, kpn=0.0, kps=0.0))
-    discs = _Proportional(ground, [SOIL], model, DemSettings())
+    ground, model, _ = block(replace(SOIL_SPRINGS, friction=MU, kpn=0.0, kps=0.0))
+    discs = _Proportional(ground, [SOIL_SPRINGS], model, DemSettings())
     calibration = calibrated(discs, Continuum(0.34, 0.1), one_at_a_time=False, first=first)
     assert calibration.verdict == "calibrated"
     assert {round(factor, 5) for _, factor in discs.searches} == factors

@@ -9,7 +9,7 @@ from dem.acceleration import Acceleration
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.model import DiscModel
-from tests.support.dem_cases import BARE, FLOOR, GRAVITY, MASS, RADIUS
+from tests.support.dem_cases import BARE_SPRINGS, FLOOR, GRAVITY, MASS, RADIUS
 from workflow.estimates.sliding_block import newmark
 
 KN, KS = 1.0e9, 0.5e9
@@ -29,7 +29,7 @@ def column(beta: float = 0.0) -> DiscModel:
         height += float(np.sqrt(length**2 - 0.25 * SPACING**2))
         heights.append(height)
     row, place = np.repeat(np.arange(ROWS + 1), COLUMNS), np.tile(np.arange(COLUMNS), ROWS + 1)
-    soil = replace(BARE, kn=KN, ks=KS, cn=beta * KN, ct=beta * KS, friction=1e9)
+    soil = replace(BARE_SPRINGS, kn=KN, ks=KS, cn=beta * KN, ct=beta * KS, friction=1e9)
     return DiscModel.create(
         DiscGeometry((place + 0.5 * (row % 2)) * SPACING, np.array(heights)[row], RADIUS, np.where(row == 0, -1, 0)),
         DiscMaterials([soil], law="soil"),
@@ -81,7 +81,9 @@ def record() -> tuple[np.ndarray, np.ndarray]:
 def test_a_block_on_a_plane_slides_as_newmark_says(tilt: float) -> None:
     """A disc that cannot turn resists kc = μ cos β - sin β along the plane; uphill it never slides."""
     friction = 0.35
-    soil = replace(BARE, kn=1e9, ks=5e8, cn=0.4 * np.sqrt(MASS * 1e9), ct=0.4 * np.sqrt(MASS * 5e8), friction=friction)
+    soil = replace(
+        BARE_SPRINGS, kn=1e9, ks=5e8, cn=0.4 * np.sqrt(MASS * 1e9), ct=0.4 * np.sqrt(MASS * 5e8), friction=friction
+    )
     sunk = MASS * GRAVITY * np.cos(tilt) / 1e9
     time, shaking = record()
     model = DiscModel.create(

@@ -13,10 +13,10 @@ from dem.kernels.contact import GAP
 from dem.model import DiscModel
 from dem.pair_table import pair_table
 from dem.springs import STOP_DEPTH, LayerSprings
-from tests.support.dem_cases import BARE, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, random_discs, trace
+from tests.support.dem_cases import BARE_SPRINGS, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, random_discs, trace
 
 WEIGHT = MASS * GRAVITY
-ROUGH = replace(BARE, ks=0.5 * KN, cn=np.sqrt(MASS * KN), ct=0.5 * np.sqrt(MASS * KN), friction=0.6)
+ROUGH = replace(BARE_SPRINGS, ks=0.5 * KN, cn=np.sqrt(MASS * KN), ct=0.5 * np.sqrt(MASS * KN), friction=0.6)
 
 
 def on_incline(tilt: float, soil: LayerSprings, turns: bool = True, kh: float = 0.0) -> DiscModel:
@@ -74,7 +74,7 @@ def test_discs_of_infinite_rolling_friction_do_not_turn() -> None:
 def test_rolling_moments_of_two_discs_are_opposite() -> None:
     """PFC's rolling resistance: k_s R^2 (w_j - w_i) t, R = r_i r_j/(r_i + r_j), up to mu_r R Fn."""
     radius = np.array([0.5, 1.0])
-    heavy = replace(BARE, ks=0.5 * KN, density=1e12, effective_density=1e12, friction=0.0, rolling_friction=0.2)
+    heavy = replace(BARE_SPRINGS, ks=0.5 * KN, density=1e12, effective_density=1e12, friction=0.0, rolling_friction=0.2)
     reduced = radius.prod() / radius.sum()
     spin = np.array([0.02, -0.05])
     force = 0.01 * KN
@@ -134,7 +134,7 @@ def test_cohesion_is_there_again_when_discs_touch_again_and_pulls_nowhere() -> N
 
 def test_cohesive_discs_bear_a_pull_and_attract_again() -> None:
     """F = kn (overlap) down to -a C, where the spring lets go: that costs (a C)^2 / (2 kn), which comes back."""
-    heavy = replace(BARE, density=1e12, effective_density=1e12, contact_cohesion=5e4, attraction=2.0)
+    heavy = replace(BARE_SPRINGS, density=1e12, effective_density=1e12, contact_cohesion=5e4, attraction=2.0)
     gap = 2.0 * 5e4 / KN
     model = DiscModel.create(
         DiscGeometry([0.0, 2.0 * RADIUS], [0.0, 0.0], RADIUS), DiscMaterials([heavy], law="soil", turns=False)
@@ -151,8 +151,8 @@ def test_cohesive_discs_bear_a_pull_and_attract_again() -> None:
 
 
 def test_of_two_materials_the_one_that_attracts_less_counts() -> None:
-    clay = replace(BARE, contact_cohesion=5e4, attraction=2.0)
-    sand = replace(BARE, name="sand", friction=0.5)
+    clay = replace(BARE_SPRINGS, contact_cohesion=5e4, attraction=2.0)
+    sand = replace(BARE_SPRINGS, name="sand", friction=0.5)
     loam = replace(clay, name="loam", kn=3.0 * KN, contact_cohesion=2e4)
     gap = pair_table([clay, sand, loam], law="soil").pairs[GAP].reshape(4, 4)
     stored = np.array([1e5, 0.0, 4e4])
@@ -166,7 +166,7 @@ def test_of_two_materials_the_one_that_attracts_less_counts() -> None:
 @pytest.mark.parametrize(("loading", "due"), [(5e4, 0.7 * 5e4), (2e5, 6e4 + 0.1 * 2e5)])
 def test_two_materials_are_as_strong_as_the_weaker(loading: float, due: float) -> None:
     """Sand (mu 0.7) governs at little normal force, clay (C = 60 kN, mu 0.1) at much."""
-    sand = replace(BARE, ks=0.5 * KN, density=1e9, effective_density=1e9, friction=0.7)
+    sand = replace(BARE_SPRINGS, ks=0.5 * KN, density=1e9, effective_density=1e9, friction=0.7)
     clay = replace(sand, name="clay", friction=0.1, contact_cohesion=6e4)
     for layers in ([0, 1], [1, 0]):
         model = DiscModel.create(
@@ -199,8 +199,8 @@ def test_softened_discs_do_not_fall_through_each_other() -> None:
 
 
 SOIL_DISCS = replace(
-    BARE, ks=0.5 * KN, cn=0.1 * np.sqrt(MASS * KN), ct=0.1 * np.sqrt(MASS * KN), friction=0.4, contact_cohesion=5e3,
-    rolling_friction=0.1, stop=2.0 * KN,
+    BARE_SPRINGS, ks=0.5 * KN, cn=0.1 * np.sqrt(MASS * KN), ct=0.1 * np.sqrt(MASS * KN), friction=0.4,
+    contact_cohesion=5e3, rolling_friction=0.1, stop=2.0 * KN,
 )  # fmt: skip
 
 
@@ -250,7 +250,7 @@ def _rolling_energy(model: DiscModel) -> float:
 
 
 def test_rolling_resistance_keeps_momentum() -> None:
-    model = random_discs(5, 60, BARE, 0.3)
+    model = random_discs(5, 60, BARE_SPRINGS, 0.3)
     closed = DiscModel.create(
         DiscGeometry(model.x, model.z, model.radius),
         DiscMaterials([replace(SOIL_DISCS, allowed_overlap=2.0)], law="soil"),

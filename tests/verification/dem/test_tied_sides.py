@@ -15,9 +15,9 @@ from dem.kernels.contact import COHESION, MU, MU_ROLLING
 from dem.kernels.neighbours import pairs_within
 from dem.kernels.period import Period
 from dem.model import DiscModel
-from tests.support.dem_cases import EARTH, GRAVITY, KN, MASS, RADIUS, lattice
+from tests.support.dem_cases import EARTH_SPRINGS, GRAVITY, KN, MASS, RADIUS, lattice
 
-SOIL = replace(EARTH, kpn=0.0, kps=0.0, cohesion=0.0)
+SOIL = replace(EARTH_SPRINGS, kpn=0.0, kps=0.0, cohesion=0.0)
 FLOOR = np.array([[0.0, -RADIUS, 0.0, 1.0, -1e9, 1e9]])
 COLUMNS = 12
 LENGTH = 2.0 * RADIUS * COLUMNS

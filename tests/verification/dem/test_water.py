@@ -19,7 +19,7 @@ from dem.search.equilibrium import settle
 from dem.settings import DemSettings, SlideSettings
 from dem.slides.liquefaction import HISTORY_INTERVAL, Slider
 from meshes.section.quantity import GRAVITY
-from tests.support.dem_cases import FLOOR, KN, MASS, RADIUS, SOIL
+from tests.support.dem_cases import FLOOR, KN, MASS, RADIUS, SOIL_SPRINGS
 from tests.support.water import WATER, section, soil
 
 DISCS = DemSettings(elements=500, packing="random")
@@ -106,7 +106,7 @@ def test_ground_that_sinks_into_liquefied_ground_is_carried_by_the_water_that_it
 def smooth_row(tilt, **changes):
     """A row of discs that do not turn on a rough plane, its sides periodic: a uniform slope one disc deep."""
     rough = replace(
-        SOIL, friction=FRICTION, contact_cohesion=0.0, rolling_friction=np.inf, cn=np.sqrt(MASS * KN),
+        SOIL_SPRINGS, friction=FRICTION, contact_cohesion=0.0, rolling_friction=np.inf, cn=np.sqrt(MASS * KN),
         ct=np.sqrt(MASS * KN),
     )  # fmt: skip
     return DiscModel.create(
