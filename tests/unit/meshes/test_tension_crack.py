@@ -56,3 +56,18 @@ def test_cracked_ground_has_the_pore_pressure_that_a_drawdown_leaves(drains: boo
             pressures.append(float(section.water_pressure.at_rest(at, at, np.array([k]))[0]))
         least = 9806.65 * (0.1 - 1.0 + depth)  # of the water in the crack
         assert pressures[1] == pytest.approx(max(pressures[0], least), abs=1.0)
+
+
+def test_full_cracks_of_a_crest_with_a_crossfall_are_full() -> None:
+    """Water ran out of them to the ground a crack's depth away, 7 mm lower: bounds had a film of dry ground, some
+    hundred times as long as thick, all along the crest, and no lower bound where it met the slope."""
+    surface = [[0.0, 10.3], [30.0, 10.0], [50.0, 4.0], [80.0, 4.0]]
+    clay = layer("clay", cohesion="30 kPa", friction_angle="0 deg")
+    crack = {"bottom": {"depth": 0.7}, "water": "full"}
+    section = analysed({**SLOPE, "surface": surface, "strata": [clay], "tension_crack": crack}).section.cut_at_films
+    at = section.layering.interfaces(np.array([10.0, 20.0, 28.0, 40.0, 60.0, 70.0]))
+    thickness = -np.diff(at, axis=1)
+    assert thickness[thickness > 0.0].min() > 0.1
+    ground = at[:3, :1] * [0.0, 1.0] + [[10.0, 0.0], [20.0, 0.0], [28.0, 0.0]]
+    pressure = section.water_pressure.at_rest(ground - [0.0, 0.7], ground - [0.0, 0.5], np.zeros(3, dtype=int))
+    assert pressure == pytest.approx(0.7 * 9806.65, rel=1e-6)
