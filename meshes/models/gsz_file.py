@@ -27,6 +27,11 @@ from meshes.models.foreign_model import (
 EXPECTED = "expected a model of GeoStudio with an analysis of SLOPE/W"
 REGION = re.compile(r"Regions-(\d+)")
 BEDROCK = "10 MPa"  # cohesion: slips do not pass it
+# Parts of an analysis of SLOPE/W that are read, have a notice of their own, or say only how slips are searched.
+KNOWN_PARTS = {
+    "DataPoints", "PiezometricSurfaces", "MaterialUsesPiezs", "Surcharges", "LineLoadPoints", "ReinforcementLines",
+    "TensionCrack", "Seismic", "InitialInputInfo", "SlipSurface", "Convergence", "LambdaSettings",
+}  # fmt: skip
 
 
 class GeoStudioUnits(NamedTuple):
@@ -172,8 +177,13 @@ def _not_taken(entry: Element, water: Element | None) -> Iterator[str]:
     if entry.find("./TensionCrack/TensionOption") is not None:
         yield "not read: the tension crack; see [tension_crack]"
     seismic = entry.find("Seismic")
-    if seismic is not None and float(seismic.get("Horizontal") or 0.0):
-        yield f"not taken: the earthquake, Kh = {seismic.get('Horizontal')}; see safety_factor_at in [fem]"
+    if seismic is not None and (kh := float(seismic.get("Horizontal") or 0.0)):
+        yield f"not taken: the earthquake, Kh = {kh:g}; see safety_factor_at in [fem]"
+    if seismic is not None and (kv := float(seismic.get("Vertical") or 0.0)):
+        yield f"not taken: the vertical earthquake, Kv = {kv:g}; see vertical in [fem], which is positive upwards"
+    for part in entry:
+        if part.tag not in KNOWN_PARTS and (len(part) or (part.text or "").strip() or part.attrib):
+            yield f"not read: {part.tag} of the analysis"
     option = "" if water is None else _text(water, "Entry/ResultInputInfo/Option")
     if option and option.lower() != "none":
         yield f"not read: pore pressure by {option}"

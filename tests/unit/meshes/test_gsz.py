@@ -115,3 +115,11 @@ def test_what_a_model_has_otherwise(
             (20e3 / 9.80665, 5e3),
             (18e3 / 9.80665, 40e3),
         }
+
+
+def test_what_an_analysis_has_beside_what_is_read_is_listed(tmp_path: Path) -> None:
+    """The vertical coefficient of an earthquake was dropped without a word, and so was every part that is not known."""
+    change = ('<Seismic Horizontal="0.15"/>', '<Seismic Horizontal="" Vertical="0.07"/><PressureLines Len="1"/>')
+    notices = read_gsz(written(tmp_path, change=change), "slope").notices
+    assert any(text.startswith("not taken: the vertical earthquake, Kv = 0.07") for text in notices)
+    assert "not read: PressureLines of the analysis" in notices
