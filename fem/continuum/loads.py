@@ -1,8 +1,10 @@
 """Determines the direction of the seismic load, and which strata can be analysed, for finite elements and for limit
 analysis."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal
+
+import numpy as np
 
 from fem.errors import UnstableError
 from fem.settings import FemSettings
@@ -13,6 +15,8 @@ from meshes.section.section import Section, Stratum
 from meshes.section.uplift import Uplift
 
 Direction = Literal["downhill", "uphill"]
+# Largest difference of both ends of the ground, as a share of its relief, at which they count as level with each other.
+LARGEST_SHARE_OF_RELIEF = 0.1
 
 
 def seismic_sign(section: Section, settings: FemSettings) -> int:
@@ -31,6 +35,26 @@ def direction_of(settings: FemSettings, opposite: bool = False) -> Direction:
 def sign_of(section: Section, direction: Direction) -> int:
     """Return +1 if "downhill" or "uphill" is to the right, -1 if it is to the left."""
     return downhill(section.ground) * (1 if direction == "downhill" else -1)
+
+
+def counting_directions(section: Section, sides_reached: Mapping[Direction, Sequence[str]]) -> list[Direction]:
+    """Return the directions of the seismic force, among those analysed, whose failures count for the smaller Kh.
+
+    An uphill failure that reaches a side does not count beside a downhill one: no slope fails there, but ground that
+    only the K0 stress on the side supports. Where both ends of the ground are level with each other, as of a levee or a
+    cutting, neither direction is uphill: a failure that reaches a side then does not count beside one that reaches
+    none. ``sides_reached``: the sides that the failure reaches in each direction.
+    """
+    inside = [direction for direction, sides in sides_reached.items() if not sides]
+    if len(sides_reached) == 1 or has_level_ends(section):
+        return inside or list(sides_reached)
+    return [direction for direction in sides_reached if direction == "downhill" or direction in inside]
+
+
+def has_level_ends(section: Section) -> bool:
+    """Return whether both ends of the ground are level with each other."""
+    elevations = section.ground[:, 1]
+    return bool(abs(elevations[-1] - elevations[0]) <= LARGEST_SHARE_OF_RELIEF * np.ptp(elevations))
 
 
 def soils(section: Section) -> tuple[Stratum, ...]:

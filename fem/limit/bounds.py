@@ -5,6 +5,7 @@ Davis's estimate (1968) multiplies c and tan φ by cos ψ cos φ / (1 - sin ψ s
 of this weaker ground are strict, and check the finite elements with Davis's estimate.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -47,6 +48,9 @@ from meshes.triangles import TriMesh
 WORK_IN_FIRST_MESHES = 6
 # Largest number of cells where a rough upper bound suffices; the first mesh has a share of it.
 COARSE_CELLS = 8000
+# Largest share of the allowed work for each rough upper bound. Sand from which water seeps has no equilibrium before
+# its face is strengthened, and the solver would search for one longer than for all bounds.
+LARGEST_COARSE_SHARE = 0.1
 # Gap between the bounds of Kh (absolute, and as a share of Kh) up to which the search for a factor of safety starts
 # from their mesh.
 LARGEST_FIRST_GAP, LARGEST_FIRST_GAP_SHARE = 0.02, 0.15
@@ -111,7 +115,7 @@ class DirectionGround:
     work: float = 0.0
 
     @classmethod
-    def of(cls, section: Section, fem: FemSettings, max_cells: int) -> "DirectionGround":
+    def of(cls, section: Section, fem: FemSettings, max_cells: int, seconds: float = math.inf) -> "DirectionGround":
         """Return the ground that is analysed for the direction of the settings.
 
         The critical Kh of each face is compared with an upper bound on one coarse mesh of the section with all its
@@ -123,12 +127,13 @@ class DirectionGround:
         """
         faces, always = shallow_failures(section, fem), failing_at_rest(section, fem)
         whole = strengthened(section, faces + always, fem)
-        upper, work = _coarse_upper_bound(whole, fem) if faces else (-np.inf, 0.0)
+        most_work = LARGEST_COARSE_SHARE * seconds
+        upper, work = _coarse_upper_bound(whole, fem, most_work) if faces else (-np.inf, 0.0)
         govern = [face for face in faces if face.kh < upper]
         if not govern and not always:
             return cls(fem, max_cells, (), np.inf, section, work)
         ground = whole if govern else strengthened(section, always, fem)
-        as_given, more_work = _coarse_upper_bound(section, fem)
+        as_given, more_work = _coarse_upper_bound(section, fem, most_work)
         return cls(fem, max_cells, (*govern, *always), as_given, ground, work + more_work)
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
@@ -181,31 +186,31 @@ def kh_bounds(
     davis = flow_of(section.strata, fem.flow) != "associated" if settings.davis == "auto" else settings.davis
     with_davis = davis and not is_dilating_fully(strata)
     grounds = {
-        direction: DirectionGround.of(section, fem.changed(direction=direction), settings.max_cells)
+        direction: DirectionGround.of(section, fem.changed(direction=direction), settings.max_cells, settings.seconds)
         for direction in directions_of(fem)
     }
     allowed = settings.seconds - sum(ground.work for ground in grounds.values())
     seconds = allowed / (2.0 if with_davis else 1.0)
     limits = Limits(settings.gap, settings.max_cells, seconds, enough=0.0, least=LEAST_KH)
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
-    bounds = search_all(tuple(searches.values()), limits, observer)
+    bounds = search_all(section, tuple(searches.values()), limits, observer)
     strong = {direction: (ground, searches[direction]) for direction, ground in grounds.items()}
     dropped = _drop_needless_strength(section, grounds, searches, limits, bounds.upper)
-    bounds = search_all(tuple(searches.values()), limits, observer)
+    bounds = search_all(section, tuple(searches.values()), limits, observer)
     wet = [way for way, search in searches.items() if _slips(section, fem, search, *strong[way])]
     for way in wet:  # shallow ground slips where water comes out of a face, before any face by itself
         dropped += searches[way].work - strong[way][1].work
         as_given = searches[way].bracket.upper
         grounds[way], searches[way] = replace(strong[way][0], as_given=as_given), strong[way][1]
     if wet:
-        bounds = search_all(tuple(searches.values()), limits, observer)
+        bounds = search_all(section, tuple(searches.values()), limits, observer)
     if bounds.upper < 0.0:
         raise _unstable(section, bounds.upper)
     substitute, spent = None, dropped + sum(search.work for search in searches.values())
     if with_davis:
         left = replace(limits, seconds=allowed - spent)
         weaker = [ground.search(left, after=searches[direction]) for direction, ground in grounds.items()]
-        substitute = search_all(weaker, left, observer)
+        substitute = search_all(section, weaker, left, observer)
         spent += sum(search.work for search in weaker)
     faces = dict.fromkeys(face for ground in grounds.values() for face in ground.shallow_failures)
     govern = tuple(face for face in faces if face.kh < bounds.upper)
@@ -280,13 +285,13 @@ def as_analysed(section: Section, fem: FemSettings) -> Section:
     return cut_at_least_strength(with_strengthened_load_ends(section, fem.least_depth).cut_at_films)
 
 
-def _coarse_upper_bound(section: Section, fem: FemSettings) -> tuple[float, float]:
-    """Return an upper bound of Kh on one coarse mesh (inf if there is none), and its computing work (seconds on the
-    reference machine of ``cone_program``)."""
+def _coarse_upper_bound(section: Section, fem: FemSettings, most_work: float) -> tuple[float, float]:
+    """Return an upper bound of Kh on one coarse mesh, inf if there is none after ``most_work``, and its computing work
+    (seconds on the reference machine of ``cone_program``)."""
     ground = as_analysed(section, fem)
     mesh = first_mesh(ground, COARSE_CELLS, fem.sides)
     body = body_of(ground, mesh, fem)
-    bound, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))
+    bound, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)), most_work)
     return mechanism.multiplier if mechanism else np.inf, bound.solution.work
 
 

@@ -12,10 +12,11 @@ from typing import Literal
 
 import numpy as np
 
-from fem.continuum.loads import Direction
+from fem.continuum.loads import Direction, counting_directions
 from fem.limit.adaptive_bounds import BoundSearch
 from fem.limit.bracket import Bracket, Limits, Mechanism
 from fem.limit.limit_problem import RigidPlasticBody
+from meshes.section.section import Section
 from meshes.triangles import TriMesh
 
 # A mechanism leaves the section through a side that moves with at least this share of the largest velocity.
@@ -44,8 +45,8 @@ class DirectionBounds(Bracket):
 class SmallerKhBounds(Bracket):
     """Holds the bounds of the smallest critical Kh over the directions of the seismic force.
 
-    As in the finite elements, the uphill direction is left out if its mechanism leaves the section through a side and
-    the downhill direction was analysed: the side is where the section was cut off.
+    As in the finite elements, directions whose mechanisms leave the section through a side count as in
+    `counting_directions`: the side is where the section was cut off.
 
     Attributes
     ----------
@@ -92,13 +93,13 @@ def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
     )
 
 
-def smaller_of(directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
-    """Return the bounds of the smallest critical Kh over the directions that `counting_of` selects.
+def smaller_of(section: Section, directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
+    """Return the bounds of the smallest critical Kh of a section over the directions that `counting_of` selects.
 
     Computing work and meshes are those of the direction with the smallest upper bound.
     """
     order = sorted(directions, key=lambda bounds: (bounds.upper, bounds.lower))
-    counting = counting_of(order)
+    counting = counting_of(section, order)
     weakest = min(counting, key=lambda bounds: bounds.lower)
     first = counting[0]
     rest = tuple(bounds for bounds in order if bounds is not first)
@@ -113,30 +114,26 @@ def smaller_of(directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
     )
 
 
-def counting_of(directions: Sequence[DirectionBounds]) -> list[DirectionBounds]:
-    """Return the directions whose bounds count for the smaller Kh.
-
-    An uphill mechanism that leaves the section through a side does not count where there is a downhill one.
-    """
-    if len(directions) == 1:
-        return list(directions)
-    return [bounds for bounds in directions if bounds.direction == "downhill" or not bounds.leaves]
+def counting_of(section: Section, directions: Sequence[DirectionBounds]) -> list[DirectionBounds]:
+    """Return the directions whose bounds count for the smaller Kh of a section."""
+    counting = counting_directions(section, {bounds.direction: bounds.leaves for bounds in directions})
+    return [bounds for bounds in directions if bounds.direction in counting]
 
 
 def search_all(
-    searches: Sequence[DirectionSearch], limits: Limits, observer: KhObserver | None = None
+    section: Section, searches: Sequence[DirectionSearch], limits: Limits, observer: KhObserver | None = None
 ) -> SmallerKhBounds:
-    """Find the bounds of the smallest Kh of all ``searches``, which share the work of ``limits``."""
+    """Find the bounds of the smallest Kh of a section over all ``searches``, which share the work of ``limits``."""
     while True:
         for search in searches:
             if not search.bracket.meshes:
                 search.advance(_work_of_others(search, searches))
-        smaller = smaller_of([search.bounds for search in searches])
+        smaller = smaller_of(section, [search.bounds for search in searches])
         if observer:
             observer(smaller)
         if limits.open(smaller.lower, smaller.upper) <= 1.0:
             return replace(smaller, ended="gap", open_at=None)
-        counting = {bounds.direction for bounds in counting_of(smaller.directions)}
+        counting = {bounds.direction for bounds in counting_of(section, smaller.directions)}
         open_searches = [
             search
             for search in searches

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.continuum.loads import Direction
+from fem.continuum.loads import Direction, counting_directions
 from fem.continuum.shallow_failure import ShallowFailure, faces_at, strengthened, without_strips
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
@@ -139,8 +139,8 @@ class AdaptiveSearch:
     def critical(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult]:
         """Find the critical Kh, in the direction in which it is smaller.
 
-        A seismic force upslope whose mechanism leaves the section through a side counts only if no other direction is
-        analysed, as in ``critical_coefficient``. Raises the errors of ``critical_limit_load`` on the first mesh.
+        Mechanisms that leave the section through a side count as in `counting_directions`. Raises the errors of
+        ``critical_limit_load`` on the first mesh.
         """
         if settings.direction != "both":
             return self._towards(settings.direction, settings, nothing)
@@ -151,7 +151,12 @@ class AdaptiveSearch:
             downhill.result()  # its error is raised first
             raise
         down = downhill.result()
-        if up.result.kc < down.result.kc and not up.at_sides:
+        counting = counting_directions(self.section, {"downhill": down.at_sides, "uphill": up.at_sides})
+        if "downhill" not in counting:
+            if up.result.kc > down.result.kc:  # its meshes ended where the other direction was taken to govern
+                up = self._towards("uphill", settings, nothing)
+            return replace(up, other=down)
+        if "uphill" in counting and up.result.kc < down.result.kc:
             return replace(up, other=down)
         return replace(down, other=up)
 

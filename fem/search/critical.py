@@ -9,12 +9,12 @@ seismic mass (m).
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from fem.continuum.fields import FieldState, state_of, touched_sides
-from fem.continuum.loads import Direction, direction_of, seismic_sign
+from fem.continuum.loads import Direction, counting_directions, direction_of, seismic_sign
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure
 from fem.continuum.strength import Flow, flow_of
@@ -127,8 +127,7 @@ def critical_coefficient(
 ) -> CriticalResult:
     """Find the critical seismic coefficient of a meshed section, in the direction in which it is smaller.
 
-    If the seismic force upslope has a mechanism that leaves the section through a side, this direction counts only if
-    no other is analysed: there no slope fails, but ground that only the K0 stress on the side supports.
+    Mechanisms that leave the section through a side count as in `counting_directions`.
 
     Parameters
     ----------
@@ -165,7 +164,9 @@ def critical_coefficient(
     first = towards(settings=settings.changed(direction="downhill"))
     most = min(settings.kh_limit, OTHER_DIRECTION_RATIO * max(first.kc, settings.first_step))
     second = towards(settings=settings.changed(direction="uphill", kh_limit=most))
-    if second.kc < first.kc and not touched_sides(mesh, second.mechanism):
+    sides = (touched_sides(mesh, result.mechanism) for result in (first, second))
+    counting = counting_directions(section, dict(zip(get_args(Direction), sides, strict=True)))
+    if "downhill" not in counting or ("uphill" in counting and second.kc < first.kc):
         return replace(second, other=first)
     return replace(first, other=second)
 

@@ -25,7 +25,7 @@ from meshes.section.section import Section
 STEEP = 10.0  # rise over run
 # Water runs out of cracks only where the ground beside them is lower by more than this share of their depth. A crest
 # with a crossfall of 2 % would otherwise have a dry film along all of its length, which no mesh needs.
-SPILL = 0.05
+SPILL_SHARE = 0.05
 
 
 def _read_water(value: Any) -> str | float:
@@ -139,8 +139,8 @@ class TensionCrack(Model):
         """Return the level (n, 2) of the water in cracks, or the level of the water in the ground (``own``) where that
         is higher.
 
-        Water in a crack stands no higher, by more than ``SPILL`` of the depth of the deepest crack, than the lowest
-        ground within this depth to either side, since it would run out there.
+        Water in a crack stands no higher, by more than ``SPILL_SHARE`` of the depth of the deepest crack, than the
+        lowest ground within this depth to either side, since it would run out there.
         """
         ground, depth = section.ground, float(self.depth(section, np.unique(bottom[:, 0])).max())
         bends = np.concatenate([ground[:, 0], bottom[:, 0], *([] if ground_level is None else [ground_level[:, 0]])])
@@ -152,7 +152,7 @@ class TensionCrack(Model):
             deep = np.maximum(top - end, 0.0)
             neighbours = [level_at(ground, at + step, middle + step) for step in (-depth, depth)]
             lowest = np.where(np.abs(ground[:, 0] - middle[:, None]) < depth, ground[:, 1], np.inf).min(axis=1)
-            outlet = np.minimum.reduce([*neighbours, lowest]) + SPILL * depth
+            outlet = np.minimum.reduce([*neighbours, lowest]) + SPILL_SHARE * depth
             return np.minimum.reduce([top - deep + self.water_depth(deep), top, outlet])
 
         def over_ground(at: np.ndarray, middle: np.ndarray) -> np.ndarray:

@@ -379,3 +379,23 @@ def test_a_slope_has_bounds_of_the_whole_where_water_reaches_the_toe_of_bare_san
     factor = safety_bounds(section, FIXED, few, smooth_sides=True, known=bounds)
     assert 0.0 < bounds.gap <= 0.06
     assert 0.0 < factor.gap <= 0.04
+
+
+def test_rough_bounds_of_ground_without_equilibrium_leave_work_for_the_bounds() -> None:
+    """Water seeps out of sand at the toe, which has no equilibrium before its face is strengthened: the solver looked
+    for one for longer than all bounds were allowed to take, and there was no lower bound."""
+    clay = soil("Clay", cohesion=30e3, friction_angle="0 deg", permeability="1e-8 m/s", bottom={"elevation": 6.5})
+    sand = soil("Sand", cohesion=0.0, friction_angle="32 deg", permeability="1e-5 m/s")
+    fill = soil("Fill", cohesion=3e3, friction_angle="24 deg", permeability="1e-7 m/s")
+    fill["bottom"] = {"elevation": [[0.0, 7.87], [168.3, 8.71]]}
+    levee = {
+        "name": "levee",
+        "surface": [[0.0, 0.0], [45.6, 0.0], [98.4, 13.2], [102.9, 13.2], [122.7, 0.5], [168.3, 0.5]],
+        "base": {"elevation": -4.1},
+        "water": {"table": [[0.0, 8.98], [81.5, 8.98], [102.9, 3.93], [122.7, -0.2], [168.3, -0.2]], "flow": True},
+        "strata": [fill, clay, sand],
+    }
+    allowed = BoundsSettings(seconds=5.0, davis=False)
+    bounds = kh_bounds(Section.parse(levee), FemSettings(direction="downhill"), allowed)
+    assert bounds.work < 5.0
+    assert 0.12 < bounds.lower < bounds.upper < 0.132

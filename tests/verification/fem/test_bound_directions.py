@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fem.continuum.loads import counting_directions
 from fem.limit.bounds import kh_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
@@ -90,3 +91,38 @@ def test_a_force_uphill_does_not_count_where_ground_leaves_through_the_side_that
     by_direction = {direction.direction: direction for direction in bounds.directions}
     assert by_direction["uphill"].leaves == ("left",)
     assert alone.directions[0].leaves == ("left",)
+
+
+def test_of_a_cutting_neither_direction_is_uphill():
+    """Ends at one height: what counted as uphill, and was left out where its failure reaches a side, was the way of
+    writing the section. A failure that reaches a side does not count beside one that reaches none; if both do, both
+    count."""
+    cutting = section_of([[0.0, 8.0], [20.0, 8.0], [32.0, 0.0], [40.0, 0.0], [52.0, 8.0], [72.0, 8.2]])
+    slope = section_of([[0.0, 8.0], [20.0, 8.0], [36.0, 0.0], [60.0, 0.0]])
+    for section, level in ((cutting, True), (slope, False)):
+        down, up = "downhill", "uphill"
+        assert counting_directions(section, {down: (), up: ()}) == [down, up]
+        assert counting_directions(section, {down: (), up: ("left",)}) == [down]
+        assert counting_directions(section, {down: ("left",), up: ()}) == ([up] if level else [down, up])
+        assert counting_directions(section, {down: ("left",), up: ("right",)}) == ([down, up] if level else [down])
+        assert counting_directions(section, {up: ("right",)}) == [up]
+
+
+def test_a_cutting_and_its_mirror_image_have_the_same_bounds():
+    """The weaker face is left, then right; its failure and that of the other face reach the sides. The stronger face
+    was told for one of the two."""
+    points = [[0.0, 8.0], [9.0, 8.0], [21.0, 0.0], [29.0, 0.0], [49.0, 8.0], [59.0, 8.0]]
+    rough = BoundsSettings(gap=0.05, max_cells=3000, davis=False)
+    brackets = []
+    for surface in (points, [[59.0 - x, z] for x, z in points[::-1]]):
+        bounds = kh_bounds(section_of(surface), FemSettings(), rough)
+        assert all(direction.leaves for direction in bounds.directions)
+        brackets.append((bounds.lower, bounds.upper, bounds.directions[0].towards))
+    (lower, upper, side), (mirrored_lower, mirrored_upper, other) = brackets
+    assert {side, other} == {"left", "right"}
+    assert max(lower, mirrored_lower) <= min(upper, mirrored_upper)
+
+
+def section_of(surface: list[list[float]]) -> Section:
+    soil = layer("clay", cohesion="18 kPa", friction_angle="12 deg")
+    return Section.parse({"name": "cutting", "surface": surface, "base": {"elevation": -3.0}, "strata": [soil]})
