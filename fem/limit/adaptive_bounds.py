@@ -191,7 +191,9 @@ def _first_checked(
     if bound.solution.none:
         return bound, None, [f"{name}: {NO_BOUND_REASONS[bound.solution.none]}"]
     for _ in range(attempts - 1):
-        if check.holds or not check.needs_margin or bound.solution.ended or work >= most_work:
+        if check.holds or not check.needs_margin or not bound.shortfall.any() or bound.solution.ended:
+            break  # more margin would not help
+        if work >= most_work:
             break
         more_margin += MARGIN_OVER_SHORTFALL * bound.shortfall
         wider, check_of_wider = attempt(more_margin, most_work - work)

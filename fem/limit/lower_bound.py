@@ -13,8 +13,9 @@ import numpy as np
 from scipy import sparse
 
 from fem.limit.bound_checks import yield_slack
+from fem.limit.independent_equations import independent_combinations
 from fem.limit.limit_problem import LimitProblem, bare_corners
-from fem.limit.point_freedom import DEPENDENT_SINGULAR_VALUE, SHEAR_ROWS, pressed_all_round, stress_free_corners
+from fem.limit.point_freedom import SHEAR_ROWS, pressed_all_round, stress_free_corners
 from fem.solvers import cone_program
 from fem.solvers.least_norm import smallest_correction
 
@@ -22,10 +23,6 @@ from fem.solvers.least_norm import smallest_correction
 # The margin is proportional to the size of the cell, and at least the second number.
 STRESS_MARGIN, SMALLEST_MARGIN = 3e-5, 1e-6
 LARGEST_MARGIN = 0.1  # of the strength of clay
-
-# Ratio of the smallest to the largest eigenvalue of the Gram matrix of the equations of one point, above which the
-# equations are used unchanged.
-SMALLEST_EIGENVALUE_RATIO = 1e-6
 
 # Matrix A, right-hand sides b0 (dead) and b1 (live), and the point of every equation.
 Equations = tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]
@@ -173,62 +170,14 @@ def points_of_equations(matrix: sparse.csr_matrix, points: np.ndarray, corner_po
 def independent_equations(
     matrix: sparse.csr_matrix, dead: np.ndarray, live: np.ndarray, points: np.ndarray
 ) -> tuple[sparse.csr_matrix, np.ndarray, np.ndarray]:
-    """Return a, b0, b1 of linearly independent equations with the same solutions, found point by point.
+    """Return a, b0, b1 of linearly independent equations with the same solutions.
 
-    Equations at a point are linearly dependent where edges run straight through it, and at corners without stress. The
-    dual velocities of dependent equations are not unique and could grow without limit, and with them the tolerance of
-    the solver. Where edges run almost straight, equations are nearly dependent: they are made orthonormal.
-    ``matrix``: A; ``dead``, ``live``: b0 and b1; ``points``: point of every equation by ``points_of_equations``.
+    The dual velocities of dependent equations are not unique and could grow without limit, and with them the tolerance
+    of the solver. ``matrix``: A; ``dead``, ``live``: b0 and b1; ``points``: point of every equation by
+    ``points_of_equations``.
     """
-    at_point = np.flatnonzero(points >= 0)
-    at_point = at_point[np.argsort(points[at_point], kind="stable")]
-    tractions = matrix[at_point]
-    gram = (tractions @ tractions.T).tocsr()  # equations of different points have no stress in common
-    start = np.flatnonzero(np.diff(points[at_point], prepend=-1))
-    size = np.diff(start, append=len(at_point))
-    changed: list[tuple[np.ndarray, np.ndarray]] = []  # numbers of equations, and their combinations in rows
-    whole_rows = [np.flatnonzero(points < 0)]
-    for count in np.unique(size):
-        rows = start[size == count][:, None] + np.arange(count)
-        flat = np.asarray(gram[np.repeat(rows, count, axis=1).ravel(), np.tile(rows, (1, count)).ravel()])
-        values = np.linalg.eigvalsh(flat.reshape(len(rows), count, count))
-        whole = values[:, 0] > SMALLEST_EIGENVALUE_RATIO * values[:, -1]
-        whole_rows.append(at_point[rows[whole]].ravel())
-        together = at_point[rows[~whole]]
-        changed += zip(together, _orthonormal(matrix, together), strict=True)
-    independent_rows = np.sort(np.concatenate(whole_rows))
-    combinations = [sparse.identity(matrix.shape[0], format="csr")[independent_rows]]
-    if changed:
-        values = np.concatenate([combination.ravel() for _, combination in changed])
-        columns = np.concatenate([np.tile(rows, len(combination)) for rows, combination in changed])
-        length = np.concatenate([np.full(len(combination), len(rows)) for rows, combination in changed])
-        starts = np.concatenate([[0], np.cumsum(length)])
-        combinations.append(sparse.csr_matrix((values, columns, starts), shape=(len(length), matrix.shape[0])))
-    change = sparse.vstack(combinations).tocsr()
-    changed_matrix = (change @ matrix).tocsr()
-    return changed_matrix, change @ dead, change @ live
-
-
-def _orthonormal(matrix: sparse.csr_matrix, groups: np.ndarray) -> list[np.ndarray]:
-    """Return orthonormal combinations (r, k) of k equations with the same solutions, for ``groups`` (g, k); r is their
-    rank."""
-    groups_count, k = groups.shape
-    if groups_count == 0:
-        return []
-    part = matrix[groups.ravel()].tocoo()
-    group = part.row // k
-    # The unknowns of a group are numbered from 0 in each.
-    unknowns, number = np.unique(group * matrix.shape[1] + part.col, return_inverse=True)
-    first = np.searchsorted(unknowns // matrix.shape[1], np.arange(groups_count))
-    dense = np.zeros((groups_count, k, int(np.diff(np.append(first, len(unknowns))).max())))
-    dense[group, part.row % k, number - first[group]] = part.data
-    left, values, _ = np.linalg.svd(dense, full_matrices=False)
-    largest = values.max(axis=1, initial=0.0)
-    ranks = np.count_nonzero(values > DEPENDENT_SINGULAR_VALUE * largest[:, None], axis=1)
-    return [
-        (most / value[:rank])[:, None] * vectors[:, :rank].T
-        for most, value, vectors, rank in zip(largest, values, left, ranks, strict=True)
-    ]
+    change = independent_combinations(matrix, points)
+    return (change @ matrix).tocsr(), change @ dead, change @ live
 
 
 def _balance(problem: LimitProblem) -> Equations:

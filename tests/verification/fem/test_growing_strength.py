@@ -5,6 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from dem.laboratory.soil_contacts import soil_layers
+from fem.limit.bounds import kh_bounds
 from fem.limit.bracket import Limits
 from fem.limit.limit_problem import RigidPlasticBody, Side
 from fem.limit.safety_bounds import safety_bounds
@@ -174,3 +175,21 @@ def test_bad_growth(soil: dict[str, object], message: str) -> None:
     data = cut(**soil)
     data["strata"][0] = {key: value for key, value in data["strata"][0].items() if value is not None}
     assert message in "\n".join(problems(data))
+
+
+def test_bounds_of_a_long_slope_of_clay_whose_edges_almost_cross_at_points() -> None:
+    """Triangles of layers parallel to the ground meet with edges that are straight but for 1e-5 rad; the volume of clay
+    at these points was left open by 1e-7, and the search ended without a bound on its last two meshes."""
+    undrained = {"friction_angle": "0 deg", "cohesion": "0 kPa"}
+    mud = water_soil("Mud", **undrained, density="16.7 kN/m^3", density_saturated="16.7 kN/m^3")
+    mud |= {"cohesion": "1 kPa", "cohesion_increase": "1.5 kPa/m", "cohesion_from": {"depth": 0.0}}
+    mud |= {"bottom": {"depth": 5.6}}
+    clay = water_soil("Clay", **undrained, density="18.1 kN/m^3", density_saturated="18.1 kN/m^3")
+    clay |= {"strength_ratio": 0.3, "ocr": 1.5, "cohesion_minimum": "5 kPa"}
+    surface = [[0.0, 12.5], [31.2, 12.5], [131.2, 0.0], [162.4, -0.3]]
+    submarine = {"name": "mud", "surface": surface, "base": {"depth": 10.0}, "water": {"table": 28.0}}
+    section = Section.parse({**submarine, "strata": [mud, clay]})
+    settings = BoundsSettings(seconds=12.0, davis=False)
+    bounds = kh_bounds(section, FemSettings(direction="downhill"), settings)
+    assert bounds.ended == "gap"
+    assert 0.0550 < bounds.lower < bounds.upper < 0.0578
