@@ -139,8 +139,8 @@ class TensionCrack(Model):
         """Return the level (n, 2) of the water in cracks, or the level of the water in the ground (``own``) where that
         is higher.
 
-        Water in a crack stands no higher, by more than ``SPILL_SHARE`` of the depth of the deepest crack, than the
-        lowest ground within this depth to either side, since it would run out there.
+        Water in a crack stands no higher than the lowest ground within the depth of the deepest crack to either side,
+        since it would run out there, unless that is lower by no more than ``SPILL_SHARE`` of this depth.
         """
         ground, depth = section.ground, float(self.depth(section, np.unique(bottom[:, 0])).max())
         bends = np.concatenate([ground[:, 0], bottom[:, 0], *([] if ground_level is None else [ground_level[:, 0]])])
@@ -152,8 +152,9 @@ class TensionCrack(Model):
             deep = np.maximum(top - end, 0.0)
             neighbours = [level_at(ground, at + step, middle + step) for step in (-depth, depth)]
             lowest = np.where(np.abs(ground[:, 0] - middle[:, None]) < depth, ground[:, 1], np.inf).min(axis=1)
-            outlet = np.minimum.reduce([*neighbours, lowest]) + SPILL_SHARE * depth
-            return np.minimum.reduce([top - deep + self.water_depth(deep), top, outlet])
+            outlet = np.minimum.reduce([*neighbours, lowest])
+            level = np.where(top - outlet <= SPILL_SHARE * depth, top, outlet)
+            return np.minimum(top - deep + self.water_depth(deep), level)
 
         def over_ground(at: np.ndarray, middle: np.ndarray) -> np.ndarray:
             in_crack = of_crack(at, middle)
