@@ -60,7 +60,7 @@ class FactorSearch(WeakenedGround):
             if not (beyond or self.is_enough or self.solver_fails):
                 finest = last or self.open_here <= self.settings.gap - 2.0 * MARGIN
                 self.prove_both(finest or self.work_of_a_mesh(self.growth()) > LIKELY * self.work.left)
-            if self.good or last or beyond or self.is_enough:
+            if self.gap_is_closed or last or beyond or self.is_enough:
                 return
             self.refine()
 
@@ -71,12 +71,12 @@ class FactorSearch(WeakenedGround):
         direction do. If the proof fails, the factor of this direction is searched for, on triangles refined for its
         mechanism.
         """
-        if other.both_ways:
+        if other.holds_in_both_directions:
             self.lower = other.lower
         if self.lower < other.lower:
             self.measure(other.lower, upper=False)
         if self.lower < other.lower and self.mesh is not other.mesh:
-            self.mesh, self.unborne_from = other.mesh, math.inf
+            self.mesh, self.no_equilibrium_from = other.mesh, math.inf
             self.measure(other.lower, upper=False)
         while self.lower < other.lower:
             self.measure(other.lower)
@@ -88,7 +88,7 @@ class FactorSearch(WeakenedGround):
     @property
     def is_enough(self) -> bool:
         """Return whether one of the bounds is already sufficient (see ``TrialStart``)."""
-        return self.lower >= self.enough or self.upper < self.slips
+        return self.lower >= self.lower_suffices or self.upper < self.upper_suffices
 
     @property
     def open_here(self) -> float:
@@ -99,7 +99,7 @@ class FactorSearch(WeakenedGround):
         return math.log(ends[1] / ends[0]) if all(math.isfinite(end) for end in ends) else math.inf
 
     @property
-    def good(self) -> bool:
+    def gap_is_closed(self) -> bool:
         return self.gap <= self.settings.gap
 
     @property
@@ -119,7 +119,7 @@ class FactorSearch(WeakenedGround):
     @property
     def work_of_both(self) -> float:
         """Return the computing work of both bounds at one factor on the present triangles."""
-        return max(trial.work for trial in self.here)
+        return max(trial.work for trial in self.trials_on_mesh)
 
     def approach(self) -> None:
         """Bring the first factor close to the factor at which the ground fails, by upper bounds alone. Upper bounds
@@ -130,13 +130,13 @@ class FactorSearch(WeakenedGround):
             if trial.upper is None or self.is_enough or not self.work.allows(2.0 * trial.work):
                 return
             if last is not None:
-                self.learn(last, trial)
-            over, last = self.over(trial.upper), trial
-            step = STEP**-2.0 if over < -FAR else self.step(over)
+                self.update_slope(last, trial)
+            excess, last = self.excess(trial.upper), trial
+            step = STEP**-2.0 if excess < -FAR else self.step(excess)
             if self.slope is not None and abs(math.log(step)) < NEARBY:
                 self.factor = _looked_for(trial.factor * step * math.exp(-BELOW))
                 return
-            safe, unsafe = (trial.factor, unsafe) if over >= 0.0 else (safe, trial.factor)
+            safe, unsafe = (trial.factor, unsafe) if excess >= 0.0 else (safe, trial.factor)
             self.factor = _looked_for(inside(trial.factor * step, safe, unsafe))
             if self.factor == trial.factor:
                 return
@@ -145,70 +145,72 @@ class FactorSearch(WeakenedGround):
         """Try factors of safety on this mesh until their bracket is within the required gap."""
         if self.slope is None:
             self.approach()
-        last = self.regauged(self.measure(self.factor))
+        last = self.with_deciding_multiplier(self.measure(self.factor))
         safe, unsafe = 0.0, math.inf
         for _ in range(TRIALS):
-            middle = self.middle(last)
+            middle = self.mean_excess(last)
             step = 1.0 / STEP if middle < -FAR else self.step(middle)
             if self.is_enough or self.solver_fails or not self.work.allows(last.work):
                 return
-            close = abs(math.log(step)) < max(CLOSE, OPEN * self.gap_of(last))
+            close = abs(math.log(step)) < max(CLOSE, OPEN * self.gap_of_trial(last))
             if self.slope is not None and (close or self.work.left < WORK_OF_PROOFS * last.work):
                 break
             safe, unsafe = (last.factor, unsafe) if middle >= 0.0 else (safe, last.factor)
             self.factor = _looked_for(inside(last.factor * step, safe, unsafe))
             if self.factor == last.factor:  # at an end of what is looked for
                 break
-            trial = self.regauged(self.measure(self.factor))
-            self.learn(last, trial)
+            trial = self.with_deciding_multiplier(self.measure(self.factor))
+            self.update_slope(last, trial)
             last = trial
 
-    def step(self, over: float) -> float:
+    def step(self, excess: float) -> float:
         """Return the ratio of the next factor to the present factor, if a bound at the present factor exceeds the
-        required value by ``over``."""
+        required value by ``excess``."""
         if self.slope is None:
-            log_step = (2.0 if self.gauge == "kh" else 1.0) * over
+            log_step = (2.0 if self.multiplier_kind == "kh" else 1.0) * excess
             log_step = math.copysign(max(abs(log_step), 0.05), log_step)
         else:
-            log_step = -over / self.slope
+            log_step = -excess / self.slope
         return math.exp(float(np.clip(log_step, -math.log(STEP), math.log(STEP))))
 
-    def prove_both(self, finally_: bool) -> None:
+    def prove_both(self, on_last_mesh: bool) -> None:
         """Prove the upper bound, which takes less work, then the lower bound.
 
-        On the last triangles (``finally_``) the required gap has to be reached. Earlier triangles prove bounds only if
-        little is proven yet, since the solver may fail on finer triangles, or if the upper bound decides.
+        On the last triangles (``on_last_mesh``) the required gap has to be reached. Earlier triangles prove bounds only
+        if little is proven yet, since the solver may fail on finer triangles, or if the upper bound decides.
         """
         sides: tuple[tuple[BoundSide, float], ...] = (("upper", 1.0), ("lower", -1.0))
         for side, sense in sides:
             root, proven = self.root(side), getattr(self, side)
             known = 0.0 < proven < math.inf and math.isfinite(root)
-            decides = side == "upper" and root * math.exp(MARGIN) < self.slips
-            if finally_ or decides or not known or abs(math.log(root / proven)) > FALLBACK:
-                self.prove(side, sense, finally_)
+            decides = side == "upper" and root * math.exp(MARGIN) < self.upper_suffices
+            if on_last_mesh or decides or not known or abs(math.log(root / proven)) > FALLBACK:
+                self.prove(side, sense, on_last_mesh)
 
-    def prove(self, side: BoundSide, sense: float, finally_: bool = True) -> None:
+    def prove(self, side: BoundSide, sense: float, on_last_mesh: bool = True) -> None:
         """Prove a bound by trials a little to the safe side of the estimated factor until no better bound is proven.
         The lower bound takes most of the work, so that its trials end as soon as the gap is small enough. Without an
         estimate, the interval of the factor is bisected. Where no stress has balanced the loads yet, the factor is
-        reduced, but only once unless the triangles are the last of the search (``finally_``).
+        reduced, but only once unless the triangles are the last of the search (``on_last_mesh``).
         """
-        last, work = self.trials[-1].factor, 0.5 * min(trial.work for trial in self.here)  # of one bound, at least
-        decides = not self.slips <= self.root(side) * math.exp(sense * MARGIN) < self.enough
-        margin = MARGIN if finally_ or decides else ROUGH_MARGIN
+        last = self.trials[-1].factor
+        work = 0.5 * min(trial.work for trial in self.trials_on_mesh)  # of one bound, at least
+        decides = not self.upper_suffices <= self.root(side) * math.exp(sense * MARGIN) < self.lower_suffices
+        margin = MARGIN if on_last_mesh or decides else ROUGH_MARGIN
         for times in range(1, PROOFS + 1):
             proven = getattr(self, side)
             at = self.root(side) * math.exp(sense * (times * margin + BEYOND * self.extrapolated(side)))
-            unborne = min((trial.factor for trial in self.here if side == "lower" and trial.unborne), default=math.inf)
+            unbalanced = [trial.factor for trial in self.trials_on_mesh if side == "lower" and trial.no_equilibrium]
+            least_unbalanced = min(unbalanced, default=math.inf)
             if math.isnan(at) and proven == 0.0:
-                if times > 1 and not finally_:
+                if times > 1 and not on_last_mesh:
                     return
-                at = min(last, unborne) * STEP ** (-0.5 * times)
-            elif math.isnan(at) or self.trials[-1].factor == unborne:
-                at = math.sqrt(min(last, unborne) * proven)
+                at = min(last, least_unbalanced) * STEP ** (-0.5 * times)
+            elif math.isnan(at) or self.trials[-1].factor == least_unbalanced:
+                at = math.sqrt(min(last, least_unbalanced) * proven)
             elif not sense * (at - proven * math.exp(-sense * margin)) < 0.0:
                 return
-            if (self.good and side == "lower") or not SMALLEST < at < LARGEST or not self.work.allows(work):
+            if (self.gap_is_closed and side == "lower") or not SMALLEST < at < LARGEST or not self.work.allows(work):
                 return
             self.measure(at, side == "lower", side == "upper")
 
@@ -230,13 +232,13 @@ class FactorSearch(WeakenedGround):
 
     def refine(self) -> None:
         """Refine the triangles where the bounds of the last trial differ."""
-        assert self.seen is not None  # both bounds were tried on these triangles
-        mesh = finer_mesh(*self.seen, self.growth())
+        assert self.last_of_both is not None  # both bounds were tried on these triangles
+        mesh = finer_mesh(*self.last_of_both, self.growth())
         lower = self.root("lower")
         if math.isfinite(lower):
             rise = RISE * self.open_here if math.isfinite(self.open_here) else 0.0
             self.factor = _looked_for(lower * math.exp(rise))
-        self.unborne_from = math.inf
+        self.no_equilibrium_from = math.inf
         self.mesh = mesh
         self.meshes.append(mesh)
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from fem.limit.bounds import KhBounds
 
-# What is bounded: the Kh that weakened ground bears, or the share of all loads, the Kh given among them.
-Gauge = Literal["kh", "loads"]
-# How near to either end of what is left a secant may go, as a share of its logarithm; else the middle is tried.
+# What is bounded: the Kh that weakened ground resists, or the share of all loads, the given Kh among them.
+LoadMultiplier = Literal["kh", "loads"]
+# How near to either end of the open interval a secant may go, as a share of its logarithm; else the middle is tried.
 INSIDE = 0.05
 
 
@@ -20,32 +20,32 @@ class BoundsTrial:
     """Holds the bounds for ground weakened by ``factor``, proven on ``cells`` triangles; None if no bound was proven.
 
     The bounds are those of Kh, or of the share of all loads that the ground resists (inf if friction alone resists any
-    load). ``unborne`` means that no stress balances the weight at any Kh. ``work`` is the computing work in seconds on
-    the reference machine of ``cone_program``.
+    load), as ``multiplier_kind`` says. ``no_equilibrium`` means that no stress balances the weight at any Kh. ``work``
+    is the computing work in seconds on the reference machine of ``cone_program``.
     """
 
     factor: float
     cells: int
-    gauge: Gauge
+    multiplier_kind: LoadMultiplier
     lower: float | None
     upper: float | None
-    unborne: bool
+    no_equilibrium: bool
     work: float
 
 
 @dataclass(frozen=True)
 class TrialStart:
     """Holds the given Kh, the first factor, whether sides are smooth, and when a search may end early: once the lower
-    bound is at least ``enough``, or the upper bound is below ``slips``. ``known`` are bounds of the critical Kh, if
-    they were computed before. The search may begin on one of the meshes of these bounds, which are fine where the
-    ground fails.
+    bound is at least ``lower_suffices``, or the upper bound is below ``upper_suffices``. ``known`` are bounds of the
+    critical Kh, if they were computed before. The search may begin on one of the meshes of these bounds, which are fine
+    where the ground fails.
     """
 
     kh: float
     factor: float
     smooth_sides: bool
-    enough: float = math.inf
-    slips: float = 0.0
+    lower_suffices: float = math.inf
+    upper_suffices: float = 0.0
     known: KhBounds | None = None
 
 
@@ -104,5 +104,5 @@ def root_of(points: Sequence[tuple[float, float]], slope: float | None, furthest
         slope = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0])
     if not ends or slope is None:
         return math.nan
-    at, over = min(ends, key=lambda point: abs(point[1]))
-    return math.exp(at + float(np.clip(-over / slope, -furthest, furthest)))
+    at, excess = min(ends, key=lambda point: abs(point[1]))
+    return math.exp(at + float(np.clip(-excess / slope, -furthest, furthest)))

@@ -129,7 +129,7 @@ def _with_given_ground(
     ``deeper`` with the factor at which shallow ground slips.
     """
     if deeper.lower > 0.0:
-        start = replace(start, factor=deeper.lower, enough=deeper.lower, slips=deeper.lower)
+        start = replace(start, factor=deeper.lower, lower_suffices=deeper.lower, upper_suffices=deeper.lower)
     unchanged = _bounds_of(section, fem, settings, start, work.part(1.0))
     trials = [*deeper.trials, *unchanged.trials]
     if unchanged.upper < (deeper.lower if unchanged.lower > 0.0 else deeper.upper):
@@ -215,7 +215,7 @@ def _bounds_of(
     known = [searches[0].mesh_of_lower] if seeps else searches[0].meshes
     searches.append(search(known[(len(known) - 1) // 2], -1, start))
     if not searches[1].confirms(searches[0]) and work.left > 0.0:
-        start = replace(start, factor=searches[0].lower or start.factor, enough=searches[0].lower or math.inf)
+        start = replace(start, factor=searches[0].lower or start.factor, lower_suffices=searches[0].lower or math.inf)
         searches.append(search(first, -1, start))
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)

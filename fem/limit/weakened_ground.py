@@ -9,7 +9,7 @@ import numpy as np
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound, share_of_lower_bound
 from fem.limit.bounds import body_of
 from fem.limit.bracket import BoundSide
-from fem.limit.factor_trial import BoundsTrial, FactorWork, Gauge, TrialStart, gap_of_factors, root_of
+from fem.limit.factor_trial import BoundsTrial, FactorWork, LoadMultiplier, TrialStart, gap_of_factors, root_of
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
 from fem.limit.lower_bound import LowerBound
 from fem.limit.upper_bound import UpperBound
@@ -21,7 +21,7 @@ from meshes.triangles import TriMesh
 
 # By how much the factor changes at most from trial to trial.
 STEP = 1.6
-# A Kh, or a logarithm of a share of loads, this far from what is to be borne says nothing on the factor.
+# A Kh, or a logarithm of a share of loads, this far from the required value tells nothing on the factor.
 FAR = 1.0
 # A lower bound of Kh this close to the given Kh, with an upper bound this far above it, may be independent of the
 # factor; it is, if the ground then resists at least this much more (as a logarithm) than all loads.
@@ -54,17 +54,17 @@ class WeakenedGround:
         self.units = units_of(mesh, self.body)
         self.mesh, self.settings, self.work = mesh, settings, work
         self.target, self.factor = sign * start.kh, start.factor
-        self.enough, self.slips = start.enough, start.slips
+        self.lower_suffices, self.upper_suffices = start.lower_suffices, start.upper_suffices
         self.meshes, self.mesh_of_lower = [mesh], mesh
         self.lower, self.upper = 0.0, math.inf
         self.trials: list[BoundsTrial] = []
         self.slope: float | None = None
-        self.gauge: Gauge = "kh"
-        self.both_ways = False  # whether the lower bound is one for either direction of the push
-        self.places: dict[BoundSide, tuple[float, Warm | None]] = {}
+        self.multiplier_kind: LoadMultiplier = "kh"
+        self.holds_in_both_directions = False  # whether the lower bound is one for both directions of the seismic force
+        self.starting_points: dict[BoundSide, tuple[float, Warm | None]] = {}
         self.failures: dict[BoundSide, int] = {"lower": 0, "upper": 0}  # of the solver, one after the other
-        self.unborne_from = math.inf  # from this factor on no stress on this mesh balances the loads
-        self.seen: tuple[LimitProblem, LowerBound, UpperBound] | None = None  # the last trial of both bounds
+        self.no_equilibrium_from = math.inf  # from this factor on no stress on this mesh balances the loads
+        self.last_of_both: tuple[LimitProblem, LowerBound, UpperBound] | None = None  # the last trial of both bounds
 
     @property
     def gap(self) -> float:
@@ -81,28 +81,28 @@ class WeakenedGround:
             tension=None if self.body.tension is None else self.body.tension / factor,
         )
         problem = limit_problem(self.mesh, weak, self.units)
-        return problem if self.gauge == "kh" else with_all_loads_live(problem, self.target)
+        return problem if self.multiplier_kind == "kh" else with_all_loads_live(problem, self.target)
 
-    def over(self, bound: float) -> float:
+    def excess(self, bound: float) -> float:
         """Return the excess of a bound: of Kh over the given Kh, or the logarithm of the share of loads resisted."""
-        if self.gauge == "kh":
+        if self.multiplier_kind == "kh":
             return bound - self.target
         return math.log(bound) if bound > 0.0 else -math.inf
 
     def measure(self, factor: float, lower: bool = True, upper: bool = True) -> BoundsTrial:
         """Find bounds for ground of reduced strength, and narrow the bracket of the factor of safety."""
-        lower = lower and factor < self.unborne_from
+        lower = lower and factor < self.no_equilibrium_from
         before = self.work.spent
         problem = self.problem(factor)
         low = high = stress = mechanism = None
-        share = share_of_lower_bound(*self.seen[1:]) if self.seen else 0.5
+        share = share_of_lower_bound(*self.last_of_both[1:]) if self.last_of_both else 0.5
         of_lower, of_upper = (share, 1.0 - share) if lower and upper else (1.0, 1.0)
         left = self.work.left
         with one_more_thread(lower and upper) as executor:
-            above = partial(proven_upper_bound, problem, of_upper * left, self.place("upper", factor))
+            above = partial(proven_upper_bound, problem, of_upper * left, self.starting_point("upper", factor))
             future = executor.submit(above) if upper else None
             if lower:
-                low, _, stress = proven_lower_bound(problem, of_lower * left, self.place("lower", factor))
+                low, _, stress = proven_lower_bound(problem, of_lower * left, self.starting_point("lower", factor))
                 self.count("lower", factor, low.solution, stress is None)
             if future is not None:
                 high, _, mechanism = future.result()
@@ -111,24 +111,34 @@ class WeakenedGround:
         trial = BoundsTrial(
             factor,
             len(problem.mesh.cells),
-            self.gauge,
+            self.multiplier_kind,
             stress.multiplier if stress else None,
-            mechanism.multiplier if mechanism else math.inf if unmoved and self.gauge == "loads" else None,
+            mechanism.multiplier if mechanism else math.inf if unmoved and self.multiplier_kind == "loads" else None,
             low is not None and low.solution.none == "no stress",
             self.work.spent - before,
         )
-        if low is not None and high is not None:
-            self.seen = (problem, low, high)
-        elif trial.unborne and low is not None and self.seen and len(self.seen[1].stress) == len(low.stress):
-            self.seen = (self.seen[0], low, self.seen[2])  # what keeps stress from balancing the loads wants triangles
-        if trial.lower is not None and self.over(trial.lower) >= 0.0:
-            self.both_ways = self.gauge == "loads" if factor > self.lower else self.both_ways
-            self.mesh_of_lower = self.mesh if factor > self.lower else self.mesh_of_lower
-            self.lower = max(self.lower, factor)
-        if trial.upper is not None and self.over(trial.upper) <= 0.0:
+        self.keep(problem, trial, low, high)
+        return trial
+
+    def keep(
+        self, problem: LimitProblem, trial: BoundsTrial, stress: LowerBound | None, velocity: UpperBound | None
+    ) -> None:
+        """Keep a ``trial``, narrow the bracket of the factor of safety by it, and keep what the triangles are refined
+        by: the ``problem`` with the ``stress`` field and the ``velocity`` field of the last trial of both bounds.
+        """
+        if stress is not None and velocity is not None:
+            self.last_of_both = (problem, stress, velocity)
+        elif trial.no_equilibrium and stress is not None and self.last_of_both:
+            before, last_stress, last_velocity = self.last_of_both
+            if len(last_stress.stress) == len(stress.stress):  # triangles are needed where no stress balances the loads
+                self.last_of_both = (before, stress, last_velocity)
+        factor = trial.factor
+        if trial.lower is not None and self.excess(trial.lower) >= 0.0 and factor > self.lower:
+            self.lower, self.mesh_of_lower = factor, self.mesh
+            self.holds_in_both_directions = self.multiplier_kind == "loads"
+        if trial.upper is not None and self.excess(trial.upper) <= 0.0:
             self.upper = min(self.upper, factor)
         self.trials.append(trial)
-        return trial
 
     def count(self, side: BoundSide, factor: float, solution: Solution, unproven: bool) -> None:
         """Count a trial: add its computing work, store its solution as the next starting point, and count consecutive
@@ -138,35 +148,35 @@ class WeakenedGround:
         """
         self.work.spent += solution.work
         self.work.ran_out = self.work.ran_out or solution.out_of_work
-        self.places[side] = factor, solution.warm
+        self.starting_points[side] = factor, solution.warm
         self.failures[side] = self.failures[side] + 1 if unproven and not (solution.none or solution.out_of_work) else 0
 
-    def place(self, side: BoundSide, factor: float) -> Warm | None:
+    def starting_point(self, side: BoundSide, factor: float) -> Warm | None:
         """Return the solution of the last trial as starting point of the solver, if its factor is close enough.
 
         A mechanism is no starting point for a mechanism of other strength: its strain rates lie at the limit of the
         flow rule, which turns with φ. From there the solver took 35 to 51 iterations, or broke down, instead of 20 to
         26 from its own start. What remains is the order of elimination.
         """
-        last, place = self.places.get(side, (factor, None))
-        if place is None or abs(math.log(factor / last)) >= NEAR:
+        last, point = self.starting_points.get(side, (factor, None))
+        if point is None or abs(math.log(factor / last)) >= NEAR:
             return None
-        return replace(place, place=None) if side == "upper" else place
+        return replace(point, place=None) if side == "upper" else point
 
-    def regauged(self, trial: BoundsTrial) -> BoundsTrial:
+    def with_deciding_multiplier(self, trial: BoundsTrial) -> BoundsTrial:
         """Return a trial with bounds of Kh or, if they decide nothing, with bounds of the share of all loads. Bounds of
         Kh decide nothing if no mechanism fails below the given Kh and yet no stress field balances the weight, as below
         a footing, or if the lower bound is the given Kh at any factor, as where thin slices of cracked ground topple
         from an upright face.
         """
-        fails_late = trial.upper is not None and self.over(trial.upper) > 0.0
-        if self.gauge == "loads" or not fails_late or not (trial.unborne or self.is_flat(trial)):
+        fails_late = trial.upper is not None and self.excess(trial.upper) > 0.0
+        if self.multiplier_kind == "loads" or not fails_late or not (trial.no_equilibrium or self.is_flat(trial)):
             return trial
-        self.gauge, seen = "loads", self.seen
+        self.multiplier_kind, seen = "loads", self.last_of_both
         loaded = self.measure(trial.factor)
-        if loaded.lower is None or (not trial.unborne and self.over(loaded.lower) < FLAT_GAIN):
-            self.gauge, self.seen = "kh", seen
-            self.unborne_from = trial.factor if trial.unborne else self.unborne_from
+        if loaded.lower is None or (not trial.no_equilibrium and self.excess(loaded.lower) < FLAT_GAIN):
+            self.multiplier_kind, self.last_of_both = "kh", seen
+            self.no_equilibrium_from = trial.factor if trial.no_equilibrium else self.no_equilibrium_from
             return trial
         self.slope = None
         return loaded
@@ -175,27 +185,27 @@ class WeakenedGround:
         """Return whether the lower bound of Kh is the given Kh, although the upper bound lies far above it."""
         if trial.lower is None or trial.upper is None:
             return False
-        return abs(self.over(trial.lower)) < FLAT and self.over(trial.upper) > FLAT_OPEN
+        return abs(self.excess(trial.lower)) < FLAT and self.excess(trial.upper) > FLAT_OPEN
 
-    def middle(self, trial: BoundsTrial) -> float:
+    def mean_excess(self, trial: BoundsTrial) -> float:
         """Return the mean excess of both bounds over the required value, or the excess of the only bound; -inf without
         any."""
-        values = [self.over(bound) for bound in (trial.lower, trial.upper) if bound is not None]
+        values = [self.excess(bound) for bound in (trial.lower, trial.upper) if bound is not None]
         return sum(values) / len(values) if values else -math.inf
 
-    def gap_of(self, trial: BoundsTrial) -> float:
+    def gap_of_trial(self, trial: BoundsTrial) -> float:
         """Return the relative gap between the factors of safety that the lower and the upper bound of a trial give."""
         if trial.lower is None or trial.upper is None or self.slope is None:
             return 0.0
-        return (self.over(trial.lower) - self.over(trial.upper)) / self.slope
+        return (self.excess(trial.lower) - self.excess(trial.upper)) / self.slope
 
-    def learn(self, before: BoundsTrial, now: BoundsTrial) -> None:
+    def update_slope(self, before: BoundsTrial, now: BoundsTrial) -> None:
         """Update the derivative of the excess with respect to the logarithm of the factor, from the trials so far."""
-        if before.cells != now.cells or before.factor == now.factor or before.gauge != now.gauge:
+        if before.cells != now.cells or before.factor == now.factor or before.multiplier_kind != now.multiplier_kind:
             return
         for side in ("upper", "lower"):
             ends = [getattr(trial, side) for trial in (before, now)]
-            first, second = (-math.inf if end is None else self.over(end) for end in ends)
+            first, second = (-math.inf if end is None else self.excess(end) for end in ends)
             if max(abs(first), abs(second)) < FAR:
                 slope = (second - first) / math.log(now.factor / before.factor)
                 if slope < 0.0:
@@ -203,10 +213,12 @@ class WeakenedGround:
                     return
 
     @property
-    def here(self) -> list[BoundsTrial]:
+    def trials_on_mesh(self) -> list[BoundsTrial]:
         """Return the trials on the present triangles."""
         last = self.trials[-1]
-        return [trial for trial in self.trials if (trial.cells, trial.gauge) == (last.cells, last.gauge)]
+        return [
+            trial for trial in self.trials if (trial.cells, trial.multiplier_kind) == (last.cells, last.multiplier_kind)
+        ]
 
     def root(self, side: BoundSide) -> float:
         """Return the factor at which a bound meets the required value, by a secant; NaN if unknown."""
@@ -220,7 +232,7 @@ class WeakenedGround:
         return max(at - max(trials), min(trials) - at, 0.0) if trials and math.isfinite(at) else 0.0
 
     def points(self, side: BoundSide) -> list[tuple[float, float]]:
-        """Return ln F and the excess of the bound (see ``over``) of every trial on the present triangles."""
-        bounds = [(trial.factor, getattr(trial, side)) for trial in self.here]
-        points = [(math.log(factor), self.over(bound)) for factor, bound in bounds if bound is not None]
+        """Return ln F and the excess of the bound (see ``excess``) of every trial on the present triangles."""
+        bounds = [(trial.factor, getattr(trial, side)) for trial in self.trials_on_mesh]
+        points = [(math.log(factor), self.excess(bound)) for factor, bound in bounds if bound is not None]
         return sorted(point for point in points if abs(point[1]) < FAR)

@@ -31,12 +31,12 @@ def test_a_stress_field_is_a_starting_point_for_other_strength_and_a_mechanism_i
     mesh, start = first_mesh(section, 400, "smooth"), TrialStart(0.0, 1.0, False)
     search = FactorSearch(section, mesh, fem, settings, 1, start, FactorWork(60.0))
     before = Warm(cast("Place", "iterate"), cast("CornerMatrix", "matrix"), cast("Standard", "form"))
-    search.places[side] = 1.0, before
-    place = search.place(side, 1.1)
+    search.starting_points[side] = 1.0, before
+    place = search.starting_point(side, 1.1)
     assert place is not None
     assert (place.place is not None) == begins_there
     assert (place.matrix, place.form) == (before.matrix, before.form)
-    assert search.place(side, 1.5) is None
+    assert search.starting_point(side, 1.5) is None
 
 
 def test_a_lower_bound_is_looked_for_below_a_factor_at_which_no_stress_balances_the_weight() -> None:
@@ -50,9 +50,9 @@ def test_a_lower_bound_is_looked_for_below_a_factor_at_which_no_stress_balances_
     mesh = first_mesh(section, 800, "smooth")
     search = FactorSearch(section, mesh, fem, settings, 1, TrialStart(0.0, 2.0 * factor.upper, False), FactorWork(60.0))
     trial = search.measure(2.0 * factor.upper)
-    assert trial.unborne
+    assert trial.no_equilibrium
     assert search.lower == 0.0
     search.prove("lower", -1.0)
     assert 0.65 * factor.lower < search.lower <= factor.upper
     other = FactorSearch(section, mesh, fem, settings, 1, TrialStart(0.0, 2.0 * factor.upper, False), FactorWork(60.0))
-    assert other.measure(2.0 * factor.upper, upper=False).unborne  # with no trial of both bounds before it
+    assert other.measure(2.0 * factor.upper, upper=False).no_equilibrium  # with no trial of both bounds before it

@@ -120,7 +120,7 @@ def test_a_cracked_face_that_resists_no_kh_has_close_bounds_of_its_factor():
     config = cracked_cut("full")
     bounds = safety_bounds(config.section, config.fem, BoundsSettings(gap=0.06, max_cells=600), guess=0.764)
     assert bounds.ended == "gap"
-    assert bounds.trials[-1].gauge == "loads"
+    assert bounds.trials[-1].multiplier_kind == "loads"
     assert 0.74 < bounds.lower < 0.78 < bounds.upper < 0.81
 
 
