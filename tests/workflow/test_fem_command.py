@@ -77,7 +77,7 @@ def test_factors_of_safety_fall_with_kh_and_pass_one_at_the_critical_kh(
         assert len(factor["slip_surface"]) > 5
         assert f"{factor['factor']:.3f} with ψ = φ; Davis's estimate for ψ = 0" in " ".join(said.split())
         assert 1.0 < factor["davis"] < factor["factor"]
-    assert said.count("The ground slips from x =") == 2
+    assert said.count("The ground slips from x =") == 3  # that of the critical Kh, too
     assert imread(out / "figures/fem_safety.png").shape[1] == 1600
     strict = json.loads((out / "fem/bounds.json").read_text())["safety"]
     assert [part["kh"] for part in strict] == [0.0, 0.1]

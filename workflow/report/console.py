@@ -20,7 +20,7 @@ from workflow.report.flow_rule import (
     own_dilation_sentences,
     with_flow,
 )
-from workflow.report.numbers import between, coefficient, span
+from workflow.report.numbers import between, coefficient, range_sentence, rough_coefficient, span
 from workflow.report.residual import residual_sentences
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.slices import slices_sentences
@@ -30,7 +30,7 @@ from workflow.report.tables import case_heads, case_rows
 from workflow.report.triggering import triggering_sentences
 from workflow.report.verdicts import verdict_paragraph
 from workflow.report.warnings import sides_warning, split
-from workflow.results.accuracy import accuracy, exceeds, of_meshes, remaining_error, strict_factor
+from workflow.results.accuracy import accuracy, of_meshes, remaining_error, strict_factor
 from workflow.results.answer import FORCE, SectionLabel, way_out
 from workflow.results.bounds import BoundsAnswer, SafetyPart
 from workflow.results.calibration import CalibrationAnswer
@@ -79,17 +79,16 @@ def fem_sentences(
     is no limit load, the reason is always stated. Strict bounds among the ``results`` are part of the interval.
     """
     error = accuracy(results, answer) if results is not None else of_meshes(answer)
-    interval = f" The range {error.method} is {between([error.low, error.high])}." if error is not None else ""
-    if error is not None and answer.has_kc and exceeds(answer.kc, error.high):
-        above = 100.0 * (answer.kc / error.high - 1.0)
-        interval += f" The finite elements lie {above:.1f} % above this interval: use its upper end."
+    interval = f" {range_sentence(answer, error)}" if error is not None else ""
+    surface = next((state.slip_surface for state in reversed(answer.states) if state.slip_surface), ())
+    where = f" The ground {extent_in_words(np.array(surface))}." if surface and answer.has_kc else ""
     how = ""
     if every or answer.ended not in ("plateau", "limit load"):
         most = f", at most {coefficient(answer.kc_upper)} on this mesh" if answer.kc_upper > answer.kc else ""
         how = f"; {answer.reason}" if answer.by_limit_analysis else f": {answer.ended}{most}, {answer.reason}"
     yield (
         f"Critical Kh = {critical_with_flow(answer, coefficient)}.{how_to_get_own_dilation(answer)} The seismic "
-        f"force acts {FORCE[answer.direction]}, to the {answer.towards}{how}.{interval}"
+        f"force acts {FORCE[answer.direction]}, to the {answer.towards}{how}.{where}{interval}"
     )
     if every:
         if answer.davis is not None or answer.associated is not None:
@@ -162,6 +161,8 @@ def comparison_sentences(answer: FemAnswer) -> Iterator[str]:
     other = answer.opposite
     if other is not None:
         kh = f"{'above ' if other.verdict == 'no failure' else ''}{coefficient(other.kc)}"
+        if answer.is_rough(other):
+            kh = f"about {rough_coefficient(other.kc)}, by one mesh"
         yield f"With the seismic force {FORCE[other.direction]} the critical Kh is {kh}{way_out(other.at_sides)}."
     for face in answer.shallow_failures:
         if face.is_edge(answer.settings.least_depth):

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Sequence
 
-from workflow.results.accuracy import Accuracy
+from workflow.results.accuracy import Accuracy, exceeds
+from workflow.results.continuum import FemAnswer
 from workflow.results.lengths import metres
 from workflow.texts.report_texts import listed
 
@@ -68,6 +69,11 @@ def coefficient(kh: float) -> str:
     return f"{kh:.3f}"
 
 
+def rough_coefficient(kh: float) -> str:
+    """Return a seismic coefficient that may be some per cent off, with two digits: 0.23, or 0.045."""
+    return f"{kh:.{2 if kh >= 0.0995 else 3}f}"
+
+
 def of_cases(numbers: Sequence[int]) -> str:
     """Return cases as in a sentence: cases 1, 2 and 3."""
     return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
@@ -105,3 +111,16 @@ def numerical_error(estimate: Accuracy | None, kc: float) -> str:
             f"anywhere from {between([estimate.low, estimate.high])}."
         )
     return f"The numerical error of the critical Kh is below {error}, {estimate.by}."
+
+
+def range_sentence(answer: FemAnswer, error: Accuracy) -> str:
+    """Return the interval of the critical Kh in a sentence, and what counts if the finite elements lie above it."""
+    if not answer.has_kc:
+        return f"The range {error.method} is {between([error.low, error.high])}."
+    if not exceeds(answer.kc, error.high):  # their last digit may be the next one
+        return f"The range {error.method} is {between([error.low, error.high, answer.kc])}."
+    above = 100.0 * (answer.kc / error.high - 1.0)
+    return (
+        f"The range {error.method} is {between([error.low, error.high])}. The finite elements lie {above:.1f} % above "
+        "this interval: use its upper end."
+    )

@@ -11,7 +11,7 @@ from meshes.section.section import Section
 from workflow.estimates.estimate import depth_below_ground
 from workflow.estimates.structures import structures_of
 from workflow.report.first_page import FLOW, SIDES
-from workflow.report.numbers import coefficient, number
+from workflow.report.numbers import coefficient, number, rough_coefficient
 from workflow.report.slices import factor_on_surface
 from workflow.results.accuracy import exceeds, strict_factor, strict_kh
 from workflow.results.bounds import SafetyPart
@@ -60,6 +60,7 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
     other = fem.opposite
     if other is not None:
         value = f"> {coefficient(other.kc)}" if other.verdict == "no failure" else coefficient(other.kc)
+        value = _("about {kc}", kc=rough_coefficient(other.kc)) if fem.is_rough(other) else value
         cut = _("; the failing ground reaches the side of the section") if other.at_sides else ""
         if structures_of(results.config.section):
             force = _("seismic force to the {side}", side=_("left" if fem.towards == "right" else "right"))

@@ -83,6 +83,7 @@ class OtherWay(Part):
     reason: str
     direction: Direction
     at_sides: tuple[str, ...] = Field(description="sides, left or right, that the failing ground reaches")
+    meshes: int = Field(default=1, description="number of meshes of the sequence that led to this critical Kh")
 
 
 class OwnDilationPart(Part):
@@ -193,6 +194,11 @@ class FemAnswer(Answer):
     def estimate(self) -> str:
         """Return the name of Davis's estimate for these dilation angles."""
         return davis_words(self.dilation_deg.values())
+
+    def is_rough(self, other: OtherWay) -> bool:
+        """Return whether another critical Kh is that of one mesh, while this one is that of a sequence: with a seismic
+        force in the direction that does not govern, whose Kh may be some per cent less on finer meshes."""
+        return other.meshes == 1 and len(self.meshes) > 1 and other.verdict in ("plateau", "peak")
 
     @property
     def by_limit_analysis(self) -> bool:

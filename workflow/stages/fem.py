@@ -142,7 +142,8 @@ def _other_way(adapted: "AdaptiveResult[Any] | None") -> OtherWay | None:
     if adapted is None:
         return None
     result = adapted.result
-    return OtherWay.taken(result, kc_upper=result.upper, at_sides=_at_sides(adapted))
+    meshes = max(len(adapted.rounds), 1)
+    return OtherWay.taken(result, kc_upper=result.upper, at_sides=_at_sides(adapted), meshes=meshes)
 
 
 def _at_sides(adapted: "AdaptiveResult[Any]") -> tuple[str, ...]:
