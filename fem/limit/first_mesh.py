@@ -6,12 +6,16 @@ from fem.continuum.repetition import refuse_other_sides
 from fem.limit.bracket import COST_EXPONENT
 from fem.settings import Sides
 from meshes.bisection import fan_out
-from meshes.section.cutting import without_film
+from meshes.section.cutting import whole_soil, without_film
 from meshes.section.section import Section
 from meshes.triangles import TriMesh, triangulate
 
 # Cells in the height of the section to start from, and in the thickness of a layer.
 CELLS_IN_HEIGHT, CELLS_IN_LAYER = 5.0, 0.8
+# Smallest edge of the triangles of a thin part of a soil, which water or cracks cut off, as a share of the largest
+# edge: the part has triangles as thin as itself. With edges as long as a part of 4 cm is thick all triangles went into
+# this part.
+SMALLEST_SHARE_OF_SIZE = 1.0 / 12.0
 # The first mesh has at most this share of the cells allowed.
 FIRST_SHARE = 0.15
 # Both bounds on CELLS_SOLVED triangles take SECONDS_SOLVED (s on the reference machine of ``cone_program``).
@@ -45,8 +49,11 @@ def first_mesh(section: Section, max_cells: int, sides: Sides = "free-field") ->
     areas = layers.areas()
     across = (layers.present() * layers.width[:, None]).sum(axis=0)
     height = float(np.ptp(section.outline()[:, 1]))
-    sizes = np.minimum(areas / across / CELLS_IN_LAYER, height / CELLS_IN_HEIGHT)
     names = [stratum.name for stratum in section.strata]
+    soils = [whole_soil(without_film(name)) for name in names]
+    largest = height / CELLS_IN_HEIGHT
+    smallest = [SMALLEST_SHARE_OF_SIZE * largest if soils.count(soil) > 1 else 0.0 for soil in soils]
+    sizes = np.clip(areas / across / CELLS_IN_LAYER, smallest, largest)
     sizes = sizes[[names.index(without_film(name)) for name in names]]
     expected = float((areas / (0.43 * sizes**2)).sum())
     sizes *= max(1.0, np.sqrt(expected / (FIRST_SHARE * max_cells)))

@@ -12,6 +12,7 @@ from fem.settings import FemSettings
 from meshes.section.section import Section
 from tests.support.random_sections import random_section
 from tests.support.sections import layer
+from tests.support.water import soil
 
 DENSITIES = ("density_ordinary", "density_seismic")
 
@@ -60,3 +61,15 @@ def test_the_tip_of_a_wedge_of_bare_sand_leaves_a_lower_bound():
     search.advance()
     assert search.bracket.meshes[0].failed == ()
     assert 0.4 < search.bracket.lower < 0.49  # the upper bound on a finer mesh is 0.4898
+
+
+def test_a_film_of_water_above_a_contact_does_not_take_all_triangles():
+    """A table 4 cm above the base of a layer: 13,000 triangles of the first mesh, of 3,000 allowed, lay in this film or
+    beside it, and work for a second mesh was not left: bounds of a dam ended 29 % apart."""
+    surface = [[0.0, 0.0], [33.0, 0.0], [70.0, 15.0], [76.0, 15.0], [103.0, 0.0], [135.0, 0.0]]
+    dam = {"name": "dam", "surface": surface, "base": {"elevation": -6.0}, "water": {"table": -2.96}}
+    fill, alluvium = (soil(name, bottom={"elevation": z}) for name, z in (("Fill", 0.0), ("Alluvium", -3.0)))
+    section = Section.parse({**dam, "strata": [fill, alluvium, soil("Rock", cohesion="200 kPa")]})
+    mesh = first_mesh(section.cut_at_films, 20_000)
+    assert mesh.areas.min() > 0.005
+    assert 500 < len(mesh.cells) < 3500
