@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.continuum.load_ends import with_strengthened_load_ends
 from fem.continuum.loads import soils
 from fem.continuum.nodal_loads import excess_pressure_load, ground_force, hydrostatic_load, pressed_sides
 from fem.continuum.plane_strain import PlaneStrain
@@ -162,10 +163,12 @@ def under_weight(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any = None, faces: Sequence[ShallowFailure] = ()
 ) -> tuple[PlaneStrain, np.ndarray]:
     """Return the elements of the section without stress, with the displacements that are fixed under gravity, and the
-    nodal forces (N/m) of the weight. Below ``faces`` the ground is strengthened."""
+    nodal forces (N/m) of the weight. Below ``faces``, and below the ends of loads on bare sand, the ground is
+    strengthened."""
     api.require()
     strata = soils(section)
     element, strong = element_for(section, settings), strengthened(section, faces, settings) if faces else section
+    strong = with_strengthened_load_ends(strong, settings.least_depth)
     strips = [s for s in strong.strata if s.name not in mesh.strata]
     soil = [*strata, *strips, *levels(section, mesh)]
     problem = PlaneStrain(mesh, soil, element, comm, settings.threads, settings.flow, settings.davis)

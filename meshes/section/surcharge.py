@@ -145,7 +145,8 @@ class SurfaceLoads:
             (
                 number,
                 f'it ends at x = {x:.4g} m on "{name}", which has no cohesion, and no bearing capacity next to bare '
-                "ground; bounds give the ground within fem.least_depth of that end a cohesion of half of this pressure",
+                "ground; elements and bounds give the ground within fem.least_depth of that end a cohesion of half of "
+                "this pressure",
             )
             for number, x, name in self.bare_ends()
         ]

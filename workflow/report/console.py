@@ -215,7 +215,7 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         where = ", ".join(f"{x:g}" for x in answer.load_ends)
         yield (
             f"Sand without cohesion has no bearing capacity below the end of a load next to bare ground (x = {where} "
-            f"m). In the bounds below, this sand has a cohesion of half the pressure of the load, down to "
+            f"m). In elements and bounds, this sand has a cohesion of half the pressure of the load, down to "
             f"{answer.least_depth:g} m."
         )
     name = proven(answer.strengthened_faces, ends)

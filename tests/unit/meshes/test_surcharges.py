@@ -18,7 +18,7 @@ def test_a_load_that_ends_on_bare_sand_is_told_with_what_to_do() -> None:
     load = {"from": 20.0, "to": 60.0, "pressure": "15 kPa"}
     first, second = message("0 kPa", load)
     assert first.startswith('surcharges 1: it ends at x = 20 m on "sand", which has no cohesion')
-    assert "bounds give the ground within fem.least_depth of that end a cohesion" in second
+    assert "elements and bounds give the ground within fem.least_depth of that end a cohesion" in second
     assert message("1 kPa", load) == []
     assert message("0 kPa", {**load, "from": 0.0, "to": 100.0}) == [], "it goes on beyond the sides"
 
