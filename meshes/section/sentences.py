@@ -1,6 +1,7 @@
 """Writes problems of an input in sentences: the key as in the file, the value, and what was expected; and counts."""
 
 import difflib
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -25,6 +26,14 @@ NUMBERS = {
     "float_type": "expected a number",
     "float_parsing": "expected a number",
     "finite_number": "expected a finite number",
+}
+
+# The same, of limits of numbers: words before the limit, and its name in the context of the error.
+LIMITS = {
+    "greater_than_equal": ("at least", "ge"),
+    "greater_than": ("a number above", "gt"),
+    "less_than_equal": ("at most", "le"),
+    "less_than": ("a number below", "lt"),
 }
 
 LONGEST = 80  # characters of a value that are shown
@@ -126,8 +135,16 @@ def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], other_
     if error["type"] == "value_error":
         return [f"{key}{shown}: {text}" if key else text for text in str(error["ctx"]["error"]).split("\n")]
     expected = _description(error["loc"], model)
+    meaning = _first_part(expected)
     if number := NUMBERS.get(error["type"]):
-        return [f"{key}{shown}: {number}" + (f", {expected}" if expected else "")]
+        return [f"{key}{shown}: {number}" + (f" ({meaning})" if meaning else "")]
+    if limit := limit_words(error):
+        return [f"{key}{shown}: expected {limit}" + (f" ({meaning})" if meaning else "")]
+    if error["type"] == "literal_error":
+        choices = str(error["ctx"]["expected"])
+        if all(choice.strip("'") in meaning for choice in re.split(", | or ", choices)):
+            return [f"{key}{shown}: expected {meaning}"]
+        return [f"{key}{shown}: expected {choices}" + (f" ({meaning})" if meaning else "")]
     plain = PLAIN_WORDS.get(error["type"])
     if error["type"] == "bool_type" and expected.startswith("true ") and not expected.startswith("true or"):
         return [f"{key}{shown}: {plain}; {expected}"]
@@ -135,6 +152,19 @@ def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], other_
         return [f"{key}{shown}: " + (f"expected {expected}" if expected else plain)]
     message = error["msg"][0].lower() + error["msg"][1:]
     return [f"{key}{shown}: {message}" + (f"; expected {expected}" if expected else "")]
+
+
+def limit_words(error: ErrorDetails) -> str:
+    """Return the limit that a number violates, such as "at most 5"; empty for other errors."""
+    if error["type"] not in LIMITS:
+        return ""
+    words, name = LIMITS[error["type"]]
+    return f"{words} {error['ctx'][name]:g}"
+
+
+def _first_part(description: str) -> str:
+    """Return the first sentence of a description, without notes on its default value."""
+    return re.split(r"\. (?=[A-Z\"])|; (?=a section file|by default)", description)[0]
 
 
 def shortened(text: str) -> str:
@@ -183,12 +213,13 @@ def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
 
 def _known_keys(location: tuple[int | str, ...], model: type[BaseModel]) -> list[str]:
     here = model_at(location, model)
-    return list(here.model_fields) if here else []
+    return [field.alias or name for name, field in here.model_fields.items()] if here else []
 
 
 def _description(location: tuple[int | str, ...], model: type[BaseModel]) -> str:
     here = model_at(location, model)
-    field = here.model_fields.get(str(location[-1])) if here else None
+    fields = {field.alias or name: field for name, field in here.model_fields.items()} if here else {}
+    field = fields.get(str(location[-1]))
     return (field.description or "") if field else ""
 
 

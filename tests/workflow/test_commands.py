@@ -10,6 +10,7 @@ import tomli_w
 from matplotlib.image import imread
 
 from meshes import shipped
+from meshes.errors import InputError
 from tests.support.command_line import run
 from tests.support.sections import layer, slope, written
 from workflow.cli.options import Panel
@@ -177,3 +178,35 @@ def test_what_cannot_be_compared_is_told_at_once(
     assert "2 problems" not in said
     for name in ("a", "b"):
         assert str(tmp_path / name) in said.replace("\n", "")
+
+
+@pytest.mark.parametrize(
+    ("command", "expected"),
+    [
+        (("liquefied",), "no stratum liquefies in any case; expected liquefies_in in at least one stratum"),
+        (("faces",), "structures: missing; expected one table [[structures]] for each structure"),
+        (("fem", "--out", "{file}"), "is a file; expected a folder for the results"),
+        (("section", "-o", "{folder}/none/slope.dxf"), "there is no folder {folder}/none"),
+        (("migrate", "-o", "{folder}/none/slope.toml"), "there is no folder {folder}/none"),
+    ],
+)
+def test_a_command_that_cannot_answer_says_so_before_it_computes(
+    command: tuple[str, ...], expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = small(tmp_path)
+    name, *options = (word.format(file=file, folder=tmp_path) for word in command)
+    assert run(name, file, *options) == 2
+    assert expected.format(folder=tmp_path) in " ".join(capsys.readouterr().err.split())
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_number_beyond_its_limit_and_an_unknown_word_are_told_with_what_is_expected() -> None:
+    config = {**slope(), "fem": {"accuracy": 3, "sides": "rollers"}, "structures": [{"name": "levee", "feet": 3}]}
+    with pytest.raises(InputError) as caught:
+        Config.parse(config)
+    said = "\n".join(caught.value.problems)
+    assert "fem, accuracy = 3: expected at most 0.5 (largest remaining discretisation error, such as 0.01" in said
+    assert "fem, sides = 'rollers': expected \"free-field\" (free horizontally under the K0 stress" in said
+    assert "a section file that does not say" not in said
+    assert 'structures 1 "levee", feet: unknown key; expected one of name, from, to, kind' in said
+    assert 'structures 1 "levee", from: missing; expected x of the left foot of the structure' in said

@@ -327,6 +327,7 @@ def _of_stage(stage: str, panel: str, words: str, bounds: bool = False) -> None:
         from workflow.cli.terminal import execute
 
         invocation = Invocation.of(section, folder, {}, settings)
+        invocation.refuse_without_subject(stage)
         also = ("bounds",) if bounds and invocation.config.bounds.run is not False else ()
         execute(*_up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), also))
 

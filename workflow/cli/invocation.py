@@ -74,6 +74,18 @@ class Invocation:
             shaking_of(read, ())
         return cls(read, store, mesh or stored, bool(stored), section, tables)
 
+    def refuse_without_subject(self, stage: str) -> None:
+        """Raise InputError if the section has nothing that a stage computes: no structures, or no liquefying strata."""
+        from workflow.estimates.structures import structures_of
+        from workflow.stages.liquefaction import refuse_unless_liquefying
+
+        if stage == "liquefied":
+            refuse_unless_liquefying(self.config.section)
+        if stage == "faces" and not structures_of(self.config.section):
+            raise InputError(
+                str(self.section), ["structures: missing; expected one table [[structures]] for each structure"]
+            )
+
     def refuse_unknown(self, cases: Sequence[int]) -> None:
         """Raise InputError for numbers of cases without a liquefying stratum, or if no case has one."""
         if not self.config.section.liquefies:

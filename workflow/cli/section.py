@@ -68,6 +68,8 @@ def migrate(
         raise InputError("noshiro migrate", ["give either --out FILE or --write, not both"])
     if to is not None and to.exists():
         raise InputError(str(to), ["exists already; expected the name of a new file, or --write to change the old one"])
+    if to is not None and not to.parent.is_dir():
+        raise InputError("--out", [f"{to}: there is no folder {to.parent}"])
     read_toml(section)  # tells what is wrong with the file
     with section.open(encoding="utf-8-sig", newline="") as file:  # ends of lines stay as they are
         text, changes = rewritten(file.read(), str(section))

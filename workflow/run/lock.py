@@ -24,6 +24,8 @@ def locked(folder: Path) -> Iterator[None]:
     the folder, or if nothing can be written.
     """
     path = folder / NAME
+    if folder.exists() and not folder.is_dir():
+        raise InputError(str(folder), ["is a file; expected a folder for the results"])
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)

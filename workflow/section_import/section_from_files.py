@@ -98,6 +98,8 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str
     unknown = sorted(kinds - set(READERS) - alone)
     if missing := [f"{file}: there is no such file" for file in files if not file.is_file()]:
         raise InputError("section", missing)
+    if not out.parent.is_dir():
+        raise InputError("--out", [f"{out}: there is no folder {out.parent}"])
     if unknown or (kinds & alone and len(files) > 1):
         messages = (
             f"expected files of borings, {', '.join(READERS)}, or one .dxf drawing, one model {' or '.join(MODELS)}, "

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
-from meshes.section.sentences import model_at
+from meshes.section.sentences import limit_words, model_at
 from workflow.uncertain.distribution import Distribution
 from workflow.uncertain.path import changed_value, places, value_at
 
@@ -116,6 +116,8 @@ def _adapter(field: FieldInfo) -> TypeAdapter[Any]:
 
 def _sentence(error: ValidationError) -> str:
     first = error.errors()[0]
+    if limit := limit_words(first):
+        return f"expected {limit}"
     text = str(first["ctx"]["error"]) if first["type"] == "value_error" else first["msg"]
     return text[:1].lower() + text[1:]
 

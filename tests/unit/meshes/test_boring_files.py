@@ -324,7 +324,7 @@ def test_a_grain_size_without_a_unit_is_no_quarter_of_a_metre(tmp_path: Path) ->
         ({"depth": 2, "N": 8, "d50": 0.25}, "spt 1, d50 = 0.25: 250 mm" + BEYOND + "0.25 mm"),
         ({"depth": 2, "N": 210}, "spt 1, N = 210: 210 blows is implausible; expected 0 to 200 blows"),
         ({"depth": 2, "N": 20, "plasticity": 320}, "spt 1, plasticity = 320: 320 % is implausible"),
-        ({"depth": 2, "N": 20, "fines": 120}, "spt 1, fines = 120: input should be less than or equal to 100"),
+        ({"depth": 2, "N": 20, "fines": 120}, "spt 1, fines = 120: expected at most 100"),
         ({"depth": 2, "N": ">5x"}, "spt 1, N = '>5x': expected the blow count for 30 cm"),
         ({"depth": 2, "N": 5, "energy_ratio": 0.6}, "energy_ratio = 0.6"),
         ({"depth": 2, "qc": 4.2, "fs": "25 kPa"}, "cpt, largest qc = 4.2: 4.2e-06 MPa" + BEYOND + "4.2 MPa"),
@@ -354,7 +354,7 @@ def test_numbers_of_borings_that_cannot_be(test: dict[str, object], text: str) -
         ({"triggering": {"rods_above": 150}}, "triggering, rods_above = 150: 150 m" + BEYOND + "150 cm"),
         (
             {"earthquake": {"magnitude": 75, "peak_acceleration": "250 gal"}},
-            "earthquake, magnitude = 75: input should be",
+            "earthquake, magnitude = 75: expected at most 9.5 (moment magnitude",
         ),
     ],
 )

@@ -145,7 +145,7 @@ def test_a_surcharge_is_linear_between_its_ends_and_nothing_beside_them() -> Non
         ({"strata": [soil(density_ordinary=1000.0)]}, "expected either it or these two"),
         ({"strata": [soil(density_saturated=1700.0)]}, "density_saturated below density"),
         ({"strata": [soil(piezometric_level=3.0, pore_pressure_ratio=0.1)]}, "expected one of them"),
-        ({"strata": [soil(excess_pore_pressure_ratio=1.2)]}, "less than or equal to 1"),
+        ({"strata": [soil(excess_pore_pressure_ratio=1.2)]}, "expected at most 1"),
         (
             {"strata": [soil(density_ordinary=1000.0, density_seismic=2000.0, **PAIR)], "water": {"table": 5}},
             "is already reduced by uplift",
