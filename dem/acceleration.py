@@ -63,19 +63,19 @@ class Acceleration:
         """Return the part of the acceleration from one time (s) to a later time."""
         inside = self.times[(self.times > begin) & (self.times < end)]
         times = np.concatenate([[begin], inside, [end]])
-        return _made(times, np.interp(times, self.times, self.x), np.interp(times, self.times, self.z))
+        return _unchecked(times, np.interp(times, self.times, self.x), np.interp(times, self.times, self.z))
 
     def at(self, time: float) -> "Acceleration":
         """Return the acceleration at one time (s), as a constant acceleration."""
         x, z = (np.interp(time, self.times, values) for values in (self.x, self.z))
-        return _made(np.array([time]), np.array([x]), np.array([z]))
+        return _unchecked(np.array([time]), np.array([x]), np.array([z]))
 
     def plus(self, x: float | np.ndarray, z: float | np.ndarray) -> "Acceleration":
         """Return the sum with further accelerations (m/s2) along x and z, constant or at the same times."""
-        return _made(self.times, self.x + x, self.z + z)
+        return _unchecked(self.times, self.x + x, self.z + z)
 
 
-def _made(times: np.ndarray, x: np.ndarray, z: np.ndarray) -> Acceleration:
+def _unchecked(times: np.ndarray, x: np.ndarray, z: np.ndarray) -> Acceleration:
     """Return an acceleration that is made of a checked one, without the checks: there are some thousand in a slide."""
     made = object.__new__(Acceleration)
     for name, values in (("times", times), ("x", x), ("z", z)):

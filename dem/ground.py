@@ -208,7 +208,7 @@ def ground_of(section: Section, settings: DemSettings) -> Ground:
             ],
         )
     try:
-        return _box(section, radius) if kind == "box" else _cut(section, settings, kind, radius)
+        return _box(section, radius) if kind == "box" else _cut_packing(section, settings, kind, radius)
     except ValueError as error:
         raise InputError(section.name, [f"dem, packing: {error}"]) from error
 
@@ -265,7 +265,7 @@ def in_stratum(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
     return layer
 
 
-def _cut(section: Section, settings: DemSettings, kind: str, radius: float) -> Ground:
+def _cut_packing(section: Section, settings: DemSettings, kind: str, radius: float) -> Ground:
     """Return a lattice or a random packing cut to the outline."""
     outline = section.outline()
     if kind == "lattice":

@@ -42,11 +42,11 @@ def effective_overburden(model: DiscModel) -> np.ndarray:
         higher = np.clip(0.5 + 0.5 * dz / model.radius[above], 0.0, 1.0)
         out[below] = (share * higher) @ down[above]
     if model.period is None:
-        out /= _within(model.x, left, right, across)
+        out /= _share_within(model.x, left, right, across)
     return np.maximum(out, 0.0)
 
 
-def _within(x: np.ndarray, left: float, right: float, width: float) -> np.ndarray:
+def _share_within(x: np.ndarray, left: float, right: float, width: float) -> np.ndarray:
     """Return the share of a triangular distribution (half width `width`, peak at x) that lies between two sides
     (n,)."""
 

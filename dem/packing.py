@@ -98,7 +98,7 @@ def triangular_lattice(outline: np.ndarray, stratum_at: StratumAt, radius: float
     outline: (n, 2) polygon (m); stratum_at: number of the stratum at points x, z; radius: radius of the discs (m).
     Raises ValueError if no disc is inside.
     """
-    outline = _checked(outline)
+    outline = _checked_outline(outline)
     c, s = np.cos(angle), np.sin(angle)
     rotated = outline @ np.array([[c, -s], [s, c]])
     low, high = rotated.min(axis=0) + radius, rotated.max(axis=0) - radius
@@ -111,7 +111,7 @@ def triangular_lattice(outline: np.ndarray, stratum_at: StratumAt, radius: float
     if not inside.any():
         raise ValueError(f"no disc of radius {radius} m fits into the outline")
     x, z = x[inside], z[inside]
-    return _surrounded(x, z, np.full(len(x), radius), outline, stratum_at)
+    return _with_boundary(x, z, np.full(len(x), radius), outline, stratum_at)
 
 
 def random_packing(
@@ -131,9 +131,9 @@ def random_packing(
     ValueError, with the porosity that was reached, if the discs do not fit; 2-D packings jam at a porosity of about
     0.16.
     """
-    outline = _checked(outline)
+    outline = _checked_outline(outline)
     x, z, sizes = _grown_discs(outline, outline, ENDLESS, (radius, spread, porosity), seed)
-    return _surrounded(x, z, sizes, outline, stratum_at)
+    return _with_boundary(x, z, sizes, outline, stratum_at)
 
 
 def periodic_packing(
@@ -158,7 +158,7 @@ def periodic_packing(
     if not np.allclose(lower[-1] - lower[0], (length, rise)):
         raise ValueError("periodic ground: expected the same rise from left to right at the base and at the surface")
     shift = np.array([length, rise])
-    walls = np.vstack([_thrice(lower, shift), _thrice(upper, shift)[::-1]])
+    walls = np.vstack([_with_images(lower, shift), _with_images(upper, shift)[::-1]])
     outline = np.vstack([lower, upper[::-1]])
     period = Period(float(length), float(rise))
     x, z, sizes = _grown_discs(outline, walls, period, (radius, spread, porosity), seed)
@@ -166,7 +166,7 @@ def periodic_packing(
     return Packing(x, z, sizes, layer, np.zeros((0, 6)), (float(length), float(rise)))
 
 
-def _thrice(line: np.ndarray, shift: np.ndarray) -> np.ndarray:
+def _with_images(line: np.ndarray, shift: np.ndarray) -> np.ndarray:
     """Return a line with its images one period to the left and one to the right."""
     return np.vstack([line - shift, line[1:], line[1:] + shift])
 
@@ -245,7 +245,7 @@ def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray
 
     Boundary discs are a diameter apart or a little less. At convex corners the lines extend past each other.
     """
-    outline = _checked(outline)
+    outline = _checked_outline(outline)
     edge = np.roll(outline, -1, axis=0) - outline
     length = np.hypot(*edge.T)
     keep = length > 1e-9
@@ -262,7 +262,7 @@ def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray
         start, end = 0.0, length[k]
         open_start, open_end = not wall[before], not wall[after]
         # offset lines of neighbouring walls meet further out at corners that point outwards, further in at others
-        reach = [radius * _turn(along[a], along[b]) for a, b in ((before, k), (k, after))]
+        reach = [radius * _half_angle_tangent(along[a], along[b]) for a, b in ((before, k), (k, after))]
         start -= higher if open_start else reach[0]
         end += higher if open_end else reach[1]
         pieces = max(1, int(np.ceil((end - start) / (2.0 * radius) - 1e-9)))
@@ -276,13 +276,13 @@ def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray
     return np.concatenate(centres), np.array(lines)
 
 
-def _turn(first: np.ndarray, second: np.ndarray) -> float:
+def _half_angle_tangent(first: np.ndarray, second: np.ndarray) -> float:
     """Return the tangent of half the angle between two edges, positive at convex corners."""
     cross = first[0] * second[1] - first[1] * second[0]
     return float(cross / (1.0 + first @ second))
 
 
-def _surrounded(
+def _with_boundary(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, outline: np.ndarray, stratum_at: StratumAt
 ) -> Packing:
     layer = _known_strata(x, z, stratum_at)
@@ -311,7 +311,7 @@ def _area(outline: np.ndarray) -> float:
     return 0.5 * float(np.sum(x * np.roll(z, -1) - np.roll(x, -1) * z))
 
 
-def _checked(outline: np.ndarray) -> np.ndarray:
+def _checked_outline(outline: np.ndarray) -> np.ndarray:
     outline = np.ascontiguousarray(outline, float)
     if outline.ndim != 2 or outline.shape[1] != 2 or len(outline) < 3 or not np.isfinite(outline).all():
         raise ValueError("outline: expected at least three finite corners (n, 2)")

@@ -70,7 +70,7 @@ def pair_table(
     stiffness = np.maximum(values[row.KN], [layer.boundary for layer in layers])
     pairs[row.KN, :n, n] = pairs[row.KN, n, :n] = stiffness
     left = _share_left([layer.faded for layer in layers])
-    _fade(pairs, left)
+    _reduce_stiffness(pairs, left)
     np.divide(_attraction(layers) * left, pairs[row.KN], out=pairs[row.GAP], where=pairs[row.KN] > 0.0)
     np.minimum(pairs[row.GAP], widest, out=pairs[row.GAP])
     lines = np.zeros((row.CONSTANTS, n + 1))
@@ -81,7 +81,7 @@ def pair_table(
         [s.faded for s in layers]
     )
     if law == "soil":
-        _weaker(pairs[:, :n, :n], values)
+        _apply_weaker_strength(pairs[:, :n, :n], values)
         pairs[[row.COHESION, row.COHESION_OTHER]] *= left
     for table in (pairs, lines):
         for spring, flexibility in ((row.KS, row.FKS), (row.KPS, row.FKPS)):
@@ -91,7 +91,7 @@ def pair_table(
     return PairTable(tuple(layers), pairs.reshape(row.CONSTANTS, -1), lines, alpha.ravel())
 
 
-def _weaker(pairs: np.ndarray, values: np.ndarray) -> None:
+def _apply_weaker_strength(pairs: np.ndarray, values: np.ndarray) -> None:
     """Write friction and cohesion of both materials, and the smaller rolling friction, into the constants of a pair."""
     first, other = np.broadcast_arrays(values[:, :, None], values[:, None, :])
     for first_of_pair, second in ((row.MU, row.MU_OTHER), (row.COHESION, row.COHESION_OTHER)):
@@ -149,7 +149,7 @@ def _share_left(faded: Sequence[float]) -> np.ndarray:
     return np.asarray(np.minimum(left[:, None], left[None, :]))
 
 
-def _fade(pairs: np.ndarray, left: np.ndarray) -> None:
+def _reduce_stiffness(pairs: np.ndarray, left: np.ndarray) -> None:
     """Multiply the stiffness of contacts (CONSTANTS, n + 1, n + 1) by the remaining share `left`; their overlap is no
     longer limited.
     """

@@ -59,7 +59,7 @@ def write_page(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer
 def text(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> str:
     """The page."""
     verdicts = {case.name: judge(case, answers.get(case.name)) for case in cases}
-    parts = [_head(), _summary(verdicts, answers), "## Cases", _table(cases, answers, verdicts)]
+    parts = [_page_head(), _summary(verdicts, answers), "## Cases", _table(cases, answers, verdicts)]
     remarks = {
         case.name: [*verdicts[case.name].remarks, *([case.published.note] if case.published.note else [])]
         for case in cases
@@ -79,7 +79,7 @@ def with_remarks(parts: Sequence[str], remarks: Mapping[str, Sequence[str]], fol
     return "\n\n".join([*parts, "## Remarks", "\n".join(lines), *last]) + "\n"
 
 
-def _head() -> str:
+def _page_head() -> str:
     tolerances = ", ".join(f"{kind} {100 * share:g} %" for kind, share in TOLERANCE.items())
     return HEAD.format(below=100 * TOLERANCE_BELOW, above=100 * TOLERANCE_ABOVE, tolerances=tolerances).strip()
 

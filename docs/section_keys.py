@@ -15,7 +15,7 @@ from meshes.section.quantity import Kind
 from meshes.section.section import Section
 from meshes.section.zone import Zone
 from workflow.config import Config
-from workflow.report.tables import plain
+from workflow.report.tables import setting_text
 
 BOUNDS = ((Ge, "ge", "from {:g}"), (Gt, "gt", "above {:g}"), (Le, "le", "to {:g}"), (Lt, "lt", "below {:g}"))
 COMMON = "section"  # what stands at the head of the file, before any table
@@ -49,7 +49,9 @@ def _of_fields(fields: dict[str, FieldInfo], table: str) -> Iterator[Key]:
     inside = []
     for name, field in fields.items():
         key = field.alias or name
-        yield Key(table or COMMON, key, _default(field), _unit(field), _allowed(field), str(field.description or ""))
+        yield Key(
+            table or COMMON, key, _default(field), _unit(field), _allowed_values(field), str(field.description or "")
+        )
         inside += [(f"{table}.{key}" if table else key, model) for model in _tables_in(field)]
     for path, model in inside:
         # The other keys of zones are those of strata; their bottom is none.
@@ -59,26 +61,28 @@ def _of_fields(fields: dict[str, FieldInfo], table: str) -> Iterator[Key]:
 
 def _tables_in(field: FieldInfo) -> list[type[BaseModel]]:
     """The models of lists of tables within a field; a line is written in one piece, and is none."""
-    models = [part for part in _parts(field.annotation) if isinstance(part, type) and issubclass(part, BaseModel)]
+    models = [
+        part for part in _annotation_parts(field.annotation) if isinstance(part, type) and issubclass(part, BaseModel)
+    ]
     return [model for model in dict.fromkeys(models) if model is not Line]
 
 
-def _parts(annotation: Any) -> Iterator[Any]:
+def _annotation_parts(annotation: Any) -> Iterator[Any]:
     """An annotation and all that it is made of."""
     yield annotation
     for part in get_args(annotation):
-        yield from _parts(part)
+        yield from _annotation_parts(part)
     yield from getattr(annotation, "__metadata__", ())
 
 
-def _pieces(field: FieldInfo) -> list[Any]:
-    pieces = [*field.metadata, *_parts(field.annotation)]
+def _field_annotations(field: FieldInfo) -> list[Any]:
+    pieces = [*field.metadata, *_annotation_parts(field.annotation)]
     return [*pieces, *(limit for piece in pieces if isinstance(piece, FieldInfo) for limit in piece.metadata)]
 
 
 def _kind(field: FieldInfo) -> Kind | None:
     """The physical quantity that a field is."""
-    readers = (getattr(getattr(piece, "func", None), "__self__", None) for piece in _pieces(field))
+    readers = (getattr(getattr(piece, "func", None), "__self__", None) for piece in _field_annotations(field))
     return next((reader for reader in readers if isinstance(reader, Kind)), None)
 
 
@@ -97,15 +101,15 @@ def _default(field: FieldInfo) -> str:
         return "as below" if isinstance(value, BaseModel) else "as described"
     if isinstance(value, bool):
         return str(value).lower()
-    return f'"{value}"' if type(value) is str else plain(value)
+    return f'"{value}"' if type(value) is str else setting_text(value)
 
 
-def _allowed(field: FieldInfo) -> str:
+def _allowed_values(field: FieldInfo) -> str:
     """Which values may be written, as the model checks them."""
     kind = _kind(field)
     if kind is not None:
         return (kind.limits.strip() or "any") + f", such as {kind.example}"
-    pieces = _pieces(field)
+    pieces = _field_annotations(field)
     words = [word for piece in pieces if get_origin(piece) is Literal for word in get_args(piece)]
     if words:
         return ", ".join(f'"{word}"' for word in dict.fromkeys(words) if word != "")
@@ -126,12 +130,16 @@ def _allowed(field: FieldInfo) -> str:
         return (
             f"{entry}, or one for each stratum" if get_origin(field.annotation) is not dict else f"{entry} by stratum"
         )
-    if not phrases and any(isinstance(piece, PlainValidator) for piece in field.metadata) and _listed(field, "") == "":
+    if (
+        not phrases
+        and any(isinstance(piece, PlainValidator) for piece in field.metadata)
+        and _list_values(field, "") == ""
+    ):
         return "as described"
-    return _listed(field, entry)
+    return _list_values(field, entry)
 
 
-def _listed(field: FieldInfo, entry: str) -> str:
+def _list_values(field: FieldInfo, entry: str) -> str:
     """The allowed values of a key that may be a list, from those of one entry."""
     annotation = field.annotation
     choices = get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)

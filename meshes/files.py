@@ -17,7 +17,7 @@ PLAIN = "plain"  # name in a checkpoint of all values that are no arrays, as JSO
 
 
 @contextmanager
-def whole(path: Path) -> Iterator[Path]:
+def whole_file(path: Path) -> Iterator[Path]:
     """Provide the path of a temporary file to write to. At the end of the block it replaces the final file in one
     operation.
 
@@ -36,7 +36,7 @@ def whole(path: Path) -> Iterator[Path]:
 
 def write_checkpoint(path: Path, arrays: Mapping[str, np.ndarray], plain: Mapping[str, Any]) -> None:
     """Write arrays, and plain values that JSON can hold, to a file of NumPy (.npz), exact to the last bit."""
-    with whole(path) as temporary, temporary.open("wb") as file:
+    with whole_file(path) as temporary, temporary.open("wb") as file:
         np.savez(file, **arrays, **{PLAIN: np.array(json.dumps(plain))})
 
 

@@ -123,7 +123,7 @@ def _touch(first: Seam, second: Seam, tolerance: float) -> bool:
 def _common(first: Seam, second: Seam, tolerance: float) -> np.ndarray:
     """Return the points (n, 2) of one seam that lie on a line of the other."""
     edges = [edge for line in (second.top, second.bottom) for edge in pairwise(line)]
-    return np.unique(np.vstack([_on(*edge, first.points(), tolerance) for edge in edges]), axis=0)
+    return np.unique(np.vstack([_points_on_edge(*edge, first.points(), tolerance) for edge in edges]), axis=0)
 
 
 def _fit(first: Seam, second: Seam, tolerance: float) -> bool:
@@ -150,7 +150,7 @@ class _Line:
 
     def cut_at(self, points: np.ndarray, tolerance: float) -> np.ndarray:
         """Return the corners of the line, and those of the points (n, 2) that lie on it, from left to right."""
-        cuts = [_on(start, end, points, tolerance) for start, end in pairwise(self.corners)]
+        cuts = [_points_on_edge(start, end, points, tolerance) for start, end in pairwise(self.corners)]
         return np.unique(np.vstack([self.corners, *cuts]), axis=0)
 
     def places(self, points: np.ndarray) -> np.ndarray:
@@ -191,7 +191,7 @@ def _seam(
     rows = max(1, round(float(thick.max() / wanted.min())))
     if thick.min() <= tolerance or thick.max() >= wanted.max() or rows > MOST_ROWS:
         return None
-    if any(len(_on(bottom.corners[end], top.corners[end], corners, tolerance)) > 2 for end in (0, -1)):
+    if any(len(_points_on_edge(bottom.corners[end], top.corners[end], corners, tolerance)) > 2 for end in (0, -1)):
         return None  # something ends at its end
     length = np.clip(MOST_ASPECT * thick, SHORTEST * wanted, wanted)
     on_top, on_bottom = (line.cut_at(corners, tolerance) for line in lines)
@@ -237,7 +237,7 @@ def _steepness(first: np.ndarray, second: np.ndarray) -> float:
     return math.inf if width == 0.0 else float(height / width)
 
 
-def _on(start: np.ndarray, end: np.ndarray, points: np.ndarray, tolerance: float) -> np.ndarray:
+def _points_on_edge(start: np.ndarray, end: np.ndarray, points: np.ndarray, tolerance: float) -> np.ndarray:
     """Return those of the points (n, 2) that lie on an edge, its ends included."""
     at, off = along_and_above(start, end, points)
     return points[(off <= tolerance) & (at >= -tolerance) & (at <= np.hypot(*(end - start)) + tolerance)]

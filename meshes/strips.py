@@ -56,10 +56,10 @@ def with_finer_strips(mesh: QuadMesh, indicator: np.ndarray, cells: int) -> Quad
     added = np.bincount(strips_of_cell.ravel(), minlength=count)
     order = np.argsort(-worth / np.maximum(added, 1), kind="stable")
     cut = order[: 1 + int(np.searchsorted(np.cumsum(added[order]), cells - len(mesh.cells)))]
-    return _cut(mesh, strips, np.isin(strips.of_edge, cut))
+    return _halved(mesh, strips, np.isin(strips.of_edge, cut))
 
 
-def _cut(mesh: QuadMesh, strips: Strips, marked: np.ndarray) -> QuadMesh:
+def _halved(mesh: QuadMesh, strips: Strips, marked: np.ndarray) -> QuadMesh:
     """Return the mesh in which the ``marked`` edges are halved. Opposite edges are marked together."""
     n, (a, b, c, d) = len(mesh.points), mesh.cells.T
     place = np.full(len(marked), -1)

@@ -283,7 +283,7 @@ def _thickened(
 ) -> Layering | None:
     """Return the layers in which stratum k is at least ``thick`` between two breakpoints (m), at the cost of the layers
     below; None if no other and stronger soil lies below it there, or if too little of a layer would be left."""
-    inside = _within(layers, start, end)
+    inside = _intervals_between(layers, start, end)
     present = layers.present()[inside, k + 1 :].any(axis=0)
     if strengths is None or not present.any():
         return None
@@ -307,7 +307,7 @@ def _thickened(
     return None if few.any() or (thicker.areas() <= 0.0).any() else thicker
 
 
-def _within(layers: Layering, start: float, end: float) -> np.ndarray:
+def _intervals_between(layers: Layering, start: float, end: float) -> np.ndarray:
     """Return the numbers of the intervals between two breakpoints (m)."""
     middles = 0.5 * (layers.x[1:] + layers.x[:-1])
     return np.flatnonzero((middles > start) & (middles < end))
@@ -326,7 +326,7 @@ def _of_seam(layers: Layering, k: int | None, start: float, end: float, soils: l
         return []
     same = np.array(soils) == soils[k]
     seams = []
-    for i in _within(layers, start, end):
+    for i in _intervals_between(layers, start, end):
         thick = [float(-np.diff(side[i])[same].sum()) for side in (layers.left, layers.right)]
         if max(thick) <= SEAM * least and _soil_above(layers, k, np.array([i]), soils) == soils[k]:
             seams.append(int(i))
@@ -340,7 +340,7 @@ def _without(layers: Layering, k: int | None, start: float, end: float, upward: 
     ``upward``.
     """
     left, right = layers.left.copy(), layers.right.copy()
-    for i in _within(layers, start, end):
+    for i in _intervals_between(layers, start, end):
         ends = left[i], right[i]
         if k is None:
             for side in ends:

@@ -12,7 +12,7 @@ BALANCE = 1e-3  # of the total energy exchanged
 LARGEST_DISPLACEMENT = 0.25  # of a radius, in one step
 
 
-def _place(model: DiscModel, disc: int) -> str:
+def _name_of(model: DiscModel, disc: int) -> str:
     return (
         f"disc {disc} at x = {model.x[disc]:.4g} m, z = {model.z[disc]:.4g} m, "
         f"t = {model.time:.6g} s (step {model.steps})"
@@ -26,7 +26,7 @@ def check_finite(model: DiscModel) -> None:
     fine = np.isfinite(model.x) & np.isfinite(model.z) & np.isfinite(model.vx) & np.isfinite(model.vz)
     fine &= np.isfinite(model.vr)
     raise NotFiniteError(
-        f"{_place(model, int(np.argmin(fine)))} has a position or velocity that is no number; {int((~fine).sum())} "
+        f"{_name_of(model, int(np.argmin(fine)))} has a position or velocity that is no number; {int((~fine).sum())} "
         f"discs have such values. Check the input of this disc, or use a smaller step."
     )
 
@@ -38,7 +38,7 @@ def check_speed(model: DiscModel, dt: float) -> None:
     least = float(model.radius.min())
     if speed[disc] * dt > LARGEST_DISPLACEMENT * least:
         raise SpeedError(
-            f"{_place(model, disc)} moves at {speed[disc]:.4g} m/s, {speed[disc] * dt / least:.2g} of the smallest "
+            f"{_name_of(model, disc)} moves at {speed[disc]:.4g} m/s, {speed[disc] * dt / least:.2g} of the smallest "
             f"radius in one step: it could pass through another disc. Use dt <= "
             f"{LARGEST_DISPLACEMENT * least / speed[disc]:.3g} s, or find the cause of this speed."
         )
@@ -53,7 +53,7 @@ def check_overlap(model: DiscModel) -> None:
     if len(share) and np.any(share > allowed):
         c = int(np.argmax(share - allowed))
         raise OverlapError(
-            f"{_place(model, int(i[c]))} and disc {j[c]} overlap by {share[c]:.3g} of their mean radius, "
+            f"{_name_of(model, int(i[c]))} and disc {j[c]} overlap by {share[c]:.3g} of their mean radius, "
             f"allowed is {allowed[c]:.3g}. Stiffen their layers, or allow more with `allowed_overlap`."
         )
     before, _ = line_gaps(model)
@@ -62,7 +62,7 @@ def check_overlap(model: DiscModel) -> None:
     if len(share) and np.any(share > allowed):
         c = int(np.argmax(share - allowed))
         raise OverlapError(
-            f"{_place(model, int(model.line_disc[c]))} overlaps rigid line {model.line_id[c]} by {share[c]:.3g} "
+            f"{_name_of(model, int(model.line_disc[c]))} overlaps rigid line {model.line_id[c]} by {share[c]:.3g} "
             f"of its radius, allowed is {allowed[c]:.3g}. Find the cause, or allow more with `allowed_overlap`."
         )
 
@@ -84,7 +84,7 @@ def check_escape(model: DiscModel) -> None:
     line, disc = first_behind(model.x, model.z, model.radius, model.fixed, model.lines)
     if disc >= 0:
         raise EscapeError(
-            f"{_place(model, disc)} has passed rigid line {line}. The boundary did not stop it: use a smaller step, "
+            f"{_name_of(model, disc)} has passed rigid line {line}. The boundary did not stop it: use a smaller step, "
             f"or stiffer springs in the adjacent layer."
         )
 
@@ -99,6 +99,6 @@ def check_balance(model: DiscModel, energies: EnergyBalance, tolerance: float) -
         disc = int(np.argmax(speed))
         raise EnergyBalanceError(
             f"the energy balance has a gap of {energies.gap:.4g} J/m, of {energies.turnover:.4g} J/m exchanged "
-            f"(allowed share {tolerance:g}); {_place(model, disc)} has the largest kinetic energy. Take a smaller "
+            f"(allowed share {tolerance:g}); {_name_of(model, disc)} has the largest kinetic energy. Take a smaller "
             f"step, or allow more with `balance`."
         )

@@ -21,7 +21,7 @@ FEWEST_STEPS = 2  # between two evaluations, since forces of liquefied ground ar
 DELAY = 0.04  # s; below ten update intervals the lowest row of discs resonates with the base
 
 
-def felt(model: DiscState) -> Acceleration:
+def acceleration_on_discs(model: DiscState) -> Acceleration:
     """Return the present acceleration that acts on the discs, including the acceleration of a compliant base."""
     here = model.acceleration.at(model.time)
     if model.base_impedance == 0.0:

@@ -15,11 +15,11 @@ from numba import config
 
 from dem.chunked_map import threaded
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
-from dem.engine.compliant_base import Look, felt, felt_until
+from dem.engine.compliant_base import Look, acceleration_on_discs, felt_until
 from dem.engine.energy_balance import EnergyBalance
 from dem.engine.memory import Room, keep_freed_arrays
 from dem.engine.packer import CrackBy, law_of, pack, springs_of, unpack, unpack_motion
-from dem.engine.sharing import needs
+from dem.engine.sharing import neighbour_slices
 from dem.errors import DemError, StepTooLargeError
 from dem.kernels import energy
 from dem.kernels.arguments import Clock, Entries, Law, Loads, Team
@@ -170,7 +170,7 @@ class Engine:
 
     def measure_layout(self, model: DiscModel, layout: Layout) -> EnergyBalance:
         """Measure the energy balance of a model whose contacts are in a layout."""
-        now = felt(model)
+        now = acceleration_on_discs(model)
         loads = Loads(now.times, now.with_level(model.gravity))
         measured = energy.energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)
         return EnergyBalance.of(measured, model.energy_sums, model.energy_edited, model.turnover)
@@ -349,7 +349,7 @@ class EngineRun:
         return [
             (
                 Team(thread, threads, barrier, stops), clock, layout, self.springs, self.law, loads, entries,
-                model.leeway**2, *needs(thread, threads, layout), new_buffer(),
+                model.leeway**2, *neighbour_slices(thread, threads, layout), new_buffer(),
             )
             for thread in range(threads)
         ]  # fmt: skip

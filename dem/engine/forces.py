@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dem.engine.compliant_base import felt
+from dem.engine.compliant_base import acceleration_on_discs
 from dem.engine.packer import law_of, pack, springs_of, unpack
-from dem.engine.sharing import needs
+from dem.engine.sharing import neighbour_slices
 from dem.kernels.arguments import ENERGY_COLUMNS, Clock, Entries, Loads, Team
 from dem.kernels.barrier import new_barrier
 from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS, Layout, count_slots
@@ -42,7 +42,7 @@ class ContactForces:
 
 def contact_forces(model: DiscModel) -> ContactForces:
     """Compute the forces of all contacts, by the stepping kernel from a copy of the state of the model."""
-    layout = _evaluated(model)
+    layout = _evaluated_layout(model)
     slices = len(layout.chunk_start) - 1
     owner = model.places[model.pair_i]
     turn, start = count_slots(owner, slices)
@@ -63,17 +63,17 @@ def keep_slip(model: DiscModel) -> None:
 
     Call this function before velocities are set, since the slip follows from the velocities of the last step.
     """
-    unpack(_evaluated(model), model)
+    unpack(_evaluated_layout(model), model)
 
 
-def _evaluated(model: DiscModel) -> Layout:
+def _evaluated_layout(model: DiscModel) -> Layout:
     layout = pack(model)
     entries = Entries(False, np.zeros((len(layout.chunk_start) - 1, ENERGY_COLUMNS)))
-    now = felt(model)
+    now = acceleration_on_discs(model)
     loads = Loads(now.times, now.with_level(model.gravity))
     take_steps(
         Team(0, 1, new_barrier(1), np.zeros((2, 1), np.int64)), Clock(0, 0.0, model.last_dt, model.time, model.steps),
-        layout, springs_of(model), law_of(model), loads, entries, 0.0, *needs(0, 1, layout),
+        layout, springs_of(model), law_of(model), loads, entries, 0.0, *neighbour_slices(0, 1, layout),
         new_buffer(),
     )  # fmt: skip
     return layout
@@ -91,7 +91,7 @@ def neighbour_forces(model: DiscModel, forces: ContactForces) -> tuple[np.ndarra
 def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return force (x, z) and moment on each disc from contacts, weight, water, loads and external acceleration (N, N m
     per metre)."""
-    ax, az, level = felt(model).with_level(model.gravity)[:, 0]
+    ax, az, level = acceleration_on_discs(model).with_level(model.gravity)[:, 0]
     pull_x, pull_z = model.pull
     fx, fz = neighbour_forces(model, forces)
     fx = fx + model.mass * (pull_x + model.added_mass_x * level + ax)

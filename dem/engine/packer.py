@@ -85,7 +85,7 @@ def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = seria
             rolling[at_lines[0], field, at_lines[1]] = getattr(model, name)
     incoming, incoming_start, first, last = place_incoming(partners.reshape(-1), chunk_start, line_disc, n)
     return Layout(
-        discs=_discs(model, slices), shared=_shared(model, slices), links=links.reshape(-1),
+        discs=_discs(model, slices), shared=_shared_fields(model, slices), links=links.reshape(-1),
         rolling=rolling.reshape(-1), partner=partners.reshape(-1), kinds=kinds, fresh=fresh, fresh_start=fresh_start,
         chunk_start=chunk_start, incoming=incoming, incoming_start=incoming_start, first=first, last=last,
         line_disc=line_disc.astype(np.int64),
@@ -108,19 +108,19 @@ def _discs(model: DiscModel, slices: int) -> np.ndarray:
     place_fields(order, fields, discs.reshape(-1))
     empty = np.arange(n % LANES, LANES)
     for row in (X0, Z0):
-        discs[-1, int(row) // LANES, empty] = _far(empty)
+        discs[-1, int(row) // LANES, empty] = _far_fields(empty)
     return discs.reshape(-1)
 
 
-def _shared(model: DiscModel, slices: int) -> np.ndarray:
+def _shared_fields(model: DiscModel, slices: int) -> np.ndarray:
     n, order = len(model), model.order
     shared = large_zeros(slices * LANES, SHARED)
     place_motion(order, tuple(getattr(model, name) for name in _STATE), shared.reshape(-1))
-    shared[n:, :2] = _far(np.arange(n, slices * LANES) % LANES)[:, np.newaxis]
+    shared[n:, :2] = _far_fields(np.arange(n, slices * LANES) % LANES)[:, np.newaxis]
     return shared.reshape(-1)
 
 
-def _far(lanes: np.ndarray) -> np.ndarray:
+def _far_fields(lanes: np.ndarray) -> np.ndarray:
     return FAR_AWAY * (1.0 + lanes)
 
 

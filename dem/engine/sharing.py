@@ -5,7 +5,7 @@ import numpy as np
 from dem.kernels.layout import LANES, LINK_FIELDS, Layout
 
 
-def needs(thread: int, threads: int, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+def neighbour_slices(thread: int, threads: int, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
     """Return the slices of a thread that share contacts with other threads, and how far the other threads must be
     before these slices move.
 

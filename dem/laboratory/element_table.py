@@ -73,10 +73,10 @@ def element_tests(
         for k in np.flatnonzero(stresses > 0.0)
         for packing in PACKINGS
     ]
-    return executor.compute(_tested, tests)
+    return executor.compute(_test_result, tests)
 
 
-def _tested(task: tuple[Stratum, PatchSample, list[float]], _: Tell) -> dict[str, Any]:
+def _test_result(task: tuple[Stratum, PatchSample, list[float]], _: Tell) -> dict[str, Any]:
     """Return the result of one element test."""
     stratum, sample, pressures = task
     try:

@@ -58,12 +58,12 @@ class ElementTestProgramme:
 
     def _check(self, layer: SoilLayer, outcomes: dict[Task, TestOutcome]) -> LayerCheck:
         patches = [
-            _scaled(outcomes[numbers.nearest, seed], numbers, float(p), seed)
+            _scaled_outcome(outcomes[numbers.nearest, seed], numbers, float(p), seed)
             for p in layer.pressures
             for numbers in [ContactNumbers.of(layer, float(p))]
             for seed in SEEDS
         ]
-        return _check(layer, layer.springs(self.radius, VOID_RATIO), patches)
+        return _layer_check(layer, layer.springs(self.radius, VOID_RATIO), patches)
 
 
 def compressed(task: Task, _: Tell) -> TestOutcome:
@@ -71,7 +71,7 @@ def compressed(task: Task, _: Tell) -> TestOutcome:
     return strength_of_patch(*task)
 
 
-def _scaled(patch: TestOutcome, numbers: ContactNumbers, pressure: float, seed: int) -> TestOutcome:
+def _scaled_outcome(patch: TestOutcome, numbers: ContactNumbers, pressure: float, seed: int) -> TestOutcome:
     """Return the result of a patch, converted to other dimensionless numbers and another pressure (Pa)."""
     if isinstance(patch, str):
         return f"{pressure / 1e3:.3g} kPa, seed {seed}, scaled to {PRESSURE / 1e3:.3g} kPa: {patch}"
@@ -84,7 +84,7 @@ def _scaled(patch: TestOutcome, numbers: ContactNumbers, pressure: float, seed: 
     )  # fmt: skip
 
 
-def _check(layer: SoilLayer, spring: LayerSprings, patches: Sequence[PatchStrength | str]) -> LayerCheck:
+def _layer_check(layer: SoilLayer, spring: LayerSprings, patches: Sequence[PatchStrength | str]) -> LayerCheck:
     good = [patch for patch in patches if isinstance(patch, PatchStrength)]
     by_pressure = [[patch for patch in good if patch.pressure == float(p)] for p in layer.pressures]
 

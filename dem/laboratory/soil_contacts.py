@@ -212,10 +212,10 @@ def soil_layers(section: Section) -> list[SoilLayer]:
     strata = section.cohesion_field.means()
     stresses = middle_stresses(section)
     typical = float(stresses[stresses > 0.0].min()) if (stresses > 0.0).any() else 1e4
-    return [_fitted(s, float(v) if v > 0.0 else typical) for s, v in zip(strata, stresses, strict=True)]
+    return [_fitted_layer(s, float(v) if v > 0.0 else typical) for s, v in zip(strata, stresses, strict=True)]
 
 
-def _fitted(stratum: Stratum, stress: float) -> SoilLayer:
+def _fitted_layer(stratum: Stratum, stress: float) -> SoilLayer:
     contacts = soil_contacts(stratum.cohesion, stratum.friction_angle, stress, stratum.youngs_modulus)
     return SoilLayer(**vars(contacts), stratum=stratum)
 

@@ -21,7 +21,7 @@ from dem.errors import DemError
 from dem.laboratory.compression import PatchStrength, compress
 from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
 from meshes.compiled import hash_of_files, kernel_folder
-from meshes.files import whole
+from meshes.files import whole_file
 
 ROOMS = "", "engine", "kernels", "laboratory"  # of the discs, whose sources a test depends on
 OVERLAP = 0.5  # over the mean radius, at which a test is stopped
@@ -54,7 +54,7 @@ def strength_of_patch(numbers: ContactNumbers, seed: int) -> PatchStrength | str
     content = (
         {"reason": strength} if isinstance(strength, str) else {**asdict(strength), "course": strength.course.tolist()}
     )
-    with suppress(OSError), whole(file) as temporary:
+    with suppress(OSError), whole_file(file) as temporary:
         temporary.write_text(json.dumps(content))
     return strength
 

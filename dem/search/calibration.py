@@ -208,12 +208,12 @@ class Calibrator:
         if self.executor.count < 2 or len(new) < 2:
             return [self.search(*key, fine=fine) for key in wanted]
         self.executor.compute(
-            _searched, [(self, *key, fine) for key in new], done=lambda k, search: self._know(new[k], search)
+            _search_task, [(self, *key, fine) for key in new], done=lambda k, search: self._know(new[k], search)
         )
         return [self.searches[key] for key in wanted]
 
 
-def _searched(task: tuple[Calibrator, str, float, bool], _: Tell) -> Search:
+def _search_task(task: tuple[Calibrator, str, float, bool], _: Tell) -> Search:
     """Return the result of one search for the critical Kh, as a task of the executor."""
     calibrator, parameter, factor, fine = task
     return calibrator.search(parameter, factor, fine=fine)
@@ -314,10 +314,10 @@ def calibrate(
     tried = {f: s for (p, f), s in calibrator.searches.items() if p in ("", parameter) and low <= f <= high}
 
     def met() -> bool:
-        return any(_met(search, target, settings.tolerance) for search in tried.values())
+        return any(_meets_target(search, target, settings.tolerance) for search in tried.values())
 
     first = 1.0 if 1.0 in tried else min(tried, default=1.0)
-    for outwards in _outwards(first, tried.get(first), target, settings):
+    for outwards in _expanding_factors(first, tried.get(first), target, settings):
         if met() or _bracket(tried, target) is not None:
             break
         tried |= zip(outwards, calibrator.search_all([(parameter, f) for f in outwards]), strict=True)
@@ -325,11 +325,13 @@ def calibrate(
         ends = _bracket(tried, target)
         if met() or ends is None or ends[1] / ends[0] < NARROWEST_BRACKET:
             break
-        factor = _between(tried, target, *ends)
+        factor = _interpolated_factor(tried, target, *ends)
         tried[factor] = calibrator.search(parameter, factor)
     tried = dict(sorted(tried.items(), key=lambda pair: pair[0]))
     value = min(tried, key=lambda f: (tried[f].verdict != "bracketed", abs(middle(tried[f]) - target)))
-    verdict: CalibrationVerdict = "calibrated" if _met(tried[value], target, settings.tolerance) else "out of reach"
+    verdict: CalibrationVerdict = (
+        "calibrated" if _meets_target(tried[value], target, settings.tolerance) else "out of reach"
+    )
     reason = f"critical Kh {middle(tried[value]):.4f} for a target of {target:.4f}"
     if verdict != "calibrated":
         reason = _out_of_reach(settings, parameter, tried, value, target)
@@ -339,7 +341,7 @@ def calibrate(
     )  # fmt: skip
 
 
-def _between(tried: dict[float, Search], target: float, low: float, high: float) -> float:
+def _interpolated_factor(tried: dict[float, Search], target: float, low: float, high: float) -> float:
     """Return the factor of the next trial: linear interpolation of Kh in the logarithm of the factor, not too near to
     either trial.
     """
@@ -360,7 +362,9 @@ def _out_of_reach(
     return f"calibration failed: {message}" if settings.model == "soil" else message
 
 
-def _outwards(first: float, base: Search | None, target: float, settings: DemSettings) -> Iterator[list[float]]:
+def _expanding_factors(
+    first: float, base: Search | None, target: float, settings: DemSettings
+) -> Iterator[list[float]]:
     """Yield the factors of the trials, from the ``first`` with its search towards the end that the target requires.
 
     The factors are halves, quarters, ... or doubles, two at a time for any number of workers. For soil discs, whose
@@ -381,7 +385,7 @@ def _outwards(first: float, base: Search | None, target: float, settings: DemSet
         yield steps[start : start + count]
 
 
-def _met(search: Search, target: float, tolerance: float) -> bool:
+def _meets_target(search: Search, target: float, tolerance: float) -> bool:
     return search.verdict == "bracketed" and abs(middle(search) - target) <= tolerance
 
 

@@ -123,14 +123,14 @@ def critical_kh(
             break
         else:
             failed = kh
-        while step > width * (1.0 + 1e-9) and _after(search.kc_lower, step) > failed * (1.0 - 1e-9):
+        while step > width * (1.0 + 1e-9) and _next_kh(search.kc_lower, step) > failed * (1.0 - 1e-9):
             step *= 0.5
-        kh = _after(search.kc_lower, step)
+        kh = _next_kh(search.kc_lower, step)
     search.kc_upper, search.reason = kh, trial.reason
     search.verdict = "bracketed" if trial.verdict == "fails" else "undecided"
     return search
 
 
-def _after(kh: float, step: float) -> float:
+def _next_kh(kh: float, step: float) -> float:
     """Return the next Kh: one step above the last one, or the step itself if only the first small Kh was tried."""
     return kh + step if step <= kh else step

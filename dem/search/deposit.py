@@ -102,7 +102,7 @@ def deposit(
         If the ground does not come to rest.
     """
     radius = settings.mean_radius(section)
-    ground = _filled(section, settings, radius, periodic)
+    ground = _overfilled_box(section, settings, radius, periodic)
     soil = soil_layers(section) if soil is None else soil
     layers = [layer.springs(radius, VOID_RATIO) for layer in soil]
     settled = settle(ground, layers, settings, by_shaking=False)
@@ -186,7 +186,7 @@ def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) 
     return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
 
 
-def _filled(section: Section, settings: DemSettings, radius: float, periodic: bool) -> Ground:
+def _overfilled_box(section: Section, settings: DemSettings, radius: float, periodic: bool) -> Ground:
     """Return a random packing that reaches above the surface, with strata stretched in proportion."""
     outline = section.outline()
     lift = SINKING * float(np.ptp(outline[:, 1])) + MARGIN * radius
@@ -202,7 +202,7 @@ def _filled(section: Section, settings: DemSettings, radius: float, periodic: bo
 
     up = np.array([0.0, 1.0])
     lower, upper = base - DEEP_RIM * radius * up, surface + lift * up
-    box = _raised(outline, on_top, lift, RIM * radius)
+    box = _raised_outline(outline, on_top, lift, RIM * radius)
     spread, seed = settings.spread, settings.seed
 
     def packed(porosity: float) -> Packing:
@@ -217,7 +217,7 @@ def _filled(section: Section, settings: DemSettings, radius: float, periodic: bo
     return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
 
 
-def _raised(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) -> np.ndarray:
+def _raised_outline(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) -> np.ndarray:
     """Return the outline of a box that extends above the surface, and beyond base and sides of the section (m).
 
     on_top: mask (n,) of the corners that are on the surface; lift, rim: heights above the surface, and distances beyond

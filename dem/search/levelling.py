@@ -48,7 +48,7 @@ def levelled(section: Section, packing: Packing, radius: float, spread: float) -
     """
     discs = np.column_stack([packing.x, packing.z, packing.radius])
     fixed, discs = discs[~packing.free], discs[packing.free]
-    discs = discs[_above(section, discs) <= LARGEST_PROTRUSION * radius]
+    discs = discs[_heights_above_surface(section, discs) <= LARGEST_PROTRUSION * radius]
     left, right = section.extent
     ends, around = (left, right), fixed
     if packing.period is not None:
@@ -56,7 +56,7 @@ def levelled(section: Section, packing: Packing, radius: float, spread: float) -
         ends = left + (1.0 + spread) * radius, right - (1.0 + spread) * radius
         around = np.vstack([fixed, _images(np.vstack([fixed, discs]), packing.period, (left, right), radius)])
     laid = _fillings(section, np.vstack([around, discs]), ends, radius, spread)
-    discs = _exchanged(section, around, np.vstack([discs, laid]), ends, radius, spread)
+    discs = _exchanged_discs(section, around, np.vstack([discs, laid]), ends, radius, spread)
     layer = np.append(np.full(len(fixed), -1, np.int32), np.zeros(len(discs), np.int32))
     x, z, size = np.vstack([fixed, discs]).T
     return Packing(x.copy(), z.copy(), size.copy(), layer, packing.lines, packing.period)
@@ -73,7 +73,7 @@ def _images(discs: np.ndarray, period: tuple[float, float], extent: tuple[float,
     return np.vstack([discs[near_left] + shift, discs[near_right] - shift])
 
 
-def _exchanged(
+def _exchanged_discs(
     section: Section,
     fixed: np.ndarray,
     discs: np.ndarray,
@@ -97,7 +97,7 @@ def _exchanged(
             np.flatnonzero((group[:, 0] > begin - 4.0 * width) & (group[:, 0] < end + 4.0 * width))
             for group in (discs, fixed)
         )
-        high = _above(section, discs[near]) > -0.5 * SEARCH_DEPTH * radius
+        high = _heights_above_surface(section, discs[near]) > -0.5 * SEARCH_DEPTH * radius
         inside = (discs[near, 0] > begin - radius) & (discs[near, 0] < end + radius)
         least, best = np.abs(_columns(section, discs, radius)[sides]).max(), discs
         for gone in near[high & inside]:
@@ -117,7 +117,7 @@ def _columns(section: Section, discs: np.ndarray, radius: float) -> np.ndarray:
     count = max(1, int(np.ceil((right - left) / (4.0 * radius))))
     column = np.floor((discs[:, 0] - left) / (right - left) * count).astype(int)
     highest = np.full(count, -np.inf)
-    np.maximum.at(highest, np.clip(column, 0, count - 1), _above(section, discs))
+    np.maximum.at(highest, np.clip(column, 0, count - 1), _heights_above_surface(section, discs))
     return highest
 
 
@@ -130,24 +130,24 @@ def _fillings(
     ``ends`` is the range of x (m) in which the centres of the new discs may lie.
     """
     # behind a steep face discs lie deep below their own surface and yet beside the places at its toe
-    lowest = np.min([_level(section, discs[:, 0] + SEARCH_DEPTH * way) for way in (-radius, 0.0, radius)], axis=0)
+    lowest = np.min([_surface_at(section, discs[:, 0] + SEARCH_DEPTH * way) for way in (-radius, 0.0, radius)], axis=0)
     there = discs[discs[:, 1] > lowest - SEARCH_DEPTH * radius]
     sizes = radius * (np.linspace(1.0 - spread, 1.0 + spread, TRIAL_RADII) if spread > 0.0 else np.ones(1))
     laid = np.zeros((0, 3))
-    places = _places(there, np.arange(len(there)), sizes)
+    places = _resting_positions(there, np.arange(len(there)), sizes)
     while True:
-        at_surface = np.abs(_above(section, places)) <= LARGEST_PROTRUSION * radius
+        at_surface = np.abs(_heights_above_surface(section, places)) <= LARGEST_PROTRUSION * radius
         places = places[at_surface & (places[:, 0] >= ends[0]) & (places[:, 0] <= ends[1])]
-        places = places[_fits(places, there, radius)]
+        places = places[_fitting(places, there, radius)]
         if not len(places):
             return laid
-        away = np.round(np.abs(_above(section, places)), 9)
+        away = np.round(np.abs(_heights_above_surface(section, places)), 9)
         best = places[np.lexsort((places[:, 0], away))[:1]]
         laid, there = np.vstack([laid, best]), np.vstack([there, best])
-        places = np.vstack([places, _places(there, np.array([len(there) - 1]), sizes)])
+        places = np.vstack([places, _resting_positions(there, np.array([len(there) - 1]), sizes)])
 
 
-def _places(discs: np.ndarray, of: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+def _resting_positions(discs: np.ndarray, of: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     """Return the positions of new discs of given radii that rest on one of the discs `of` and on another disc, one on
     either side.
     """
@@ -178,18 +178,18 @@ def _places(discs: np.ndarray, of: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     return np.column_stack([x[rests], z[rests], size[rests]])
 
 
-def _fits(places: np.ndarray, discs: np.ndarray, radius: float) -> np.ndarray:
+def _fitting(places: np.ndarray, discs: np.ndarray, radius: float) -> np.ndarray:
     """Return the mask of new discs that overlap no other disc."""
     apart, near = cKDTree(discs[:, :2]).query(places[:, :2], k=range(1, min(NEIGHBOURS, len(discs)) + 1))
     gap = apart - places[:, 2:] - discs[near, 2]
     return np.asarray(gap.min(axis=1) >= -INSERTION_OVERLAP * radius)
 
 
-def _above(section: Section, discs: np.ndarray) -> np.ndarray:
+def _heights_above_surface(section: Section, discs: np.ndarray) -> np.ndarray:
     """Return the height (m) of the tops of discs (x, z, radius) above the surface vertically below them, negative below
     it."""
-    return np.asarray(discs[:, 1] + discs[:, 2] - _level(section, discs[:, 0]))
+    return np.asarray(discs[:, 1] + discs[:, 2] - _surface_at(section, discs[:, 0]))
 
 
-def _level(section: Section, x: np.ndarray) -> np.ndarray:
+def _surface_at(section: Section, x: np.ndarray) -> np.ndarray:
     return np.interp(x, *section.ground.T)

@@ -189,7 +189,7 @@ def _points(
     most, count, curving, ended = 0.0, 0, True, ""
     since: list[tuple[float, float]] = []
     with Pulses(model, STEP_SHARE, threads) as pulses:
-        while curving or not (ended := _failed(model, before, ground, machine, moved)):
+        while curving or not (ended := _end_reason(model, before, ground, machine, moved)):
             driven = machine.speed(moved, cycle)
             end += driven * pulse
             kh = machine.stiffness * (end - moved) + machine.dashpot * (driven - speed)
@@ -213,7 +213,7 @@ def _points(
     yield f"; the test continued to a displacement of {moved:.2g} m, {ended}"
 
 
-def _failed(model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, moved: float) -> str:
+def _end_reason(model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, moved: float) -> str:
     """Return the reason why the test ends at this mean displacement (m), in words; empty while the test continues."""
     way = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
     most = np.percentile(way, GROUND_PERCENTILE)

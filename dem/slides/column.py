@@ -68,7 +68,7 @@ class SoilColumn:
         reach: float = 8.0,
     ) -> None:
         self.width, self.height, self.radius = width, height, radius
-        x, z, r = _packed(width, height * (1.0 + SINKING), radius, seed)
+        x, z, r = _packed_column(width, height * (1.0 + SINKING), radius, seed)
         floor = _rough_floor(np.random.default_rng(1000 + seed), radius, -3.0 * radius, reach * width)
         void_ratio = width * height / float(np.sum(np.pi * r**2)) - 1.0
         lines = np.array([
@@ -135,7 +135,7 @@ class SoilColumn:
         )
 
 
-def _packed(width: float, height: float, radius: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _packed_column(width: float, height: float, radius: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     outline = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
     packing = densest(
         lambda porosity: random_packing(outline, one_stratum, radius, spread=SPREAD, porosity=porosity, seed=seed),

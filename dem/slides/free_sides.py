@@ -79,7 +79,7 @@ class FreeSides:
         section = ground.section
         if section is None or start.period is not None or ground.tilt != 0.0:
             return
-        self.heavier = _heavier(start, ground, section)
+        self.heavier = _weight_ratio(start, ground, section)
         for side, outwards, levels in (
             ("left", -1, section.layering.left[0]),
             ("right", 1, section.layering.right[-1]),
@@ -190,7 +190,7 @@ def _vertical_stress(section: Section, x: np.ndarray, z: np.ndarray, strata: np.
     return section.water_pressure.vertical_effective(points, points, strata, load=load)
 
 
-def _heavier(start: DiscModel, ground: Ground, section: Section) -> float:
+def _weight_ratio(start: DiscModel, ground: Ground, section: Section) -> float:
     """Return the ratio of the overburden of all discs to the overburden of the section."""
     free = ~start.fixed
     x, z = ground.to_section(start.x[free], start.z[free])

@@ -44,8 +44,8 @@ from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.runout import loose_share, on_loose_mass
 from dem.slides.slide import Row, Slide, stopped_at
 from dem.slides.surface import Surface, crack_opening, escaped
-from dem.slides.volume import swollen, undrained, volume_change
-from meshes.files import whole
+from dem.slides.volume import required_areas, undrained_strata, volume_change
+from meshes.files import whole_file
 from meshes.section.sentences import counted
 
 LONG_SLIDE = 0.25  # of the height of the section: longer slides are also computed under the weight alone
@@ -112,7 +112,7 @@ class Slider:
         self.cut: set[int] = set()
         self.frame = max(1, round(settings.duration / HISTORY_INTERVAL / settings.frames))
         self.saved_at = -np.inf  # when the last checkpoint was left (s)
-        self.undrained = undrained(start, strata if case is not None else [])
+        self.undrained = undrained_strata(start, strata if case is not None else [])
         self.area_per_disc = area_per_disc(start, start) if self.undrained else np.zeros(0)
         self.buoyed = ground.buoyancy(start) if start.law == "soil" else None
         self.swelling: list[list[float]] = []  # before every look, of the discs of each undrained stratum
@@ -229,7 +229,7 @@ class Slider:
         drained = self._drained()
         sizes = self.swelling[-1] if self.swelling else [1.0] * len(self.undrained)
         if sizes:
-            sizes = swollen(self.model, self.start, self.area_per_disc, self.undrained, sizes, drained)
+            sizes = required_areas(self.model, self.start, self.area_per_disc, self.undrained, sizes, drained)
         self.swelling.append(sizes)
         area = np.ones(len(self.start.springs.layers) + 1)  # the boundary comes last
         area[self.undrained] = sizes
@@ -375,7 +375,7 @@ class Slider:
             "overlap": slide.overlap,
             "swelling": self.swelling,
         }
-        with whole(self.folder / "rows.json") as temporary:
+        with whole_file(self.folder / "rows.json") as temporary:
             temporary.write_text(json.dumps(state))
         self.model.save(self.folder / "checkpoint.npz")
         self.saved_at = time.monotonic()

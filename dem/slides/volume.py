@@ -19,7 +19,7 @@ SMALLEST_ERROR = 0.003  # of the area: smaller errors are not corrected, so that
 LARGEST_CORRECTION = 0.002  # of the area in one update
 
 
-def undrained(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
+def undrained_strata(start: DiscModel, liquefy: Sequence[int]) -> list[int]:
     """Return the strata of soil discs that keep their volume: those with undrained strength, and those that
     ``liquefy``."""
     if start.law != "soil":
@@ -47,7 +47,7 @@ def shortening(model: DiscModel, strata: Sequence[int]) -> float:
     return float(over[here].mean()) if here.any() else 0.0
 
 
-def swollen(
+def required_areas(
     model: DiscModel,
     start: DiscModel,
     before: np.ndarray,

@@ -24,7 +24,7 @@ def verify_slopes(
     """Compute ``parts`` of the answers of published slopes, print a line on each, and return rows for JSON."""
     place = folder or FOLDER
     find = (lambda case, known: answer(case, parts, known)) if parts else None
-    rows = run(place, read_cases(place, names), Answer, judge, find, lambda row: _tell(out, row))
+    rows = run(place, read_cases(place, names), Answer, judge, find, lambda row: _print_row(out, row))
     words = list(dict.fromkeys(row.verdict.word for row in rows))
     table = Table(box=SIMPLE_HEAD, padding=(0, 2, 0, 0))
     for word in words:
@@ -55,7 +55,7 @@ def published(case: Case) -> str:
     return f"published {low:g}" if low == high else f"published {low:g} to {high:g}"
 
 
-def _tell(out: Console, row: SlopeRow) -> None:
+def _print_row(out: Console, row: SlopeRow) -> None:
     """Print one line on a case, and one for each remark if its answer is wrong."""
     answer = f"bounds {numbers(row.answer)}, elements {elements(row.answer)}" if row.answer else ""
     line = f"{row.verdict.word:<9} {row.case.name:<26} {published(row.case)}; {answer}"

@@ -42,7 +42,7 @@ def judge(case: Case, answer: Answer | None) -> CaseVerdict:
     if answer is None:
         return CaseVerdict("not run", ())
     faults = [*_contradictions(answer), *(f"no answer by {text}" for text in answer.failures)]
-    apart = list(_apart(case, answer))
+    apart = list(_differences(case, answer))
     if faults:
         return CaseVerdict("wrong", (*faults, *apart))
     if apart and not case.published.explained:
@@ -82,17 +82,17 @@ def outside(case: Case, answer: Answer) -> Iterator[str]:
     """Yield sentences on the published values that lie above or below the strict bounds."""
     values = case.published.values
     if answer.upper is not None:
-        above = [_named(value) for value in values if value.ends[0] > answer.upper]
+        above = [_value_words(value) for value in values if value.ends[0] > answer.upper]
         if above:
             yield f"Proven to fail: {', '.join(above)}"
     if answer.lower is not None:
         least = answer.lower if answer.shallow_failure is None else min(answer.lower, answer.shallow_failure)
-        below = [_named(value) for value in values if value.ends[1] < least and value.kind != "upper bound"]
+        below = [_value_words(value) for value in values if value.ends[1] < least and value.kind != "upper bound"]
         if below:
             yield f"Proven to stand: {', '.join(below)}"
 
 
-def _named(value: Value) -> str:
+def _value_words(value: Value) -> str:
     low, high = value.ends
     return f"{low:g}" + (f" to {high:g}" if high > low else "") + f" ({value.author}, {value.method})"
 
@@ -109,7 +109,7 @@ def _contradictions(answer: Answer) -> Iterator[str]:
         yield f"elements find {answer.davis:.4g} by Davis's estimate, more than with ψ = φ"
 
 
-def _apart(case: Case, answer: Answer) -> Iterator[str]:
+def _differences(case: Case, answer: Answer) -> Iterator[str]:
     """Yield a sentence for each kind of published values whose median differs too much from the answers of the
     program."""
     kinds = dict.fromkeys(value.kind for value in case.published.values)

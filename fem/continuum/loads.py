@@ -69,7 +69,7 @@ def soils(section: Section) -> tuple[Stratum, ...]:
     if weak:
         raise InputError(section.name, weak)
     if section.uplift is not None and section.uplift.bare:
-        raise lifted(section.uplift)
+        raise uplift_error(section.uplift)
     return section.strata
 
 
@@ -84,6 +84,6 @@ def excess_pressure_advice(strata: Sequence[Stratum]) -> str:
     )
 
 
-def lifted(uplift: Uplift, reason: str = "there is no equilibrium") -> UnstableError:
+def uplift_error(uplift: Uplift, reason: str = "there is no equilibrium") -> UnstableError:
     """Return the UnstableError for uplift: the pore pressure exceeds the weight of the soil above."""
     return UnstableError(f"{reason}: {uplift.words}", "check the water levels, or relieve the pressure")

@@ -32,7 +32,7 @@ def hydrostatic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> 
     load: np.ndarray | float = 0.0
     water, surface = section.water_pressure, section.surface_loads
     if water.present:
-        load = load + pore_force(problem, mesh, water.at_rest) + _pressed(problem, mesh, section)
+        load = load + pore_force(problem, mesh, water.at_rest) + _free_water_forces(problem, mesh, section)
     if surface.surcharges:
         load = load + ground_force(problem, mesh, surface.dead)
     return load
@@ -81,7 +81,7 @@ def pore_force(problem: PlaneStrain, mesh: QuadMesh, pressure: Pressure) -> np.n
     return problem.exchange.sum_to_owned(local)
 
 
-def _pressed(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray:
+def _free_water_forces(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray:
     """Return the nodal forces (dofs,) in N/m of the pressure of free water on the ground."""
 
     def traction(ends: np.ndarray, near: np.ndarray, normal: np.ndarray) -> np.ndarray:

@@ -72,8 +72,8 @@ class ShallowFailure:
         """Return whether the neighbouring piece to the right, ``other``, is a face with the same stratum, slope and
         critical Kh."""
         here, there = ((face.angle, face.kh, face.ratio, face.seepage) for face in (self, other))
-        joined = (self.end, self.stratum, self.into_water) == (other.start, other.stratum, other.into_water)
-        return joined and bool(np.allclose(here, there, rtol=0.0, atol=ANGLE_TOLERANCE))
+        adjoins = (self.end, self.stratum, self.into_water) == (other.start, other.stratum, other.into_water)
+        return adjoins and bool(np.allclose(here, there, rtol=0.0, atol=ANGLE_TOLERANCE))
 
 
 class _Piece(NamedTuple):
@@ -118,7 +118,7 @@ def shallow_failures(
     """
     layers, sign = section.layering, seismic_sign(section, settings)
     faces: list[ShallowFailure] = []
-    for piece in _pieces(section, settings.least_depth):
+    for piece in _surface_pieces(section, settings.least_depth):
         i, soil = piece.interval, section.strata[piece.number]
         rise = sign * (layers.left[i, 0] - layers.right[i, 0])
         if soil.has_cohesion or rise <= LEVEL_ANGLE * layers.width[i] or soil.density_seismic == 0.0:
@@ -156,7 +156,7 @@ def failing_at_rest(
     return [face for face in shallow_failures(section, against, friction) if face.kh < 0.0]
 
 
-def joined(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
+def merged_faces(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
     """Merge neighbouring faces of one stratum, dry or wet, if their Kh is equal to the digits reported; the merged face
     has the smallest Kh.
 
@@ -213,7 +213,7 @@ def least_rolling_factor(
     return min(factors, default=None)
 
 
-def _pieces(section: Section, depth: float) -> Iterator[_Piece]:
+def _surface_pieces(section: Section, depth: float) -> Iterator[_Piece]:
     """Yield the pieces of the ground surface from left to right, cut where slope, stratum or water change within a
     ``depth`` (m)."""
     layers = section.layering
@@ -281,13 +281,17 @@ def _sheets(
         top, lowest = float(bounds[k]), float(max(bounds[k + 1], bounds[0] - least_depth))
         if top <= lowest:
             continue
-        level = top if piece.strata > 1 or not piece.is_long(least_depth) else _level(section, piece, k, top, lowest)
+        level = (
+            top
+            if piece.strata > 1 or not piece.is_long(least_depth)
+            else _head_elevation(section, piece, k, top, lowest)
+        )
         for upper, lower in ((top, level), (level, lowest)):
             if upper - lower > section.layering.tolerance:
                 yield k, upper, upper - lower
 
 
-def _level(section: Section, piece: _Piece, k: int, top: float, lowest: float) -> float:
+def _head_elevation(section: Section, piece: _Piece, k: int, top: float, lowest: float) -> float:
     """Return the elevation (m) between ``lowest`` and ``top`` above which the pore pressure at rest in stratum k is
     zero; ``top`` if the stratum is entirely wet or entirely dry. Below the returned elevation the pore pressure is
     linear.

@@ -53,7 +53,7 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
     layers = section.layering
     elevation = layers.left[0] if side == "left" else layers.right[-1]
     effective = _vertical_stress(section, side, elevation)
-    places, interior_points = _ends(section, side, elevation)
+    places, interior_points = _stratum_ends(section, side, elevation)
     here = np.flatnonzero(elevation[:-1] > elevation[1:])
     sides = []
     for k in here:
@@ -88,7 +88,7 @@ def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.n
     stress[:, 1] = np.cumsum(weight)
     stress[1:, 0] = stress[:-1, 1]
     if water.present or section.surcharges:
-        places, interior_points = (ends.reshape(-1, 2) for ends in _ends(section, side, elevation))
+        places, interior_points = (ends.reshape(-1, 2) for ends in _stratum_ends(section, side, elevation))
         ground = places[:1]
         on_ground = (
             water.on_ground(ground, interior_points[:1])
@@ -99,7 +99,7 @@ def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.n
     return stress
 
 
-def _ends(section: Section, side: str, elevation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _stratum_ends(section: Section, side: str, elevation: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the points (strata, 2, 2) at top and bottom of every stratum on a side, and points just inside the section
     next to them (m)."""
     x, layers = section.layering.x, len(elevation) - 1

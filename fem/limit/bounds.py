@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.continuum.load_ends import with_strengthened_load_ends
-from fem.continuum.loads import Direction, direction_of, excess_pressure_advice, lifted, seismic_sign, soils
+from fem.continuum.loads import Direction, direction_of, excess_pressure_advice, seismic_sign, soils, uplift_error
 from fem.continuum.shallow_failure import (
     ShallowFailure,
     failing_at_rest,
@@ -197,7 +197,7 @@ def kh_bounds(
     strong = {direction: (ground, searches[direction]) for direction, ground in grounds.items()}
     dropped = _drop_needless_strength(section, grounds, searches, limits, bounds.upper)
     bounds = search_all(section, tuple(searches.values()), limits, observer)
-    wet = [way for way, search in searches.items() if _slips(section, fem, search, *strong[way])]
+    wet = [way for way, search in searches.items() if _fails_shallow(section, fem, search, *strong[way])]
     for way in wet:  # shallow ground slips where water comes out of a face, before any face by itself
         dropped += searches[way].work - strong[way][1].work
         as_given = searches[way].bracket.upper
@@ -205,7 +205,7 @@ def kh_bounds(
     if wet:
         bounds = search_all(section, tuple(searches.values()), limits, observer)
     if bounds.upper < 0.0:
-        raise _unstable(section, bounds.upper)
+        raise _unstable_error(section, bounds.upper)
     substitute, spent = None, dropped + sum(search.work for search in searches.values())
     if with_davis:
         left = replace(limits, seconds=allowed - spent)
@@ -248,7 +248,7 @@ def _drop_needless_strength(
     return dropped
 
 
-def _slips(
+def _fails_shallow(
     section: Section, fem: FemSettings, search: DirectionSearch, ground: DirectionGround, strong: DirectionSearch
 ) -> bool:
     """Return whether shallow ground slips: the bounds of ``search`` are far below those of the ``strong`` search, whose
@@ -264,12 +264,12 @@ def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
     return ("downhill", "uphill") if fem.direction == "both" else (fem.direction,)
 
 
-def _unstable(section: Section, upper: float) -> UnstableError:
+def _unstable_error(section: Section, upper: float) -> UnstableError:
     """Return the error for ground whose critical Kh is below zero. A number below -1 has no meaning and is left out of
     the message.
     """
     if section.uplift is not None:
-        return lifted(section.uplift, "the section fails under its own weight")
+        return uplift_error(section.uplift, "the section fails under its own weight")
     most = f"the critical Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could stabilise it"
     loose = excess_pressure_advice(section.strata)
     if loose:
@@ -327,7 +327,7 @@ def body_of(
     elif fem.sides == "free-field":
         for name, stress in side_stresses(section, mesh).items():
             # The total stress stays when shaking adds to the pore pressure.
-            pressing = _pressing(stress, -1.0 if name == "left" else 1.0)
+            pressing = _pressure_traction(stress, -1.0 if name == "left" else 1.0)
             sides[name] = Side("y", dead=pressing, pressure=lambda at: water.at_rest(at.points, at.near, at.stratum))
     return RigidPlasticBody(
         cohesion=cohesion,
@@ -336,7 +336,7 @@ def body_of(
         live_force=np.column_stack([seismic_sign(section, fem) * seismic, nothing]),
         sides=sides,
         pore_pressure=_pore_pressure(water, excess_pressure) if water.present else None,
-        varying=_varying(section, davis) if section.cohesion_field.varies.any() else None,
+        varying=_varying_cohesion(section, davis) if section.cohesion_field.varies.any() else None,
         tension=tensile_strengths(section.strata),
     )
 
@@ -347,7 +347,7 @@ def _pore_pressure(water: WaterPressure, excess_pressure: bool) -> Pressure:
     return lambda *places: water.at_rest(*places) + water.excess(*places)
 
 
-def _varying(section: Section, davis: bool) -> CornerCohesion:
+def _varying_cohesion(section: Section, davis: bool) -> CornerCohesion:
     """Return the cohesion at corners of triangles for strata whose cohesion varies, reduced by Davis's factor if
     ``davis``."""
     field = section.cohesion_field
@@ -372,7 +372,7 @@ def _ground(section: Section, sign: int) -> Side:
     )
 
 
-def _pressing(stress: SideStress, outwards: float) -> EdgeTraction:
+def _pressure_traction(stress: SideStress, outwards: float) -> EdgeTraction:
     def traction(at: Places) -> np.ndarray:
         return np.column_stack([outwards * stress.at(at.points[:, 1], at.stratum), np.zeros(len(at.points))])
 

@@ -184,12 +184,12 @@ class Limits:
         spent = others + sum(mesh.work for mesh in bracket.meshes)
         if spent + GROWTH**COST_EXPONENT * bracket.meshes[-1].work > self.seconds:
             return "time"
-        if _fails(bracket.meshes):
+        if _solver_fails(bracket.meshes):
             return "solver"
         return "stalled" if _stalled(bracket.meshes) else None
 
 
-def _fails(meshes: Sequence[MeshBounds]) -> bool:
+def _solver_fails(meshes: Sequence[MeshBounds]) -> bool:
     """Return whether the solver ended early at the same bound on each of the last few meshes."""
     last = [set(mesh.failed) for mesh in meshes[-FAILED_MESHES:]]
     return len(last) == FAILED_MESHES and bool(set.intersection(*last))

@@ -33,7 +33,7 @@ CREST_ANGLE = 1e-6
 UNSTRAINED_RATE = 0.01
 
 
-def fans(problem: LimitProblem, points: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+def cells_at_points(problem: LimitProblem, points: np.ndarray) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
     """For every point, yield the cells that meet there, and the number of the point among the corners of each cell."""
     cells = problem.mesh.cells
     wanted = np.zeros(len(problem.mesh.points), dtype=bool)
@@ -67,7 +67,7 @@ def stress_free_corners(problem: LimitProblem) -> np.ndarray:
     jumps = np.zeros((len(mesh.edges), 2), dtype=bool)  # ends of edges across which tractions jump by a known amount
     jumps[problem.jumps.edges] = ((problem.jumps.traction != 0.0) | (problem.jumps.live != 0.0)).any(axis=2)
     free = np.zeros(mesh.cells.shape, dtype=bool)
-    for point, cells, corners in fans(problem, np.flatnonzero(touches & at_loose)):
+    for point, cells, corners in cells_at_points(problem, np.flatnonzero(touches & at_loose)):
         round_there = round_corners[cells, corners]
         equations = _traction_equations(problem, point, cells, (place, jumps, known))
         equations = np.vstack([equations, np.kron(np.eye(len(cells))[round_there], SHEAR_ROWS)])
@@ -162,7 +162,7 @@ def unstrained_points(problem: LimitProblem) -> np.ndarray:
     on_fixed = np.zeros(len(mesh.points), dtype=bool)
     on_fixed[outline.ends[outline.fixed.any(axis=1)]] = True
     unstrained = np.zeros(len(mesh.points), dtype=bool)
-    for point, cells, corners in fans(problem, np.flatnonzero(on_fixed)):
+    for point, cells, corners in cells_at_points(problem, np.flatnonzero(on_fixed)):
         friction = problem.friction[cells]
         if not friction.any():
             continue

@@ -152,24 +152,26 @@ class _Coarse:
 
     def fails_at(self, factor: float) -> bool:
         """Return whether a mechanism fails when the strength is divided by ``factor``."""
-        return any(_fails(search, factor) for search in self.searches)
+        return any(_is_unsafe(search, factor) for search in self.searches)
 
     def least_failing(self, factor: float) -> float:
         """Return ``factor``, or a smaller factor at which a mechanism fails: where faces of different water or slope
         meet, shallow ground slips before the face fails.
         """
-        weak = [search for search in self.searches if _fails(search, factor)]
+        weak = [search for search in self.searches if _is_unsafe(search, factor)]
         if not weak:
             return factor
         stands, fails = 0.5 * factor, factor
         for _ in range(HALVINGS):
             middle = math.sqrt(stands * fails)
-            still = [search for search in weak if _fails(search, middle)]  # what stands does so at smaller factors, too
+            still = [
+                search for search in weak if _is_unsafe(search, middle)
+            ]  # what stands does so at smaller factors, too
             weak, stands, fails = (still, stands, middle) if still else (weak, middle, fails)
         return fails
 
 
-def _fails(search: FactorSearch, factor: float) -> bool:
+def _is_unsafe(search: FactorSearch, factor: float) -> bool:
     """Return whether a mechanism in the direction of a search fails when the strength is divided by ``factor``."""
     search.measure(factor, lower=False)
     return search.upper <= factor

@@ -186,7 +186,7 @@ def conic_limit_load(
         ground, solution = ground.solved(
             lambda unit: unit.program(problem.strength, unit.load(0), ratio * unit.load(1)), start, LEAST_KH / ratio
         )
-        answer = _limit(problem, mesh, ground, solution, ratio)
+        answer = _limit_load_of(problem, mesh, ground, solution, ratio)
         warm = None if solution.none else solution.warm
     return replace(of_first_rank(problem, answer), start=warm)
 
@@ -223,7 +223,7 @@ def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Dis
     return Discretised(cells, free, tuple(all_forces), length, unit, strain)
 
 
-def _limit(
+def _limit_load_of(
     problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised, solution: cone_program.Solution, ratio: float
 ) -> ConicLimitLoad | NoAnswerError:
     """Return the limit load from a ``solution``, in whose program the live load is multiplied by ``ratio``, or the

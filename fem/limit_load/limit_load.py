@@ -137,12 +137,12 @@ def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadR
     if low is None or high is None:
         return weak, strong
     return (
-        _between(weak, low.bracket[0], min(low.bracket[1], high.bracket[1])),
-        _between(strong, max(low.bracket[0], high.bracket[0]), high.bracket[1]),
+        _mean_of_bracket(weak, low.bracket[0], min(low.bracket[1], high.bracket[1])),
+        _mean_of_bracket(strong, max(low.bracket[0], high.bracket[0]), high.bracket[1]),
     )
 
 
-def _between(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadResult:
+def _mean_of_bracket(result: LimitLoadResult, lower: float, upper: float) -> LimitLoadResult:
     """Return the limit load with the mean of a bracket as its value; return it unchanged if the bracket is that of the
     solver."""
     limit = result.ground.limit

@@ -266,11 +266,11 @@ class MaterialPointEngine:
         counts = np.diff(self._offsets)
         every = self._stripes
         self._even, self._odd, self._all = (
-            _shared(stripes, counts, self.threads) for stripes in (every[::2], every[1::2], every)
+            _stripe_ranges(stripes, counts, self.threads) for stripes in (every[::2], every[1::2], every)
         )
 
 
-def _shared(stripes: np.ndarray, counts: np.ndarray, threads: int) -> list[np.ndarray]:
+def _stripe_ranges(stripes: np.ndarray, counts: np.ndarray, threads: int) -> list[np.ndarray]:
     """Return for each thread a range of consecutive stripes, so that threads have about equal numbers of points."""
     done = np.cumsum(counts[stripes])
     total = done[-1] if len(done) else 0

@@ -126,7 +126,7 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
     number = np.where(inside, owners, -1)
     points = MaterialPoints.of(places - offset, volumes, soil, number)
     surface = np.flatnonzero(is_top & inside)
-    _load(section, points, places, surface, spacing)
+    _add_surcharges(section, points, places, surface, spacing)
     poisson = np.array([s.poissons_ratio for s in section.strata])[np.maximum(owners, 0)]
     points.stress[:, 1] = -effective
     points.stress[:, 0] = -effective * poisson / (1.0 - poisson)
@@ -230,7 +230,9 @@ def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> tupl
     return all_of_it, section.cohesion_field.effective_stress(at, at, stratum)
 
 
-def _load(section: Section, points: MaterialPoints, places: np.ndarray, surface: np.ndarray, spacing: float) -> None:
+def _add_surcharges(
+    section: Section, points: MaterialPoints, places: np.ndarray, surface: np.ndarray, spacing: float
+) -> None:
     """Add surcharges to the points of the surface: their weight, and the mass that shakes."""
     x, mass = places[surface, 0], points.state[surface, kernel.MASS]
     weighs = points.properties[surface, kernel.HEAVY] * mass

@@ -192,8 +192,8 @@ class PointSlider:
             arrays, plain = read_checkpoint(path)
         except OSError:
             return
-        self.engine.restore(_of(arrays, ENGINE_PREFIX))
-        self.began |= _of(arrays, START_PREFIX)
+        self.engine.restore(_unprefixed(arrays, ENGINE_PREFIX))
+        self.began |= _unprefixed(arrays, START_PREFIX)
         shares.update(zip(list(shares), plain["shares"], strict=True))
         slide.times = [float(time) for time in arrays["times"]]
         slide.slide, slide.settlement, slide.before = (
@@ -289,7 +289,9 @@ class PointSlider:
     def _liquefy(self, programme: SlideProgramme, shares: dict[int, float]) -> None:
         """Set strength, stiffness and the drained volume of the current time."""
         points, order = self.ground.points, self.engine.order
-        now_at = {k: _share(self.engine.time - start, programme.onset) for k, start in programme.starts.items()}
+        now_at = {
+            k: _liquefied_share(self.engine.time - start, programme.onset) for k, start in programme.starts.items()
+        }
         changes = {k: share for k, share in now_at.items() if share != shares[k]}
         if not changes:
             return
@@ -351,13 +353,13 @@ class PointSlider:
         return ("right" if self.sign > 0 else "left") if beyond.any() else None
 
 
-def _share(since: float, onset: float) -> float:
+def _liquefied_share(since: float, onset: float) -> float:
     """Return the degree of liquefaction (0 to 1), rounded to steps, at a time ``since`` its onset (s)."""
     if since < -1e-9:
         return 0.0
     return 1.0 if onset == 0.0 else min(1.0, (since + onset / ONSET_STEPS) / onset)
 
 
-def _of(arrays: Mapping[str, np.ndarray], begin: str) -> dict[str, np.ndarray]:
+def _unprefixed(arrays: Mapping[str, np.ndarray], begin: str) -> dict[str, np.ndarray]:
     """Return the arrays whose names begin with a prefix, under names without the prefix."""
     return {name.removeprefix(begin): array for name, array in arrays.items() if name.startswith(begin)}

@@ -83,7 +83,7 @@ def edge_strength(
     -------
     Strength of the points of sound ground that lie in these knot spans, in the order of the numbers of the points.
     """
-    column, row = _places(x, cell)
+    column, row = _grid_places(x, cell)
     above = np.zeros(len(x))
     edges: dict[int, list[_Edge]] = {}
     for points_of_column in _in_columns(x, column):
@@ -131,7 +131,7 @@ def thickness_over_width(
     -------
     Ratio (n,) of thickness to width, at most 1; 1 for sound ground.
     """
-    column, _ = _places(x, cell)
+    column, _ = _grid_places(x, cell)
     share = np.ones(len(x))
     for points_of_column in _in_columns(x, column):
         weak = layer[points_of_column] >= 0
@@ -176,7 +176,7 @@ def _in_columns(x: np.ndarray, column: np.ndarray) -> list[np.ndarray]:
     return np.split(order, np.flatnonzero(np.diff(column[order])) + 1)
 
 
-def _places(x: np.ndarray, cell: float) -> tuple[np.ndarray, np.ndarray]:
+def _grid_places(x: np.ndarray, cell: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the column of points, and the row of nodes in whose knot span each point lies."""
     return np.floor(2.0 * x[:, 0] / cell).astype(int), np.round(x[:, 1] / cell).astype(int)
 

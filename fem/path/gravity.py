@@ -172,8 +172,8 @@ def under_weight(
     strips = [s for s in strong.strata if s.name not in mesh.strata]
     soil = [*strata, *strips, *levels(section, mesh)]
     problem = PlaneStrain(mesh, soil, element, comm, settings.threads, settings.flow, settings.davis)
-    _lay(strata if mesh.method == "free" else [], strong, problem)
-    _lay(strips, strong, problem)
+    _assign_strips(strata if mesh.method == "free" else [], strong, problem)
+    _assign_strips(strips, strong, problem)
     _lay_levels(len(strata) + len(strips), section, problem)
     if settings.sides == "periodic":
         refuse_other_water(section)
@@ -194,7 +194,7 @@ def vertical_inertia(problem: PlaneStrain, settings: FemSettings) -> np.ndarray:
     return problem.body_force([s.density_seismic for s in problem.strata], (0.0, settings.vertical * GRAVITY))
 
 
-def _lay(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> None:
+def _assign_strips(strips: Sequence[Stratum], strong: Section, problem: PlaneStrain) -> None:
     """Assign the soils of ``strips``, strata of the strengthened section ``strong``, to the quadrature points inside
     them.
 

@@ -24,7 +24,7 @@ from fem.search.mesh_sequence import (
     MeshRound,
     MeshSequence,
     Wish,
-    nothing,
+    no_other_kh,
 )
 from fem.search.slip_surface import slip_surface
 from fem.search.strength_reduction import SafetyFactor, limit_load_safety_factor
@@ -111,7 +111,7 @@ def factor_like(limit: AdaptiveResult[LimitLoadResult], kh: float) -> float:
     return min(GUESS_RATIO * math.tan(needed) / math.tan(present), LARGEST_GUESS)
 
 
-def _nobody(_: str) -> None:
+def _ignore(_: str) -> None:
     """Ignore messages."""
 
 
@@ -133,7 +133,7 @@ class AdaptiveSearch:
     meshing: MeshSettings
     first: QuadMesh
     comm: Any = None
-    tell: Callable[[str], None] = _nobody
+    tell: Callable[[str], None] = _ignore
     executor: Executor = SERIAL
 
     def critical(self, settings: FemSettings) -> AdaptiveResult[LimitLoadResult]:
@@ -143,8 +143,8 @@ class AdaptiveSearch:
         ``critical_limit_load`` on the first mesh.
         """
         if settings.direction != "both":
-            return self._towards(settings.direction, settings, nothing)
-        downhill = self.executor.submit(self._towards, "downhill", settings, nothing)
+            return self._towards(settings.direction, settings, no_other_kh)
+        downhill = self.executor.submit(self._towards, "downhill", settings, no_other_kh)
         try:
             up = self._towards("uphill", settings, lambda: downhill.result().result.kc)
         except NoAnswerError:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.continuum.loads import excess_pressure_advice, lifted
+from fem.continuum.loads import excess_pressure_advice, uplift_error
 from fem.continuum.strength import davis_words, flow_of, is_associated, is_dilating_fully
 from fem.errors import UnstableError, answer_or_none
 from fem.limit_load.limit_load import LimitLoadResult
@@ -99,7 +99,7 @@ def assess(
                 assessment = search.with_limit_loads(adapted, settings, safety)
         except UnstableError as error:
             raise search.fails(settings, error) from error
-        below_one = [each for each in assessment.safety if each.result.kh == 0.0 and _fails(each.result.factor)]
+        below_one = [each for each in assessment.safety if each.result.kh == 0.0 and _is_unsafe(each.result.factor)]
         if adapted is not None and below_one:  # what little Kh there is, is the error of its mesh
             unstable = UnstableError("the section fails under its own weight on some meshes")
             raise search.fails(settings, unstable, below_one[0])
@@ -131,7 +131,7 @@ def critical_of_dem_counterpart(
         return search.between_sides(own_flow)
 
 
-def _together(
+def _collected(
     critical: CriticalResult,
     mesh: QuadMesh,
     adapted: AdaptiveResult[LimitLoadResult] | None,
@@ -147,7 +147,7 @@ def _together(
     outcomes = [each.result() for each in safety]
     factors = [each for each in outcomes if not isinstance(each, ResultWarning)]
     associated, davis = (None, compared) if critical.flow == "associated" else (compared, None)
-    if davis is not None and any(f.result.kh == 0.0 and _fails(f.result.by_other_flow) for f in factors):
+    if davis is not None and any(f.result.kh == 0.0 and _is_unsafe(f.result.by_other_flow) for f in factors):
         davis = failing_by_itself(davis)
     warnings = warnings_of(critical, mesh, associated.result if associated else None)
     warnings += [each for each in outcomes if isinstance(each, ResultWarning)]
@@ -162,7 +162,7 @@ def _place_of(weakened: AdaptiveResult[SafetyFactor]) -> str:
     return f"; the ground {extent_in_words(line)}" if len(line) else ""
 
 
-def _fails(factor: float | None) -> bool:
+def _is_unsafe(factor: float | None) -> bool:
     """Return whether a factor of safety shows that the ground fails."""
     return factor is not None and factor < 1.0 - SOLVER_ACCURACY
 
@@ -200,7 +200,7 @@ class _Search:
         better, other = limits.result()
         if better.mesh is not adapted.mesh:
             critical = follow(mesh=better.mesh, ground=better.result.ground if reduced else None)
-        assessment = _together(critical, better.mesh, better, better.other, other, safety)
+        assessment = _collected(critical, better.mesh, better, better.other, other, safety)
         return replace(assessment, own_dilation=third.result())
 
     def by_path(self, settings: FemSettings, safety: list[Safety] | None) -> Assessment:
@@ -212,7 +212,7 @@ class _Search:
         if not is_dilating_fully(self.section.strata):
             other_flow = self.by_other_flow(one_way)
         safety = self.begin_safety(one_way) if safety is None else safety
-        return _together(critical, mesh, None, opposite, other_flow, safety)
+        return _collected(critical, mesh, None, opposite, other_flow, safety)
 
     def begin_safety(self, settings: FemSettings, like: AdaptiveResult[LimitLoadResult] | None = None) -> list[Safety]:
         """Start the searches for the factors of safety at the Kh of the settings, on meshes ``like`` those of the
@@ -328,7 +328,9 @@ class _Search:
         against uplift instead. ``known`` is the factor of safety if it is already computed.
         """
         if self.section.uplift is not None:
-            return error if self.section.uplift.words in error.reason else lifted(self.section.uplift, error.reason)
+            return (
+                error if self.section.uplift.words in error.reason else uplift_error(self.section.uplift, error.reason)
+            )
         weakened = known or self.safety(settings, 0.0)
         factor, where = weakened.result, _place_of(weakened) if weakened.result.factor <= 1.0 else ""
         message, remedy = f"{error.reason}; its factor of safety is {factor.factor:.2f}", error.remedy

@@ -158,7 +158,7 @@ def critical_coefficient(
         If no state on the path is in equilibrium.
     """
 
-    towards = partial(_towards, section, mesh, comm=comm, listener=listener, ground=ground)
+    towards = partial(_critical_in_direction, section, mesh, comm=comm, listener=listener, ground=ground)
     if settings.direction != "both":
         return towards(settings=settings)
     first = towards(settings=settings.changed(direction="downhill"))
@@ -171,7 +171,7 @@ def critical_coefficient(
     return replace(first, other=second)
 
 
-def _towards(
+def _critical_in_direction(
     section: Section,
     mesh: QuadMesh,
     settings: FemSettings,
@@ -185,7 +185,7 @@ def _towards(
     while True:
         if ground.gravity is None:
             ground = replace(ground, gravity=_at_rest(ground))
-        result = _followed(ground, mesh, sign, settings, listener)
+        result = _followed_path(ground, mesh, sign, settings, listener)
         sand = cohesionless_faces(section, settings)
         strengthened = any(face in ground.faces for face in sand)
         if ground.limit is not None or strengthened or all(face.kh >= result.kc for face in sand):
@@ -211,7 +211,7 @@ def _at_rest(ground: LoadedGround) -> EquilibriumPath:
         ) from error
 
 
-def _followed(
+def _followed_path(
     ground: LoadedGround, mesh: QuadMesh, sign: int, settings: FemSettings, listener: PathListener | None
 ) -> CriticalResult:
     """Follow the path from ``ground``; returns its result."""
@@ -220,7 +220,7 @@ def _followed(
     start = problem.state()
     path = seismic_path(problem, ground.constant, ground.load, sign, settings)
     if known is not None:
-        wanted = _wanted(settings, min(known.multiplier, settings.kh_limit))
+        wanted = _stored_kh(settings, min(known.multiplier, settings.kh_limit))
         limit, states = step_to_limit(path, mesh, known.multiplier, settings.kh_limit, wanted, listener)
         in_equilibrium, relaxed = limit.in_equilibrium, True
         kc = known.multiplier if limit.verdict == "plateau" else in_equilibrium
@@ -232,7 +232,7 @@ def _followed(
     if known is None:  # the fields that are wanted are known only now
         problem.restore(start)
         again = seismic_path(problem, ground.constant, ground.load, sign, settings)
-        states = states_at(again, mesh, _wanted(settings, kc))
+        states = states_at(again, mesh, _stored_kh(settings, kc))
     reached = {state.kh for state in states}
     beyond = [
         replace(last, label=f"there is no equilibrium at Kh = {kh:g}", kh=kh, past_equilibrium=True)
@@ -260,7 +260,7 @@ def _followed(
     )
 
 
-def _wanted(settings: FemSettings, kc: float) -> list[float]:
+def _stored_kh(settings: FemSettings, kc: float) -> list[float]:
     """Return the Kh up to ``kc`` at which fields are stored."""
     return [kh for kh in settings.kh or tuple(float(f"{share * kc:.3g}") for share in STORED_KH_SHARES) if kh <= kc]
 

@@ -140,7 +140,7 @@ def remaining_error(before: MeshRound, cells: int, value: float) -> float:
     return (before.value - value) / max(cells / before.cells - 1.0, SMALLEST_CELL_GAIN)
 
 
-def nothing() -> float:
+def no_other_kh() -> float:
     """Return infinity, as the Kh of a direction that is not analysed."""
     return math.inf
 
@@ -160,7 +160,7 @@ class Wish:
 
     accuracy: float
     max_cells: int
-    other: Callable[[], float] = nothing
+    other: Callable[[], float] = no_other_kh
     least: float = 0.0
 
     def is_met(self, last: MeshRound) -> bool:

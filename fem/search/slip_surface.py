@@ -47,13 +47,13 @@ def critical_above(section: Section, mesh: QuadMesh, settings: FemSettings, line
     """
     ground = critical_limit_load(section, mesh, settings).ground
     assert ground.limit is not None
-    problem, below = ground.problem, _below(section, line, ground.problem.grid.node_points)
+    problem, below = ground.problem, _ground_below(section, line, ground.problem.grid.node_points)
     problem.fix_components(~problem.free | np.repeat(below, 2))
     above = conic_limit_load(problem, mesh, ground.constant, ground.load)
     return ground.limit.multiplier, above.multiplier
 
 
-def _below(section: Section, line: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _ground_below(section: Section, line: np.ndarray, points: np.ndarray) -> np.ndarray:
     x, z = points.T
     ground_at_line, ground = (np.interp(at, *section.ground.T) for at in (line[:, 0], x))
     return ground - z >= np.interp(x, line[:, 0], ground_at_line - line[:, 1]) * (1.0 - 1e-9)

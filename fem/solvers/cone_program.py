@@ -305,7 +305,7 @@ def _by_clarabel(
     work, spent = 0.0, False
     for regularisation in regularisations:
         settings = _settings(regularisation, feasibility)
-        end, cost = interruptible(partial(_solved, data, magnified, settings, most_work - work))
+        end, cost = interruptible(partial(_clarabel_solution, data, magnified, settings, most_work - work))
         ends.append(end)
         work += cost * end.iterations
         spent = most_work < work + cost
@@ -318,7 +318,7 @@ def _by_clarabel(
     return _End(str(best.status), x, z, poorness <= 1, iterations, work, out_of_work=poorness > 0 and spent)
 
 
-def _solved(
+def _clarabel_solution(
     data: Assembled, magnified: float, settings: clarabel.DefaultSettings, most_work: float
 ) -> tuple[clarabel.DefaultSolution, float]:
     """Return the result of Clarabel within a limit of work, and the work of one iteration. The limit is set before the

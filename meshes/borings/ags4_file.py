@@ -17,8 +17,8 @@ from meshes.borings.log import (
     LogLayer,
     cone_problems,
     depth_problems,
-    joined,
     layer_problems,
+    merged_layers,
     refusal_notices,
 )
 from meshes.borings.plausible import implausible_cones, implausible_sample
@@ -203,7 +203,7 @@ def _log(row: Row, axes: tuple[str, str], naming: tuple[str, ...], groups: Group
             )
         top, bottom = _number(group_row, "GEOL_TOP", name, groups), _number(group_row, "GEOL_BASE", name, groups)
         layers.append(LogLayer(groups.meaning(label), top, bottom, "", group_row.get("GEOL_DESC", "")))
-    layers = joined(sorted(layers, key=lambda layer: layer.top))
+    layers = merged_layers(sorted(layers, key=lambda layer: layer.top))
     samples = _samples(name, groups)
     water = _water_level(name, ground, groups) if strata else None
     if len(groups.problems) == before and strata:

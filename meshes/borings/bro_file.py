@@ -49,11 +49,11 @@ def read_bro(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
         root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
         raise InputError(str(path), [f"{EXPECTED}; it cannot be read: {error}"]) from error
-    test = next(_named(root, "CPT_O"), None)
+    test = next(_elements_named(root, "CPT_O"), None)
     if test is None:
         raise InputError(str(path), [f"{EXPECTED}, not {_name(root)}"])
     try:
-        place = [float(number) for number in _text(next(_named(test, "deliveredLocation")), "pos").split()]
+        place = [float(number) for number in _text(next(_elements_named(test, "deliveredLocation")), "pos").split()]
         log = Log(
             _text(test, "broId"), (place[0], place[1]), float(_text(test, "offset")), (),
             cones=cones_of(path, _readings(test), float(_text(test, "coneSurfaceQuotient", "1"))),
@@ -70,13 +70,13 @@ def _name(node: Element) -> str:
     return node.tag.rpartition("}")[2]
 
 
-def _named(node: Element, name: str) -> Iterator[Element]:
+def _elements_named(node: Element, name: str) -> Iterator[Element]:
     return (child for child in node.iter() if _name(child) == name)
 
 
 def _text(node: Element, name: str, default: str | None = None) -> str:
     """Return the text of the first element with a name; raise StopIteration without one and without a default."""
-    text = next(((child.text or "").strip() for child in _named(node, name)), default)
+    text = next(((child.text or "").strip() for child in _elements_named(node, name)), default)
     if text is None:
         raise StopIteration
     return text
@@ -84,7 +84,7 @@ def _text(node: Element, name: str, default: str | None = None) -> str:
 
 def _readings(test: Element) -> Iterator[dict[int, float]]:
     """Yield the quantities of every reading. Raises ValueError if a reading has another number of values."""
-    for row in filter(None, map(str.strip, _text(next(_named(test, "cptResult")), "values").split(";"))):
+    for row in filter(None, map(str.strip, _text(next(_elements_named(test, "cptResult")), "values").split(";"))):
         numbers = [float(cell) for cell in row.split(",")]
         if len(numbers) != NUMBERS:
             raise ValueError(f"{len(numbers)} numbers")

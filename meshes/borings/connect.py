@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from meshes.borings.complaints import folded
-from meshes.borings.log import Log, LogLayer, joined
+from meshes.borings.log import Log, LogLayer, merged_layers
 from meshes.errors import InputError
 from meshes.section.numbering import Piece, Stack, stacked
 
@@ -156,7 +156,7 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
     bottoms = np.empty((len(names), len(x)))
     for k in range(len(names)):
         above = ground if k == 0 else bottoms[k - 1]
-        here = [_filled(known, k, i, at, borings[i].log) for i in range(len(borings))]
+        here = [_estimated_bottom(known, k, i, at, borings[i].log) for i in range(len(borings))]
         for place in range(len(x)):
             left, odd = divmod(place, 2)
             values = (here[left], here[left + 1]) if odd else (here[left],)
@@ -179,7 +179,7 @@ def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
         spellings.setdefault(first.setdefault(plain, name), []).append(name)
     whole = {name: spelling for spelling, names in spellings.items() for name in names}
     unified = [
-        replace(log, layers=tuple(joined([replace(layer, name=whole[layer.name]) for layer in log.layers])))
+        replace(log, layers=tuple(merged_layers([replace(layer, name=whole[layer.name]) for layer in log.layers])))
         for log in logs
     ]
     several = [list(dict.fromkeys(names)) for names in spellings.values() if len(set(names)) > 1]
@@ -220,7 +220,9 @@ def _bottom(log: Log, name: str, names: Sequence[str]) -> float | None:
     return UNKNOWN if names.index(name) >= names.index(met[-1]) else None
 
 
-def _filled(known: Sequence[Sequence[float | None]], k: int, i: int, at: np.ndarray, log: Log) -> float | None:
+def _estimated_bottom(
+    known: Sequence[Sequence[float | None]], k: int, i: int, at: np.ndarray, log: Log
+) -> float | None:
     """Return the bottom of stratum k in boring i. If it is unknown, return that of the nearest boring in which it is
     known.
 

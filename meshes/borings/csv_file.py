@@ -16,8 +16,8 @@ from meshes.borings.log import (
     Log,
     LogLayer,
     depth_problems,
-    joined,
     layer_problems,
+    merged_layers,
     refusal_notices,
 )
 from meshes.borings.plausible import implausible_sample, shares_for_percent
@@ -105,7 +105,7 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Borin
     samples.sort(key=lambda sample: sample.depth)
     if len(table.problems) == before:
         table.problems.extend(layer_problems(name, layers))
-    log = Log(name, place, ground, tuple(joined(layers)), tuple(samples), water)
+    log = Log(name, place, ground, tuple(merged_layers(layers)), tuple(samples), water)
     if len(table.problems) == before:
         table.problems.extend(depth_problems(log))
     return log if len(table.problems) == before else None

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 from meshes.borings.blows import is_refusal
 from meshes.borings.boring import Cone, Sample
-from meshes.section.plausibility import Range, sentence, within
+from meshes.section.plausibility import Range, is_within, sentence
 
 DEPTH = Range(0.0, 300.0, "m", 1.0, ((1e-2, "cm"), (1e-3, "mm")))  # of the deepest borings for foundations
 # Two depths of one contact may differ by so much (m): a centimetre, which is nothing to a section either, and rounding.
@@ -97,7 +97,7 @@ def depth_problems(log: Log) -> list[str]:
     """Return blow counts and water levels far below the end of a boring, which suggest a typing error or another
     unit."""
     end = log.layers[-1].bottom if log.layers else math.inf
-    if end < math.inf and not within(end, DEPTH):
+    if end < math.inf and not is_within(end, DEPTH):
         return [sentence(f"boring {log.name}, depth of its end", round(end, 2), DEPTH, "")]
     depths = [(f"N = {sample.N:g}", sample.depth) for sample in log.samples]
     depths += [] if log.water_level is None else [("water", log.ground_level - log.water_level)]
@@ -105,7 +105,7 @@ def depth_problems(log: Log) -> list[str]:
             for what, depth in depths if depth > end + BELOW_END]  # fmt: skip
 
 
-def joined(layers: list[LogLayer]) -> list[LogLayer]:
+def merged_layers(layers: list[LogLayer]) -> list[LogLayer]:
     """Merge neighbouring layers with the same name, since a file may have a line for each test, or for each
     description."""
     merged: list[LogLayer] = []

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from meshes.borings.boring import Boring, Cone, Sample
 from meshes.borings.complaints import folded
 from meshes.borings.log import DEPTH
-from meshes.section.plausibility import UNUSUAL, Range, sentence, within
+from meshes.section.plausibility import UNUSUAL, Range, is_within, sentence
 
 # From clay to the coarsest sand with gravel that a sampler of 35 mm brings up whole; a refusal to rock; bentonite; from
 # mud to hard rock.
@@ -37,7 +37,7 @@ def implausible_sample(where: str, sample: Sample, remedy: str = "") -> Iterator
     sentence."""
     for key, limits in OF_A_SAMPLE.items():
         value = getattr(sample, key)
-        if value is not None and not within(value, limits):
+        if value is not None and not is_within(value, limits):
             yield sentence(f"{where}{key}", value, limits, remedy)
 
 
@@ -67,7 +67,7 @@ def implausible_cones(where: str, cones: Sequence[Cone], remedy: str = "", with_
     wrong = False
     for key, limits in (("depth", DEPTH), ("qc", LARGEST_TIP), ("fs", LARGEST_SLEEVE)):
         largest = max((getattr(cone, key) for cone in cones), default=None)
-        if largest is not None and not within(largest, limits):
+        if largest is not None and not is_within(largest, limits):
             wrong = True
             limits = limits._replace(slips=()) if with_units else limits
             yield sentence(f"{where}largest {key}", largest, limits, remedy)

@@ -19,10 +19,10 @@ WIDER = 1.5  # heights of the section by which it extends beyond the borings, so
 def text_of(connected: Connected, name: str) -> str:
     """Return the section as TOML. Quantities that were not measured are comments, which the user has to replace by
     values."""
-    return "\n".join([*_head(connected, name), *_strata(connected), *_borings(connected)]) + "\n"
+    return "\n".join([*_head_lines(connected, name), *_strata(connected), *_borings(connected)]) + "\n"
 
 
-def _head(connected: Connected, name: str) -> Iterator[str]:
+def _head_lines(connected: Connected, name: str) -> Iterator[str]:
     logs = [boring.log for boring in connected.borings]
     yield "# Section from borings: " + ", ".join(log.name for log in logs) + "."
     yield "# Layers are connected by name; a layer that the next boring has not ends half-way, fill of an"

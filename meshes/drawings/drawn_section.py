@@ -169,9 +169,9 @@ def _of_lines(
         notices.append(
             f'layer "{layer}" has several lines or outlines, which become the strata {" and ".join(several)}'
         )
-    strata = [(stratum, _thinned(points)) for stratum, (_, points) in zip(names, below, strict=False)]
+    strata = [(stratum, _thinned_points(points)) for stratum, (_, points) in zip(names, below, strict=False)]
     zones = [(zone, outline.points) for zone, outline in zip(names[len(below) :], outlines, strict=True)]
-    return Drawn(_text(name, notices, _thinned(ground), strata[-1][1], table, strata, zones), notices)
+    return Drawn(_text(name, notices, _thinned_points(ground), strata[-1][1], table, strata, zones), notices)
 
 
 def _from_the_ground_down(lines: Sequence[Shape], notices: list[str]) -> list[tuple[str, np.ndarray]]:
@@ -227,24 +227,24 @@ def _text(
     zones: Sequence[tuple[str, np.ndarray]] = (),
 ) -> str:
     lines = ["# Section from a drawing: the soils have to be added.", *(f"# {text}." for text in notices), ""]
-    lines += [f"name = {json.dumps(name)}", f"surface = {_written(ground)}"]
-    lines += [f"base = {{ elevation = {_written(base)} }}", ""]
+    lines += [f"name = {json.dumps(name)}", f"surface = {_written_points(ground)}"]
+    lines += [f"base = {{ elevation = {_written_points(base)} }}", ""]
     if table is not None:
-        lines += ["[water]", f"table = {_written(_thinned(table))}", ""]
+        lines += ["[water]", f"table = {_written_points(_thinned_points(table))}", ""]
     for k, (stratum, bottom) in enumerate(strata):
         lines += ["[[strata]]", f"name = {json.dumps(stratum, ensure_ascii=False)}"]
         if k + 1 < len(strata):
-            lines.append(f"bottom = {{ elevation = {_written(bottom)} }}")
+            lines.append(f"bottom = {{ elevation = {_written_points(bottom)} }}")
         lines += [f"# {key} =" for key in SOIL] + [""]
     for zone, points in zones:
-        lines += ["[[zones]]", f"name = {json.dumps(zone, ensure_ascii=False)}", f"points = {_written(points)}"]
+        lines += ["[[zones]]", f"name = {json.dumps(zone, ensure_ascii=False)}", f"points = {_written_points(points)}"]
         lines += [f"# {key} =" for key in SOIL] + [""]
     return "\n".join(lines)
 
 
-def _thinned(points: np.ndarray) -> np.ndarray:
+def _thinned_points(points: np.ndarray) -> np.ndarray:
     return points[needed(points, SNAP)]
 
 
-def _written(points: np.ndarray) -> str:
+def _written_points(points: np.ndarray) -> str:
     return "[" + ", ".join(f"[{x:.12g}, {z:.12g}]" for x, z in points.round(6) + 0.0) + "]"

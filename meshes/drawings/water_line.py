@@ -48,7 +48,7 @@ def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.n
     x = np.maximum.accumulate(points[:, 0])
     points = np.column_stack([x, points[:, 1]])
     inside = points[(x > left) & (x < right)]
-    ends = [[side, _level(points, side)] for side in (left, right)]
+    ends = [[side, _elevation_at(points, side)] for side in (left, right)]
     short = [f"{side:.6g} m" for side, end in ((left, x[0]), (right, x[-1])) if abs(side - end) > JOINED
              and (end > left if side == left else end < right)]  # fmt: skip
     if short:
@@ -73,6 +73,6 @@ def is_water(line: Shape) -> bool:
     return OF_WATER.search(line.layer) is not None
 
 
-def _level(points: np.ndarray, x: float) -> float:
+def _elevation_at(points: np.ndarray, x: float) -> float:
     """Return the elevation (m) of a line at x; the line is level beyond its ends."""
     return float(np.interp(x, points[:, 0], points[:, 1]))

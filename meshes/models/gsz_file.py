@@ -93,7 +93,9 @@ def _model(root: Element, path: Path, wanted: str | None) -> ForeignModel:
     units = METRIC if word.lower() == "metric" else IMPERIAL
     stored = _of_analysis(root, "./StabilityItems/StabilityItem", number).find("Entry")
     entry = Element("Entry") if stored is None else stored
-    local = {str(node.get("Number")): _place(node, units) for node in entry.iterfind("./DataPoints/DataPoint")}
+    local = {
+        str(node.get("Number")): _point_in_metres(node, units) for node in entry.iterfind("./DataPoints/DataPoint")
+    }
     lines = {
         _text(node, "ID"): line_of([local[at.text or ""] for at in node.iterfind("./DataPoints/DataPoint")])
         for node in entry.iterfind("./PiezometricSurfaces/PiezometricSurface")
@@ -136,7 +138,9 @@ def _regions(
 ) -> Iterator[tuple[str, np.ndarray]]:
     """Yield the number of the material and the outline (n, 2) in m of every region that has a material. Other regions
     are reported in a notice."""
-    points = {node.get("ID"): _place(node, units) for node in geometry.iterfind("./Points/Point") if node.get("X")}
+    points = {
+        node.get("ID"): _point_in_metres(node, units) for node in geometry.iterfind("./Points/Point") if node.get("X")
+    }
     context = _of_analysis(root, "./Contexts/Context", number)
     pairs = context.iterfind("./GeometryUsesMaterials/GeometryUsesMaterial")
     materials = {m[1]: node.get("Entry") for node in pairs if (m := REGION.fullmatch(node.get("ID", "")))}
@@ -189,7 +193,7 @@ def _not_taken(entry: Element, water: Element | None) -> Iterator[str]:
         yield f"not read: pore pressure by {option}"
 
 
-def _place(point: Element, units: GeoStudioUnits) -> tuple[float, float]:
+def _point_in_metres(point: Element, units: GeoStudioUnits) -> tuple[float, float]:
     return float(point.get("X", "nan")) * units.length, float(point.get("Y", "nan")) * units.length
 
 

@@ -108,7 +108,7 @@ def _layer(
     points: np.ndarray, soil: Json, water: Json, table: np.ndarray | None, states: Sequence[State], notices: list[str]
 ) -> ForeignLayer:
     """Return a layer with an outline (n, 2) in m. Properties that a stratum cannot have are added to ``notices``."""
-    level, of_level = _head(water, points, table)
+    level, of_level = _piezometric_level(water, points, table)
     notices += [f'"{soil["Name"]}": {text}' for text in of_level]
     models = soil[ABOVE], soil[BELOW]
     state = _latest_state(states, points, soil["Name"], notices) if "Su" in models else {}
@@ -171,7 +171,7 @@ def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
     return keys
 
 
-def _head(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[dict[str, Any], list[str]]:
+def _piezometric_level(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[dict[str, Any], list[str]]:
     """Return the piezometric level of a layer if it is not the phreatic line: that of the reference line above the
     layer, or else of the reference line below it."""
     x, z = _middle(points)

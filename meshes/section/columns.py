@@ -83,7 +83,7 @@ def columns_of(
     for column in range(len(x) - 1):
         cells = _cells(edges, x, column, areas if rank is None else rank, tally)
         cells = [cell for cell in cells if not without or cell.owner < 0 or names[cell.owner] != without]
-        pieces.append(_pieces(cells, tally, column))
+        pieces.append(_layer_pieces(cells, tally, column))
         if not pieces[-1]:
             problems.append(
                 f"nothing is drawn from x = {x[column]:.6g} to {x[column + 1]:.6g} m; expected ground there"
@@ -232,7 +232,7 @@ def _cells(edges: _Edges, x: np.ndarray, column: int, rank: Sequence[float], tal
     return cells
 
 
-def _pieces(cells: Sequence[_Cell], tally: Tally, column: int) -> list[Piece]:
+def _layer_pieces(cells: Sequence[_Cell], tally: Tally, column: int) -> list[Piece]:
     """Return the cells of a column as pieces of layers. Neighbouring cells of one name are one piece, and gaps belong
     to the piece below."""
     pieces: list[Piece] = []

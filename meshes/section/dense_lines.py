@@ -220,11 +220,11 @@ def with_walls_upright(
         for way in (-1, 1):
             nearest, second = [*np.flatnonzero(keep & (way * (upright - upright[wall]) > 0.0))[::way], 0, 0][:2]
             if 0 < nearest < len(x) - 1 and nearest not in walls and abs(upright[nearest] - upright[wall]) < near:
-                keep[nearest] = not _between(upright, left, right, sorted((wall, nearest, second)), 0.5 * near)
+                keep[nearest] = not _is_straight(upright, left, right, sorted((wall, nearest, second)), 0.5 * near)
     return upright[keep], [(left[k, keep], right[k, keep]) for k in range(len(sides))]
 
 
-def _between(x: np.ndarray, left: np.ndarray, right: np.ndarray, three: list[int], tolerance: float) -> bool:
+def _is_straight(x: np.ndarray, left: np.ndarray, right: np.ndarray, three: list[int], tolerance: float) -> bool:
     """Return whether all lines, given by values left and right of each x, run straight past the middle of three
     places."""
     first, middle, last = three

@@ -205,13 +205,13 @@ def layering(
         top = interfaces[-1]
         spans = ((x[:-1] >= points[0, 0]) & (x[1:] <= points[-1, 0]))[:, None]
         bottom = np.where(spans, np.minimum(line, ground), top)
-        problems += _above(bottom, top, x, snap, f"the bottom of {names[k]} rises above its top")
-        problems += _above(reach, bottom, x, snap, f"the bottom of {names[k]} lies below the base")
+        problems += _crossing_problems(bottom, top, x, snap, f"the bottom of {names[k]} rises above its top")
+        problems += _crossing_problems(reach, bottom, x, snap, f"the bottom of {names[k]} lies below the base")
         interfaces.append(np.minimum(np.maximum(bottom, reach), top))
-    problems += _above(interfaces[-1], floor, x, snap, "the lowest stratum does not reach the base")
-    problems += _above(floor, ground, x, snap, "the base rises above the ground surface")
+    problems += _crossing_problems(interfaces[-1], floor, x, snap, "the lowest stratum does not reach the base")
+    problems += _crossing_problems(floor, ground, x, snap, "the base rises above the ground surface")
     if not problems:
-        problems += _apart(ground, floor, x, snap)
+        problems += _disconnection_problems(ground, floor, x, snap)
 
     exact = np.stack(interfaces, axis=-1)
     stack = _snapped_z(exact.copy(), snap)
@@ -249,7 +249,7 @@ def above_ground(surface: np.ndarray, line: Line, what: str) -> list[str]:
     surface, points = _snapped_x([surface, line.points(x_left, x_right)], snap)
     x = np.union1d(surface[:, 0], points[:, 0])
     ground, _, elevation = _elevations(surface, [], [], points, line.elevation is None, x)
-    return _above(elevation, ground, x, snap, f"{what} rises above the ground surface")
+    return _crossing_problems(elevation, ground, x, snap, f"{what} rises above the ground surface")
 
 
 def _snapped_x(lines: list[np.ndarray], snap: float) -> list[np.ndarray]:
@@ -299,7 +299,7 @@ def _elevations(
     return ground, lines, elevation(base, base_is_depth)
 
 
-def _above(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what: str) -> list[str]:
+def _crossing_problems(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap: float, what: str) -> list[str]:
     """Return a sentence if ``line`` is above ``other`` anywhere, by more than a horizontal or vertical shift of
     ``snap`` can explain."""
     excess = line - other
@@ -322,7 +322,7 @@ def _where_it_ends(excess: np.ndarray, x: np.ndarray, end: int) -> float:
     return float(x[0] + (x[1] - x[0]) * excess[0] / (excess[0] - excess[1]))
 
 
-def _apart(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
+def _disconnection_problems(ground: np.ndarray, floor: np.ndarray, x: np.ndarray, snap: float) -> list[str]:
     """Return a sentence if the section is not connected, because a step of the ground passes the base beside it.
 
     The base may reach the surface, as rock does; but then both sides of that place must meet there.

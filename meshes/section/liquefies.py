@@ -43,7 +43,9 @@ def read(value: Any) -> Cases:
         raise ValueError(f"expected {LIQUEFIES_IN}")
     wrong = [n for n in value if not isinstance(n, int) or isinstance(n, bool) or n < 1]
     if wrong:
-        raise ValueError(f"{wrong[0]!r} among the cases: expected whole numbers from 1, {LIQUEFIES_IN}")
+        raise ValueError(
+            f"{', '.join(map(repr, wrong))} among the cases: expected whole numbers from 1, {LIQUEFIES_IN}"
+        )
     return Cases(value)
 
 

@@ -34,7 +34,7 @@ class Range(NamedTuple):
     or_none: bool = False
 
 
-def within(value: float, limits: Range) -> bool:
+def is_within(value: float, limits: Range) -> bool:
     """Return whether a number in SI units lies in the range, to rounding."""
     none = limits.or_none and value == 0.0
     return none or limits.low * (1.0 - 1e-9) <= value / limits.si <= limits.high * (1.0 + 1e-9)
@@ -66,7 +66,7 @@ def _is_meant(written: str | float, unit: str, otherwise: float, limits: Range) 
     """Return whether a written number would be in the range if its unit were ``unit``. ``otherwise`` (SI) is used if it
     was written without a unit, or if ``unit`` has no size in the table SIZES."""
     number = NUMBER_AND_UNIT.fullmatch(written) if isinstance(written, str) else None
-    return within(SIZES[unit] * float(number[1]) if number and unit in SIZES else otherwise, limits)
+    return is_within(SIZES[unit] * float(number[1]) if number and unit in SIZES else otherwise, limits)
 
 
 # Share of a stratum on the wrong side of the water that is reported.
@@ -108,7 +108,9 @@ def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequ
     sentences = [text for k, s in enumerate(strata) for text in _sentences(key_in_file(strata, k), s, OF_A_STRATUM)]
     sentences += _sentences("water", water, {"unit_weight": WATER}) if water is not None else []
     for number, load in enumerate(surcharges, start=1):
-        sentences += [sentence(f"surcharges {number}, pressure", q, LOAD) for q in load.pressure if not within(q, LOAD)]
+        sentences += [
+            sentence(f"surcharges {number}, pressure", q, LOAD) for q in load.pressure if not is_within(q, LOAD)
+        ]
     return list(dict.fromkeys(sentences))
 
 
@@ -126,14 +128,14 @@ def implausible_as_written(strata: Sequence[Mapping[str, Any]]) -> Iterator[str]
                 value = TypeAdapter(kinds[key]).validate_python(written[key])
             except (KeyError, ValidationError):
                 continue
-            if value is not None and not within(value, limits):
+            if value is not None and not is_within(value, limits):
                 yield sentence(f"{where}, {key}", value, limits)
 
 
 def _sentences(where: str, model: Model, ranges: dict[str, Range]) -> Iterator[str]:
     for key, limits in ranges.items():
         value = getattr(model, key)
-        if value is None or within(value, limits):
+        if value is None or is_within(value, limits):
             continue
         is_single = key.startswith("density_") and isinstance(model, Stratum) and model.density is not None
         if is_single and key == "density_ordinary":

@@ -46,7 +46,7 @@ FOOT_OR_INCH = re.compile(r"\b(?:ft|in|inch|yd)\b")
 TON = re.compile(r"\b[tT]ons?(f?)\b")
 
 
-def spelled(unit: str) -> str:
+def spelling_of(unit: str) -> str:
     """Return a unit in the spelling of pint.
 
     "ton" and "tonf" are metric, as in Japanese reports, but together with feet and inches they are short tons of 2,000
@@ -164,7 +164,7 @@ class Kind:
         if comma := with_a_point(text):
             raise ValueError(f'has a decimal comma; write "{comma}"; {self.expected}')
         parts = NUMBER_AND_UNIT.fullmatch(text)
-        wanted = spelled(parts[2]) if parts else ""
+        wanted = spelling_of(parts[2]) if parts else ""
         unit, factor = COMMON_UNITS.get(wanted, ("", 0.0))
         if parts and unit and unit == self.unit:
             return float(parts[1]) * factor

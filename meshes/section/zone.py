@@ -58,7 +58,7 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def within(points: np.ndarray, left: float, right: float) -> np.ndarray:
+def clipped(points: np.ndarray, left: float, right: float) -> np.ndarray:
     """Return the part of a closed polygon (n, 2) from ``left`` to ``right`` (m), by Sutherland & Hodgman (1974).
 
     The result may contain edges that run back and forth along a side; such edges are vertical and enclose no area.
@@ -172,11 +172,11 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
     """
     ground = np.array(surface, dtype=float)
     layers = layering(ground, base, [stratum.bottom for stratum in strata]).layering
-    inside = [within(np.array(zone.points, dtype=float), *ground[[0, -1], 0]) for zone in zones]
+    inside = [clipped(np.array(zone.points, dtype=float), *ground[[0, -1], 0]) for zone in zones]
     whole = [(stratum.name, polygon) for k, stratum in enumerate(strata) for polygon in layers.polygons(k)]
     columns = columns_of(
         [BELOW, *(zone.material or zone.name for zone in zones), *(name for name, _ in whole)],
-        [_below(layers, zones), *inside, *(polygon for _, polygon in whole)],
+        [_region_below(layers, zones), *inside, *(polygon for _, polygon in whole)],
         [-1.0] + [0.0] * len(zones) + [1.0] * len(whole),
         without=BELOW,
     )
@@ -213,7 +213,7 @@ def with_elevations(ground: np.ndarray, model: AnyModel, keys: Sequence[str]) ->
     return model.model_copy(update={key: without_depth(ground, getattr(model, key)) for key in keys})
 
 
-def _below(layers: Layering, zones: Sequence[Zone]) -> np.ndarray:
+def _region_below(layers: Layering, zones: Sequence[Zone]) -> np.ndarray:
     """Return the outline of the region below the base, as far down as any zone reaches."""
     x, floor = np.repeat(layers.x, 2)[1:-1], np.column_stack([layers.left[:, -1], layers.right[:, -1]]).ravel()
     deepest = min(float(floor.min()), *(z for zone in zones for _, z in zone.points)) - 1.0

@@ -14,7 +14,7 @@ from tests.support.borings import SAND
 from tests.support.sections import layer
 from workflow.config import Config
 from workflow.run.store import Store
-from workflow.stages.mpm import PointRun, _answer, alike_by_strength, at_rest, slid
+from workflow.stages.mpm import PointRun, _answer, alike_by_strength, at_rest, slide_of_points
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +120,7 @@ def test_a_stopped_slide_goes_on_with_the_same_bits(
     checkpoint = Store(tmp_path)
 
     def continued(heard: Tell, where: Store | None) -> PointSlide:
-        return slid(PointRun(config, slider, 2, 10.0, where), heard)
+        return slide_of_points(PointRun(config, slider, 2, 10.0, where), heard)
 
     def stop(message: tuple[float, float, float]) -> None:
         if message[1] > 3.0:

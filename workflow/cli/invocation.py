@@ -64,7 +64,7 @@ class Invocation:
         mesh = dict(tables.get("mesh", {}))
         stored = {} if mesh or afresh else stored_mesh_options(store)
         if stored:
-            read = _with(section, tables, stored, store)
+            read = _with_mesh_options(section, tables, stored, store)
         if read.fem.sides == "periodic":
             refuse_other_sides(read.section)
         list(records(read))  # a record that cannot be read is reported now, not after minutes
@@ -154,7 +154,7 @@ def stored_job(folder: Path) -> Job:
     return Job(load_config(path), store, declared.STAGES, mesh_file=mesh_file)
 
 
-def _with(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:
+def _with_mesh_options(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:
     """Return the config with the mesh options of the folder. The message of an InputError names the folder."""
     try:
         return load_config(section, merged(tables, {"mesh": mesh}))

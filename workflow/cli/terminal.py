@@ -164,12 +164,12 @@ def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[s
     except InputError as error:
         raise error.of_file(job.config.section.name, job.section_file) from None
     except NoAnswerError:
-        _tell(job, choice, verbosity, warnings, pdf)
+        _show_results(job, choice, verbosity, warnings, pdf)
         raise
-    _tell(job, choice, verbosity, warnings, pdf)
+    _show_results(job, choice, verbosity, warnings, pdf)
 
 
-def _tell(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str], pdf: bool) -> None:
+def _show_results(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str], pdf: bool) -> None:
     """Print the results of the stages, in sentences or as JSON, and the folder of the files; write the PDF if it is
     requested."""
     if pdf:

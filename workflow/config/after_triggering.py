@@ -15,7 +15,7 @@ from workflow.config import K_MAX, Config
 from workflow.earthquake.column import column_of
 from workflow.earthquake.settings import SHAKES, SiteResponseSettings, assumed_loading, loading_of_slides
 from workflow.earthquake.triggering.assessment import TriggeringAssessment, assess
-from workflow.earthquake.triggering.consequences import left, pore_pressures
+from workflow.earthquake.triggering.consequences import pore_pressures, residual_strengths
 from workflow.earthquake.triggering.settings import TriggeringSettings
 
 
@@ -109,7 +109,7 @@ def cases_after_triggering(
 ) -> list[Case]:
     """Return the cases that follow from blow counts, by their names."""
     strata = section.strata
-    remains = [layer for layer in left(assessment, settings) if strata[layer.stratum].liquefies_in]
+    remains = [layer for layer in residual_strengths(assessment, settings) if strata[layer.stratum].liquefies_in]
     drained = min(0.2, max((layer.volumetric_strain for layer in remains), default=0.0))
     potential = {strata[layer.stratum].name: layer.strain_potential for layer in remains}
     cases = []

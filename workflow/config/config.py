@@ -23,7 +23,7 @@ from workflow.earthquake.settings import CYCLES, EARTHQUAKE
 from workflow.earthquake.triggering.assessment import below_loads, off_the_section
 from workflow.earthquake.triggering.settings import CASE_NAMES, implausible_triggering, left_to_blow_counts
 from workflow.uncertain.limits import Reach, reach_of
-from workflow.uncertain.path import changed, plain
+from workflow.uncertain.path import changed, mutable_copy
 
 # Options of the command line that take the place of other settings in the file.
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
@@ -191,7 +191,7 @@ class Config(Tables):
         config = cls._validated(data, source)
         config._left_open = left_open
         if config.uncertain.numbers:
-            config._written = {key: plain(value) for key, value in data.items() if key not in cls.tables()}
+            config._written = {key: mutable_copy(value) for key, value in data.items() if key not in cls.tables()}
             problems = config.uncertain.problems(partial(config.with_drawn, judged=True))
             problems += [line for reach in config.reach.values() for line in reach.problem.splitlines()]
             if problems:

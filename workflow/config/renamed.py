@@ -152,7 +152,7 @@ def rewritten(text: str, source: str) -> tuple[str, list[str]]:
     except tomllib.TOMLDecodeError as error:
         raise InputError(source, [f"is not TOML: {error}"]) from None
     changes = []
-    for start, end, new in sorted(_places(text), reverse=True):
+    for start, end, new in sorted(_replacements(text), reverse=True):
         trial = text[:start] + new + text[end:]
         try:
             data = tomllib.loads(trial)
@@ -169,7 +169,7 @@ def rewritten(text: str, source: str) -> tuple[str, list[str]]:
     return text, changes[::-1]
 
 
-def _places(text: str) -> Iterator[tuple[int, int, str]]:
+def _replacements(text: str) -> Iterator[tuple[int, int, str]]:
     """Yield the possible places of old keys and values in a text: start, end, and replacement."""
     for rule in RENAMED:
         for old, new in rule.values.items():

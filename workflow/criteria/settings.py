@@ -146,7 +146,7 @@ def judge(low: float | None, high: float | None, limit: float, at_least: bool) -
     return "satisfied" if all(keeps) else "not decided" if any(keeps) else "not satisfied"
 
 
-def together(verdicts: tuple[CriterionVerdict, ...]) -> CriterionVerdict:
+def common_verdict(verdicts: tuple[CriterionVerdict, ...]) -> CriterionVerdict:
     """Return the common verdict on several criteria, all of which must be satisfied."""
     if "not satisfied" in verdicts:
         return "not satisfied"

@@ -73,7 +73,7 @@ def si_midorikawa(magnitude: float, distance: float, depth: float, mechanism: Me
     """
     kilometres, deep = distance / 1000.0, depth / 1000.0
     relation = "Si & Midorikawa (1999)"
-    within(
+    check_range(
         relation,
         (ValidRange("magnitude", 5.8, 8.3), magnitude),
         (ValidRange("distance", 0.0, 300.0, "km"), kilometres),
@@ -96,7 +96,7 @@ def fukushima_tanaka(magnitude: float, distance: float, site: Site) -> PeakMotio
     """
     kilometres = distance / 1000.0
     relation = "Fukushima & Tanaka (1990)"
-    within(
+    check_range(
         relation, (ValidRange("magnitude", 4.6, 8.2), magnitude), (ValidRange("distance", 0.0, 300.0, "km"), kilometres)
     )
     near = kilometres + 0.032 * 10.0 ** (0.41 * magnitude)
@@ -106,7 +106,7 @@ def fukushima_tanaka(magnitude: float, distance: float, site: Site) -> PeakMotio
     return PeakMotion(median, 0.21, f"{relation}, {site} ground", FUKUSHIMA_TANAKA, validity)
 
 
-def within(relation: str, *values: tuple[ValidRange, float]) -> None:
+def check_range(relation: str, *values: tuple[ValidRange, float]) -> None:
     """Raise InputError with all values outside the range of a relation."""
     problems = [problem for limits, value in values if (problem := limits.problem(value, relation))]
     if problems:

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from meshes.section.quantity import GRAVITY
-from workflow.earthquake.attenuation import PeakMotion, ValidRange, within
+from workflow.earthquake.attenuation import PeakMotion, ValidRange, check_range
 
 BOORE = "D. M. Boore, J. P. Stewart, E. Seyhan, G. M. Atkinson, Earthquake Spectra 30 (2014) 1057-1085"
 RELATION = "Boore et al. (2014)"
@@ -38,7 +38,7 @@ def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> Pea
     Raises InputError outside M 3-8.5 (normal faults: 7), R_JB up to 400 km, V 150-1500 m/s.
     """
     kilometres = distance / 1000.0
-    within(
+    check_range(
         RELATION,
         (ValidRange("magnitude", 3.0, 7.0 if slip == "normal" else 8.5), magnitude),
         (ValidRange("distance", 0.0, 400.0, "km"), kilometres),

@@ -125,7 +125,7 @@ class EarthquakeSettings(Model):
             return PeakMotion(motion.peak, 0.0, f"the peak of {motion.name}", "the record", "as recorded")
         if self.magnitude is None or self.distance is None:
             return None
-        return expected(self, self.magnitude, self.distance)
+        return expected_motion(self, self.magnitude, self.distance)
 
     @cached_property
     def _recorded(self) -> Accelerogram:
@@ -144,7 +144,7 @@ class EarthquakeSettings(Model):
         if not has_peak or self.magnitude is None or self.distance is None:
             return ""
         try:
-            motion, let_expect = self.motion(), expected(self, self.magnitude, self.distance)
+            motion, let_expect = self.motion(), expected_motion(self, self.magnitude, self.distance)
         except InputError:  # reported by problems, or nothing is expected there
             return ""
         if motion is None or let_expect.low <= motion.median <= let_expect.high:
@@ -334,7 +334,7 @@ def assumed_loading(magnitude: float | None) -> dict[str, float]:
     }
 
 
-def expected(settings: EarthquakeSettings, magnitude: float, distance: float) -> PeakMotion:
+def expected_motion(settings: EarthquakeSettings, magnitude: float, distance: float) -> PeakMotion:
     """Return the peak acceleration by the chosen attenuation relation, of a magnitude at a distance (m)."""
     if settings.relation == "boore":
         problems = []

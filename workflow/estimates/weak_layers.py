@@ -46,7 +46,7 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
             inside = present[first : last + 1]
             thick = float(column[inside[0]] - column[inside[-1] + 1])
             if first == 0:
-                if thick < THIN_MANTLE * relief and _slips(section, at, inside, present[last + 1 : last + 2]):
+                if thick < THIN_MANTLE * relief and _mantle_slips(section, at, inside, present[last + 1 : last + 2]):
                     lengths[soils[inside[-1]]] = lengths.get(soils[inside[-1]], 0.0) + width
                 continue
             if thick >= THIN_LAYER * relief:
@@ -60,7 +60,7 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
     return tuple(soil for soil in dict.fromkeys(soils) if lengths.get(soil, 0.0) > relief > 0.0)
 
 
-def _slips(section: Section, x: float, mantle: list[int], below: list[int]) -> bool:
+def _mantle_slips(section: Section, x: float, mantle: list[int], below: list[int]) -> bool:
     """Return whether the bottom of a ``mantle`` at x (m) falls to the same side as the ground, and the mantle is weaker
     there than the stratum ``below``."""
     if not below:

@@ -148,7 +148,7 @@ def state(model: DiscModel, before: DiscModel, title: str) -> Sheet:
     """
     window = window_of(model)
     far = np.hypot(model.x - before.x, model.z - before.z)
-    norm = Normalize(0.0, nice(float(np.percentile(far[~model.fixed], 99.5))))
+    norm = Normalize(0.0, round_up(float(np.percentile(far[~model.fixed], 99.5))))
     moved = partial(draw_values, model=model, values=far, norm=norm, dark=model.fixed)
     there, cracked = int((model.pore_length != 0.0).sum()), int((model.pore_length < 0.0).sum())
     foot = f"{_count(model)}; {cracked} of {there} pore springs cracked" if there else _count(model)
@@ -168,7 +168,7 @@ def displacement_scale(sheet: Sheet, norm: Normalize) -> None:
     )
 
 
-def nice(value: float) -> float:
+def round_up(value: float) -> float:
     """Return the next round number above a positive number: 1, 1.5, 2, 3, 4, 5, 6 or 8 times a power of ten."""
     if not value > 0.0:
         return 1.0

@@ -11,7 +11,7 @@ from workflow.estimates.comparison import is_s13
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import foot
 from workflow.figures.symbols import in_mathtext
-from workflow.results.cases import CaseAnswer, alike
+from workflow.results.cases import CaseAnswer, equal_cases
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
@@ -101,7 +101,7 @@ def slides(results: Results) -> Iterator[MethodRow]:
     _, cases = results.case_set()
     yield from _of_cases(results, cases, "discs", SLIDES)
     yield from _of_cases(results, results.mpm.cases if results.mpm is not None else {}, "material points", POINTS)
-    for numbers, case in alike(results.printed_cases).items():
+    for numbers, case in equal_cases(results.printed_cases).items():
         yield MethodRow(f"the paper's discs, {results.config.called(*numbers)}", PRINTED, case.slide_max_m)
     if is_s13(results.config.section):
         for words, value in PAPER:
@@ -123,7 +123,7 @@ def _of_cases(
     """Yield the slides of each case by one method: the slide at every place of a measurement, and the largest slide."""
     observed = dict.fromkeys(row.x for row in results.config.report.observed if row.x is not None)
     places = [x for x in observed if all(case.slide_at(x) is not None for case in cases.values())]
-    for numbers, case in alike(cases).items():
+    for numbers, case in equal_cases(cases).items():
         name = f"{method}, {results.config.called(*numbers)}"
         for x in places:
             yield MethodRow(f"{name}, at x = {x:g} m", look, case.slide_at(x))

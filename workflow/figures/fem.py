@@ -41,13 +41,13 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
         names.append(picture_of(state))
         store.save(names[-1], state_sheet(config, results, state, drawn[same]))
     store.save(names[0], _curve_sheet(config, results.answer))
-    if slips := _slips(results.answer):
+    if slips := _slip_surfaces(results.answer):
         names.append(SAFETY)
         store.save(SAFETY, section_sheet(config.section, "FEM, slip surface at the factor of safety", slips))
     store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png", SAFETY])) - set(names)))
 
 
-def _slips(answer: FemAnswer) -> list[Overlay]:
+def _slip_surfaces(answer: FemAnswer) -> list[Overlay]:
     """Return the slip surface of the ground with its strength divided by each factor of safety."""
     factors = [factor for factor in answer.safety_factors if factor.slip_surface]
     return [

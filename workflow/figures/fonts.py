@@ -49,7 +49,7 @@ def missing(text: str) -> str:
     return "".join(sorted(left, key=text.index))
 
 
-def without(text: str, characters: str) -> str:
+def without_characters(text: str, characters: str) -> str:
     """Return a text with a question mark in place of each of the ``characters``."""
     return text.translate({ord(character): UNKNOWN for character in characters})
 

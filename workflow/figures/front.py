@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from workflow.figures.canvas import CRITICAL, DISCS, Sheet
 from workflow.figures.ground import Overlay, mark_borings, section_sheet
 from workflow.figures.slides import seen_from_above
-from workflow.results.cases import CaseAnswer, alike, smoothed
+from workflow.results.cases import CaseAnswer, equal_cases, smoothed
 from workflow.results.governing import governing_kh, slides_by_weight
 from workflow.results.lengths import metres
 from workflow.results.results import Results
@@ -33,7 +33,7 @@ def front(results: Results) -> Sheet | None:
     slides = slides_by_weight(results)
     number, case = slides[0].of_largest if slides else (0, None)
     if case is not None:
-        numbers = next(group for group in alike(slides[0].cases) if number in group)
+        numbers = next(group for group in equal_cases(slides[0].cases) if number in group)
         called = f"case{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
         after, by = case.surfaces[1], "material points"
         if isinstance(case, CaseAnswer) and results.dem is not None:
@@ -63,7 +63,7 @@ def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
         yield Overlay(np.array(face.critical.slip_surface), CRITICAL, (0, (4, 2)), label)
 
 
-def _judged(results: Results) -> Iterator[tuple[str, float, float]]:
+def _tested_borings(results: Results) -> Iterator[tuple[str, float, float]]:
     """Yield the name, x (m) and deepest test (m) of every boring by which liquefaction was judged."""
     for boring in results.triggering.borings if results.triggering is not None else ():
         tests = [test for test in results.triggering.tests if test.boring == boring.name] if results.triggering else []
@@ -73,7 +73,7 @@ def _judged(results: Results) -> Iterator[tuple[str, float, float]]:
 def _marks(axes: Axes, results: Results) -> None:
     """Draw the borings to their depth, and an arrow in the direction of the seismic force."""
     section, fem = results.config.section, results.fem
-    mark_borings(axes, section, _judged(results))
+    mark_borings(axes, section, _tested_borings(results))
     if fem is None:
         return
     left, right = section.extent

@@ -29,8 +29,8 @@ from workflow.figures.canvas import (
     render,
     soil_colours,
 )
-from workflow.figures.discs import NO_LINE, displacement_scale, draw_strata, draw_values, nice, window_of
-from workflow.results.cases import CaseAnswer, Profile, alike, smoothed
+from workflow.figures.discs import NO_LINE, displacement_scale, draw_strata, draw_values, round_up, window_of
+from workflow.results.cases import CaseAnswer, Profile, equal_cases, smoothed
 from workflow.results.history import SlideHistory
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase, PointSlidesAnswer
@@ -72,7 +72,7 @@ class Frame:
 
     def scale(self) -> Normalize:
         """Return a colour scale whose range is not stretched by a few discs that roll away."""
-        return Normalize(0.0, nice(float(np.percentile(self.moved[self.free], 99.0))))
+        return Normalize(0.0, round_up(float(np.percentile(self.moved[self.free], 99.0))))
 
 
 def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LINE) -> Window:
@@ -225,7 +225,7 @@ def profiles(config: Config, cases: Mapping[int, Profile], seeds: int) -> Sheet:
 
     config: config of the run; cases: profiles by number of the case; seeds: number of packings.
     """
-    groups, size = alike(cases), 2.0 * config.dem.mean_radius(config.section)
+    groups, size = equal_cases(cases), 2.0 * config.dem.mean_radius(config.section)
     sheet = Sheet(
         f"{config.section.heading}: the surface on {seeds} random packings",
         [0.16] * len(groups),
@@ -264,7 +264,7 @@ def seen_from_above(surface: np.ndarray, cell: float) -> np.ndarray:
 def point_profiles(config: Config, answer: PointSlidesAnswer) -> Sheet:
     """Draw the surface of every case before and after its slide by the material point method, x and elevation in m."""
     title = f"{config.section.heading}: slides by the material point method, cells of {answer.cell_m:.2g} m"
-    groups = alike(answer.cases)
+    groups = equal_cases(answer.cases)
     sheet = Sheet(title, [0.16] * len(groups), "", 1)
     heights = np.concatenate([case.surfaces[0][:, 1] for case in answer.cases.values()])
     margin = ROOM * (heights.max() - heights.min()) + answer.cell_m

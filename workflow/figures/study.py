@@ -80,7 +80,7 @@ def fragility(curves: Sequence[ProbabilityCurve], title: str) -> Frames:
     return picture
 
 
-def single(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], title: str) -> Frames:
+def scatter(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], title: str) -> Frames:
     """Draw a result against every uncertain number, with a point for each sample; words are categories.
 
     name: name of the result; values (samples,): values of the result; drawn: values of the uncertain numbers; title:

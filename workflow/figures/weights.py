@@ -25,7 +25,7 @@ TICK_DISTANCE = 0.06  # of the scale: weights that lie closer together share a t
 
 def weights_sheet(section: Section) -> Sheet:
     """Draw unit weights, surcharges, and pore pressure at rest, coloured by their size."""
-    window = _window(section)
+    window = _picture_window(section)
     height = float(np.ptp(section.outline()[:, 1]))
     mesh = triangulate(section, FINE_SPACING * height)
     corners = mesh.points[mesh.cells].reshape(-1, 2)
@@ -44,7 +44,7 @@ def weights_sheet(section: Section) -> Sheet:
     return sheet
 
 
-def _window(section: Section) -> Window:
+def _picture_window(section: Section) -> Window:
     """Return the window of the picture, which has room for water and loads above the ground."""
     water, outline = section.water_points(), section.outline()
     points = outline if water is None else np.vstack([outline, water])

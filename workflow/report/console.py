@@ -20,7 +20,7 @@ from workflow.report.flow_rule import (
     own_dilation_sentences,
     with_flow,
 )
-from workflow.report.numbers import between, coefficient, range_sentence, rough_coefficient, span
+from workflow.report.numbers import range_of, coefficient, range_sentence, rough_coefficient, span
 from workflow.report.residual import residual_sentences
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.slices import slices_sentences
@@ -29,7 +29,7 @@ from workflow.report.summary_text import lies_still, moved_lately
 from workflow.report.tables import case_heads, case_rows
 from workflow.report.triggering import triggering_sentences
 from workflow.report.verdicts import verdict_paragraph
-from workflow.report.warnings import sides_warning, split
+from workflow.report.warnings import sides_warning, split_warning
 from workflow.results.accuracy import accuracy, of_meshes, remaining_error, strict_factor
 from workflow.results.answer import FORCE, SectionLabel, way_out
 from workflow.results.bounds import BoundsAnswer, SafetyPart
@@ -103,7 +103,7 @@ def fem_sentences(
     for warning in (*answer.warnings, *(results.warnings_by_bounds() if results is not None else ())):
         yield f"{'Contradiction' if warning.contradiction else 'Warning'}: {warning.what} To do: {warning.remedy}."
     for _, text in sides_warning(answer, section):
-        yield "Warning: {} To do: {}".format(*split(text))
+        yield "Warning: {} To do: {}".format(*split_warning(text))
 
 
 def safety_sentence(
@@ -247,7 +247,7 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
             )
         yield (
             f"With the {answer.parameter} of the discs multiplied by {answer.value:.4g} their critical Kh is "
-            f"{_bracket(answer.kc, answer)}, for {_tried(answer, answer.target_kc)}."
+            f"{_bracket(answer.kc, answer)}, for {_target_words(answer, answer.target_kc)}."
         )
     else:
         low, high = answer.range
@@ -258,18 +258,18 @@ def calibrate_sentences(answer: CalibrationAnswer) -> Iterator[str]:
         )
 
 
-def _tried(answer: CalibrationAnswer, target: float) -> str:
+def _target_words(answer: CalibrationAnswer, target: float) -> str:
     """Return the target of the calibration in words. The target is a range if the critical Kh of the continuum is a
     range and the critical Kh of the discs lies within it.
     """
     low, high = answer.continuum_kc or (target, target)
-    return f"a target of {between([low, high] if low < target < high else [target])}"
+    return f"a target of {range_of([low, high] if low < target < high else [target])}"
 
 
 def _bracket(kc: float, answer: CalibrationAnswer) -> str:
     """Return the critical Kh of the discs with its bracket."""
     upper = kc if answer.kc_upper is None else answer.kc_upper
-    return f"{coefficient(kc)} ({between([answer.kc_lower, upper])})"
+    return f"{coefficient(kc)} ({range_of([answer.kc_lower, upper])})"
 
 
 def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:

@@ -160,8 +160,8 @@ def of_order(
             weaker = is_weaker(cases[weak], cases[strong], strata[weak], strata[strong])
             if weaker and short > max(SLIDE_DROP, SLIDE_DROP_SHARE * slides[strong]):
                 yield (
-                    f"case {weak}{_named(cases[weak])} has less residual strength than case "
-                    f"{strong}{_named(cases[strong])} "
+                    f"case {weak}{_case_name(cases[weak])} has less residual strength than case "
+                    f"{strong}{_case_name(cases[strong])} "
                     f"and slides less by {by}, {metres(slides[weak])} and {metres(slides[strong])}: a side of the "
                     f"model{packings} limits the slides, and not their strength; take a longer section (setting "
                     "beyond) if a "
@@ -201,7 +201,7 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
     if not far:
         return
     lengths, places = zip(*far.values(), strict=True)
-    fall, at, of = span(lengths), _ends(places), of_cases(list(far))
+    fall, at, of = span(lengths), _range_words(places), of_cases(list(far))
     sides = {_side(cases[number][0], place) for number, (_, place) in far.items()}
     side = sides.pop() if len(sides) == 1 else ""
     if by == "discs" and side:
@@ -229,7 +229,7 @@ def _side(surface: MovedSurface, x: float) -> str:
     return "left" if x < min(along) + near else "right" if x > max(along) - near else ""
 
 
-def _ends(places: Sequence[float]) -> str:
+def _range_words(places: Sequence[float]) -> str:
     low, high = f"{min(places):.0f}", f"{max(places):.0f}"
     return low if low == high else f"{low} to {high}"
 
@@ -243,5 +243,5 @@ def _largest_slides(cases: Mapping[int, CaseAnswer], random: RandomPackings | No
     return slides
 
 
-def _named(case: Case) -> str:
+def _case_name(case: Case) -> str:
     return f" ({case.name})" if case.name else ""

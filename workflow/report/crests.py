@@ -8,7 +8,7 @@ from meshes.errors import InputError
 from meshes.section.stratum import liquefying_strata
 from workflow.config import Config
 from workflow.earthquake.triggering.assessment import assess
-from workflow.earthquake.triggering.consequences import left
+from workflow.earthquake.triggering.consequences import residual_strengths
 from workflow.estimates.crest import Crest
 from workflow.estimates.crest_settlement import crest_settlement, freeboard, reconsolidation_settlement
 from workflow.estimates.structures import Standing, structures_of
@@ -101,7 +101,7 @@ def _strains_of_borings(config: Config) -> dict[int, float]:
         return {}
     try:
         judged = assess(config.section, config.earthquake, config.triggering)
-        return {layer.stratum: layer.volumetric_strain for layer in left(judged, config.triggering)}
+        return {layer.stratum: layer.volumetric_strain for layer in residual_strengths(judged, config.triggering)}
     except InputError:
         return {}
 
@@ -144,13 +144,13 @@ def crests_in_short(parts: Sequence[CrestPart], _: Texts) -> Iterator[str]:
     for name in dict.fromkeys(part.structure for part in parts):
         of_crest = [part for part in parts if part.structure == name]
         ends = [end for part in of_crest for end in (part.settlement_low_m, part.settlement_high_m)]
-        left = [part.freeboard_m for part in of_crest if part.freeboard_m is not None]
+        freeboards = [part.freeboard_m for part in of_crest if part.freeboard_m is not None]
         values = {"structure": name, "settlement": span(ends)}
-        if left:
+        if freeboards:
             yield _(
                 "After liquefaction the crest of {structure} settles {settlement}; the remaining freeboard is "
                 "{freeboard}.",
-                freeboard=signed_span(left),
+                freeboard=signed_span(freeboards),
                 **values,
             )
         else:

@@ -108,8 +108,8 @@ def _line(results: Results, row: FaceRow) -> FaceLine:
     face, config = row.face, results.config
     strength = results.faces.of(face.structure, face.towards) if results.faces is not None else None
     critical, safety = (None, None) if strength is None else (strength.critical, strength.safety)
-    least, most = _ends(critical) if critical is None or critical.held else _of_section(results, face.towards)
-    low, high = _ends(safety) if safety is None or safety.held else _of_safety(results)
+    least, most = _value_ends(critical) if critical is None or critical.held else _of_section(results, face.towards)
+    low, high = _value_ends(safety) if safety is None or safety.held else _of_safety(results)
     return FaceLine(
         name=face.structure,
         side=side_words(config, face.start_m, face.end_m, face.towards),
@@ -145,7 +145,7 @@ def _strength(
     )
 
 
-def _ends(value: FaceValue | None) -> tuple[float | None, float | None]:
+def _value_ends(value: FaceValue | None) -> tuple[float | None, float | None]:
     return (None, None) if value is None else (value.lower, value.upper)
 
 
@@ -164,7 +164,7 @@ def _of_safety(results: Results) -> tuple[float | None, float | None]:
     return next(((part.lower, part.upper) for part in parts if part.kh == 0.0), (None, None))
 
 
-def _moved(results: Results) -> Iterator[tuple[str, list[MovedSurface]]]:
+def _moved_surfaces(results: Results) -> Iterator[tuple[str, list[MovedSurface]]]:
     """Yield the slides by every method, over all cases of liquefaction."""
     cases, points = results.case_set()[1], results.mpm.cases if results.mpm is not None else {}
     if cases:
@@ -178,7 +178,7 @@ def _slides(results: Results, row: FaceRow) -> Iterator[str]:
     face = row.face
     start, end = (face.start_m, face.crest_m[0]) if face.towards == "left" else (face.crest_m[1], face.end_m)
     sign = 1.0 if _downhill(results, face.towards) else -1.0
-    for method, cases in _moved(results):
+    for method, cases in _moved_surfaces(results):
         values = []
         for case in cases:
             inside = case.slides_between(start, end)
@@ -200,7 +200,7 @@ def _settlements(results: Results, row: FaceRow) -> Iterator[str]:
         if row.face.towards == "left"
         else np.linspace(middle, right, HALF_CREST_POINTS)
     )
-    for method, cases in _moved(results):
+    for method, cases in _moved_surfaces(results):
         values = []
         for case in cases:
             before, after = case.surfaces

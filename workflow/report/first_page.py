@@ -14,7 +14,7 @@ from workflow.report.paper import rows
 from workflow.report.post_liquefaction import just_enough
 from workflow.report.residual import residual_verdict
 from workflow.report.slide_headline import slide_headline
-from workflow.report.verdicts import spared
+from workflow.report.verdicts import spared_structures
 from workflow.results.accuracy import METHODS, Accuracy, accuracy, proven_by, strict_factor
 from workflow.results.answer import FORCE
 from workflow.results.continuum import FactorOfSafety, FemAnswer
@@ -71,7 +71,7 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
         return _contradicted(results, fem, governing, conditions, _)
     phrase = _(
         "The section fails {way} at Kh = {kc} ({acceleration} m/s²), with {conditions}.",
-        way=_way(results, fem, _),
+        way=_direction_words(results, fem, _),
         kc=coefficient(fem.kc),
         acceleration=f"{fem.kc * GRAVITY:.2g}",
         conditions=conditions,
@@ -101,7 +101,7 @@ def _with_crests(
 ) -> HeadlinePart:
     """Return a headline for ground in whose mechanism no crest of a structure moves, with the smallest value of the
     faces of structures added."""
-    names = spared(results, surface)
+    names = spared_structures(results, surface)
     if not names or headline.value == "–":
         return headline
     x = [point[0] for point in surface]
@@ -145,7 +145,7 @@ def _first_face(results: Results, _: Texts) -> str:
     )
 
 
-def _way(results: Results, fem: FemAnswer, _: Texts) -> str:
+def _direction_words(results: Results, fem: FemAnswer, _: Texts) -> str:
     """Return the direction of failure: downslope or upslope, or the side for ground that falls to both sides."""
     if structures_of(results.config.section):
         return _("to the {side}", side=_(fem.towards))
@@ -169,7 +169,7 @@ def _contradicted(results: Results, fem: FemAnswer, kh: GoverningKh, conditions:
         )
     phrase = _(
         word,
-        way=_way(results, fem, _),
+        way=_direction_words(results, fem, _),
         kc=coefficient(kh.value),
         conditions=conditions,
         excess=f"{100.0 * (fem.kc / kh.value - 1.0):.1f}",

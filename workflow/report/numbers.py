@@ -37,7 +37,7 @@ def signed_span(lengths: Sequence[float]) -> str:
     return low if low == high else f"{low.removesuffix(' m')} to {high}"
 
 
-def about(lengths: Sequence[float]) -> str:
+def slides_in_words(lengths: Sequence[float]) -> str:
     """Return slides (m) in a sentence, with the digits of tables: 40, 19 and 6.9 m, or one slide if all are equal."""
     phrases = [metres(max(value, 0.0)).removesuffix(" m") for value in lengths]
     return f"{listed(phrases if len(set(phrases)) > 1 else phrases[:1])} m"
@@ -79,12 +79,12 @@ def of_cases(numbers: Sequence[int]) -> str:
     return f"case{'s' if len(numbers) > 1 else ''} {listed([str(number) for number in numbers])}"
 
 
-def joined(numbers: Sequence[int]) -> str:
+def case_numbers(numbers: Sequence[int]) -> str:
     """Return the numbers of cases in a cell of a table: 1, 2, 3."""
     return ", ".join(map(str, numbers))
 
 
-def between(values: Sequence[float]) -> str:
+def range_of(values: Sequence[float]) -> str:
     """Return the range of some coefficients, or one of them if all are equal: 0.23 to 0.25."""
     low, high = coefficient(min(values)), coefficient(max(values))
     return low if low == high else f"{low} to {high}"
@@ -108,7 +108,7 @@ def numerical_error(estimate: Accuracy | None, kc: float) -> str:
     if not estimate.sure:
         return (
             f"The sequence of meshes has not converged: the numerical error may be {error}, with the critical Kh "
-            f"anywhere from {between([estimate.low, estimate.high])}."
+            f"anywhere from {range_of([estimate.low, estimate.high])}."
         )
     return f"The numerical error of the critical Kh is below {error}, {estimate.by}."
 
@@ -116,11 +116,11 @@ def numerical_error(estimate: Accuracy | None, kc: float) -> str:
 def range_sentence(answer: FemAnswer, error: Accuracy) -> str:
     """Return the interval of the critical Kh in a sentence, and what counts if the finite elements lie above it."""
     if not answer.has_kc:
-        return f"The range {error.method} is {between([error.low, error.high])}."
+        return f"The range {error.method} is {range_of([error.low, error.high])}."
     if not exceeds(answer.kc, error.high):  # their last digit may be the next one
-        return f"The range {error.method} is {between([error.low, error.high, answer.kc])}."
+        return f"The range {error.method} is {range_of([error.low, error.high, answer.kc])}."
     above = 100.0 * (answer.kc / error.high - 1.0)
     return (
-        f"The range {error.method} is {between([error.low, error.high])}. The finite elements lie {above:.1f} % above "
+        f"The range {error.method} is {range_of([error.low, error.high])}. The finite elements lie {above:.1f} % above "
         "this interval: use its upper end."
     )

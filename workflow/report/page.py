@@ -28,19 +28,19 @@ from workflow.report.crests import holds_water
 from workflow.report.faces import face_lines, note_sentences
 from workflow.report.narrow import labelled
 from workflow.report.numbering import Labels, Notes
-from workflow.report.numbers import joined, number, scaled
+from workflow.report.numbers import case_numbers, number, scaled
 from workflow.report.paper import rows
 from workflow.report.player import films
 from workflow.report.post_liquefaction import just_enough
 from workflow.report.residual import residual_details
 from workflow.report.second_opinion import second_opinions
 from workflow.report.stability import stability_rows
-from workflow.report.structures import elsewhere, face_rows
+from workflow.report.structures import circles_without_crest, face_rows
 from workflow.report.summary_text import lies_still, moved_lately, springs_of
 from workflow.report.templates import templates
 from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.report.verdicts import interval_words, limit_words
-from workflow.results.cases import alike
+from workflow.results.cases import equal_cases
 from workflow.results.lengths import metres
 from workflow.results.results import Results
 from workflow.results.summary import Summary
@@ -69,7 +69,7 @@ def page(results: Results, summary: Summary) -> str:
     environment.filters["css"] = _css_text
     environment.filters |= {"number": number, "scaled": scaled, "metres": metres, "duration": duration}
     texts = Texts(results.config.report.language)
-    environment.globals |= {"_": texts, "alike": alike, "joined": joined}
+    environment.globals |= {"_": texts, "alike": equal_cases, "joined": case_numbers}
     template, content = environment.get_template("template.html.jinja"), _content(results, summary, texts)
     first, second = Labels(texts), Labels(texts)
     template.render(content, labels=first)
@@ -89,7 +89,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "results": results,
         "summary": summary,
         "title": config.section.heading,
-        "head": _head(config.report),
+        "head": _title_block(config.report),
         "logo": _logo(config.report.logo),
         "written": datetime.now().isoformat(" ", "minutes"),
         "strata_heads": [head.strip().replace("\n", ", ") for head in tables.STRATA_HEADS],
@@ -110,7 +110,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "cases": results.case_set()[1],
         "opinions": second_opinions(results.cases, results.mpm),
         "first_warnings": first,
-        "thirds": _thirds(config.section, texts),
+        "thirds": _names_of_thirds(config.section, texts),
         "weights": {1: texts("contradiction"), 2: texts("changes the result"), 3: texts("note")},
         "assumptions": list(assumptions(config)),
         "enough": just_enough(results.liquefied.cases, results.liquefied.required) if results.liquefied else None,
@@ -121,7 +121,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "verdicts": summary.criteria or (),
         "limit_words": limit_words,
         "interval_words": interval_words,
-        "elsewhere": list(elsewhere(config, results.slices)),
+        "elsewhere": list(circles_without_crest(config, results.slices)),
         "lines_of_faces": face_lines(results),
         "face_notes": list(note_sentences(results)) if faces else [],
         "estimates": results.estimates,
@@ -151,7 +151,7 @@ def _is_checked(warning: WarningPart, checks: Sequence[tuple[str, str]]) -> bool
     return any(warning.what in words for _, words in checks)
 
 
-def _thirds(section: Section, texts: Texts) -> tuple[str, str, str]:
+def _names_of_thirds(section: Section, texts: Texts) -> tuple[str, str, str]:
     """Return the names of the thirds of the surface, from the higher end, or by side if an embankment has two
     slopes."""
     if not structures_of(section):
@@ -168,7 +168,7 @@ def _css_text(text: str) -> Markup:
     )
 
 
-def _head(report: ReportSettings) -> list[tuple[str, str]]:
+def _title_block(report: ReportSettings) -> list[tuple[str, str]]:
     """Return the title block of the report: pairs of a word and a text."""
     return [
         (name, text) for name, text in report if name not in ("logo", "language") and isinstance(text, str) and text
@@ -194,12 +194,12 @@ def _pictures(results: Results, texts: Texts) -> dict[str, list[Any]]:
     names = [name for entry in results.ends.values() for name in entry.pictures]
     names += [name for name in PICTURES if results.store.has(name)]
     by_part: dict[str, list[Any]] = {}
-    groups = {f"figures/case{numbers[0]}.png": numbers for numbers in alike(results.case_set()[1])}
+    groups = {f"figures/case{numbers[0]}.png": numbers for numbers in equal_cases(results.case_set()[1])}
     again = {f"figures/case{number}.png" for numbers in groups.values() for number in numbers[1:]}
     for picture in collect(names, results.store.folder, results.config.figures.report_width, texts):
         shown_before = (picture.name == LAYERS and FRONT in names) or picture.name in again
         if len(numbers := groups.get(picture.name, ())) > 1:
-            words = texts("Calibrated discs in cases {cases}, whose slides are equal.", cases=joined(numbers))
+            words = texts("Calibrated discs in cases {cases}, whose slides are equal.", cases=case_numbers(numbers))
             picture = replace(picture, caption=words)
         by_part.setdefault(picture.part if picture.main and not shown_before else "further", []).append(picture)
     return by_part

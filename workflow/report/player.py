@@ -62,12 +62,12 @@ def _slides(results: Results) -> Iterator[Film]:
     for springs, number, _ in results.cases.each():
         files = list(frames(results.store, case_name(springs, number)).values())
         if len(files) > 1:
-            states = [Frame.read(results.store.folder / file) for file in _thinned(files, results)]
+            states = [Frame.read(results.store.folder / file) for file in _thinned_files(files, results)]
             title = name_of(results.config, springs, number).removeprefix(f"{results.config.section.heading}: ")
             yield _slide(results, title, states, histories.get((springs, number)))
 
 
-def _thinned(files: list[str], results: Results) -> list[str]:
+def _thinned_files(files: list[str], results: Results) -> list[str]:
     """Return a subset of the files, including the last one, so that the size of a film is limited."""
     discs = len(Frame.read(results.store.folder / files[0]).x)
     every = max(1, -(-discs * len(files) // MOST_POSITIONS))

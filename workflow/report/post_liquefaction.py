@@ -32,7 +32,7 @@ def in_short(results: Results) -> Iterator[str]:
 
 def outcome(case: LiquefiedCase) -> str:
     """Return whether the ground stands without shaking, with its critical Kh, and the reason."""
-    after = f"After liquefaction, in {_which(case)}, the continuum"
+    after = f"After liquefaction, in {_case_words(case)}, the continuum"
     if case.stands == "flows":
         return f"{after} does not stand without shaking: {case.reason}."
     most = case.kc if case.kc_upper is None or case.kc is None else min(case.kc, case.kc_upper)
@@ -74,7 +74,7 @@ def _relief(results: Results) -> float:
     return float(results.config.section.ground[:, 1].max() - results.config.section.ground[:, 1].min())
 
 
-def _which(case: LiquefiedCase) -> str:
+def _case_words(case: LiquefiedCase) -> str:
     names = f" ({listed(list(case.names))})" if case.names else ""
     return of_cases(case.cases) + names
 
@@ -183,14 +183,14 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
         yield f"{far}; in none of the cases does the ground flow."
         return
     times = listed([f"{1.0 / case.factor_upper:.2f}" for case in flow if case.factor_upper])
-    names = listed([_which(case) for case in flow])
+    names = listed([_case_words(case) for case in flow])
     yield (
         f"{far}. Either the ground differs from the section, or its residual strength was at least {times} times that "
         f"of {names}: {'this strength is' if len(flow) == 1 else 'these strengths are'} on the safe side."
     )
     if stand:
         agree = "agrees" if len(stand) == 1 else "agree"
-        yield f"With the measured displacement {listed([_which(case) for case in stand])} {agree}."
+        yield f"With the measured displacement {listed([_case_words(case) for case in stand])} {agree}."
 
 
 def sentences(answer: LiquefiedAnswer) -> Iterator[str]:

@@ -8,7 +8,7 @@ from workflow.estimates.slide_error import slide_error
 from workflow.report.model_error import NAMES
 from workflow.report.numbers import rough_range
 from workflow.report.summary_text import at_rest
-from workflow.report.warnings import joined, split
+from workflow.report.warnings import merged_notes, split_warning
 from workflow.results.cases import CaseAnswer, CasesAnswer
 from workflow.results.governing import by_weight
 from workflow.results.lengths import metres
@@ -115,12 +115,16 @@ def _with_error(low: float, high: float, flows: bool | None, method: SlideMethod
 
 def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:
     """Warn of every case on which the two models do not agree. Equal warnings are merged."""
-    for warning in joined({number: [opinion.sentence()] for number, opinion in opinions.items() if not opinion.agreed}):
-        what, remedy = split(warning)
+    for warning in merged_notes(
+        {number: [opinion.sentence()] for number, opinion in opinions.items() if not opinion.agreed}
+    ):
+        what, remedy = split_warning(warning)
         yield WarningPart(weight=1, what=what, remedy=remedy)
 
 
 def agreeing(opinions: dict[int, SecondOpinion]) -> Iterator[str]:
     """Yield sentences on the cases in which both methods agree."""
-    for sentence in joined({number: [opinion.sentence()] for number, opinion in opinions.items() if opinion.agreed}):
-        yield split(sentence)[0]
+    for sentence in merged_notes(
+        {number: [opinion.sentence()] for number, opinion in opinions.items() if opinion.agreed}
+    ):
+        yield split_warning(sentence)[0]

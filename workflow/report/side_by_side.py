@@ -11,7 +11,7 @@ from workflow.config import Config
 from workflow.config.after_triggering import load_config
 from workflow.report.captions import Picture, collect
 from workflow.report.numbers import bracket, number
-from workflow.report.tables import plain
+from workflow.report.tables import setting_text
 from workflow.report.templates import templates
 from workflow.results.cases import CaseNumbers
 from workflow.results.lengths import metres
@@ -49,7 +49,7 @@ def differences(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
     """Yield the settings in which the inputs differ, with the value of each run."""
     flat = [dict(_leaves(run.config.to_data(), "")) for run in runs]
     for key in dict.fromkeys(key for values_of_run in flat for key in values_of_run):
-        values = [plain(values_of_run[key]) if key in values_of_run else "–" for values_of_run in flat]
+        values = [setting_text(values_of_run[key]) if key in values_of_run else "–" for values_of_run in flat]
         if len(set(values)) > 1:
             yield key, values
 

@@ -20,10 +20,10 @@ def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
         yield f"No slip circle: {answer.reason}."
     for factors in answer.factors:
         if factors.circles:
-            yield f"Factor of safety at Kh = {factors.kh:g} by slip circles: {_listed(factors.circles, 2)}."
+            yield f"Factor of safety at Kh = {factors.kh:g} by slip circles: {_circle_list(factors.circles, 2)}."
     if answer.critical:
         fails = ": the ground fails without shaking" if min(circle.bishop for circle in answer.critical) < 0.0 else ""
-        yield f"Critical Kh by slip circles: {_listed(answer.critical, 3)}{fails}."
+        yield f"Critical Kh by slip circles: {_circle_list(answer.critical, 3)}{fails}."
     for text in of_longer_sections(answer.critical):
         what, _, remedy = text.partition(": ")
         yield f"Warning: {what[0].upper()}{what[1:]}. To do: {remedy}."
@@ -35,7 +35,7 @@ def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
         )
 
 
-def _listed(circles: Sequence[CirclePart], digits: int) -> str:
+def _circle_list(circles: Sequence[CirclePart], digits: int) -> str:
     return "; ".join(_words(circle, digits) for circle in circles)
 
 

@@ -40,7 +40,7 @@ def slide_headline(results: Results, _: Texts) -> HeadlinePart:
         slide=_span(first, _),
         method=_(NAMES[first.method]),
         count=_of_cases(first, _),
-        end=_end(list(first.cases.values()), _),
+        end=_end_words(list(first.cases.values()), _),
     )
     for other in others:
         phrase += " " + _second_opinion(first, other, _)
@@ -122,7 +122,7 @@ def _span(slides: MethodSlides, _: Texts) -> str:
     return _("{low} to over {high}", low=low.removesuffix(" m"), high=high)
 
 
-def _end(cases: Sequence[CaseAnswer | PointCase], _: Texts) -> str:
+def _end_words(cases: Sequence[CaseAnswer | PointCase], _: Texts) -> str:
     if any(isinstance(case, CaseAnswer) and case.flows for case in cases):
         return _("flows by its weight alone")
     if all(at_rest(case) for case in cases):

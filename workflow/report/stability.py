@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.continuum.shallow_failure import joined, shallow_failures
+from fem.continuum.shallow_failure import merged_faces, shallow_failures
 from fem.continuum.strength import Flow, strength_of
 from meshes.section.section import Section
 from workflow.estimates.estimate import depth_below_ground
@@ -43,12 +43,12 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
     sides = _(SIDES[fem.settings.sides])
     if results.kc is not None:
         most = _("at most {kc} on this mesh", kc=coefficient(fem.kc_upper)) if _more(fem.kc_upper, fem.kc) else ""
-        above = _above(fem.kc, strict_kh(results, fem, fem.flow, fem.direction), _)
+        above = _bound_words(fem.kc, strict_kh(results, fem, fem.flow, fem.direction), _)
         yield StabilityRow(name, coefficient(fem.kc), most, f"{sides}, {_(FLOW[fem.flow])}{above}")
     others: tuple[tuple[OtherWay | None, Flow], ...] = ((fem.davis, "davis"), (fem.associated, "associated"))
     for other, flow in others:
         if other is not None and other.verdict in ("plateau", "peak"):
-            above = _above(other.kc, strict_kh(results, fem, flow, other.direction), _)
+            above = _bound_words(other.kc, strict_kh(results, fem, flow, other.direction), _)
             yield StabilityRow(name, coefficient(other.kc), "", f"{sides}, {_(FLOW[flow])}{above}")
     third = fem.own_dilation
     if third is not None and third.kc is not None:
@@ -66,7 +66,7 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
             force = _("seismic force to the {side}", side=_("left" if fem.towards == "right" else "right"))
         else:
             force = _("seismic force upslope") if other.direction == "uphill" else _("seismic force downslope")
-        above = _above(other.kc, strict_kh(results, fem, fem.flow, other.direction), _)
+        above = _bound_words(other.kc, strict_kh(results, fem, fem.flow, other.direction), _)
         yield StabilityRow(name, value, "", force + cut + above)
     for shallow_failure in fem.shallow_failures:
         if shallow_failure.is_edge(fem.settings.least_depth):
@@ -92,7 +92,7 @@ def _factors(results: Results, fem: FemAnswer, _: Texts) -> Iterator[StabilityRo
             yield StabilityRow(of, f"{factor.associated:.2f}", "", _(FLOW["associated"]) + above)
 
 
-def _above(kc: float, strict: tuple[float, float] | None, _: Texts) -> str:
+def _bound_words(kc: float, strict: tuple[float, float] | None, _: Texts) -> str:
     """Return, for the conditions of a critical Kh by finite elements, that its strict upper bound is smaller and
     counts; empty otherwise."""
     if strict is None or not exceeds(kc, strict[1]):
@@ -114,7 +114,7 @@ def _shallow_by_davis(results: Results, fem: FemAnswer, name: str, _: Texts) -> 
     section, settings = results.config.section, fem.settings.changed(direction=fem.direction)
     if fem.davis is None:
         return
-    for face in joined(shallow_failures(section, settings, strength_of(section.strata, "davis").friction)):
+    for face in merged_faces(shallow_failures(section, settings, strength_of(section.strata, "davis").friction)):
         if face.kh >= fem.davis.kc or face.end - face.start < settings.least_depth:
             continue
         ends = {"start": f"{face.start:g}", "end": f"{face.end:g}"}

@@ -59,10 +59,10 @@ def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:
     for row in rows:
         if row.counts and sum(other.kc is not None for other in rows) > 1:
             yield f"The smallest counts: {row.name}."
-    yield from elsewhere(config, answer)
+    yield from circles_without_crest(config, answer)
 
 
-def elsewhere(config: Config, answer: SlicesAnswer | None) -> Iterator[str]:
+def circles_without_crest(config: Config, answer: SlicesAnswer | None) -> Iterator[str]:
     """Yield the critical slip circles of the section that do not reach a crest."""
     if answer is None or not answer.faces:
         return

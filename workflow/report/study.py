@@ -79,17 +79,17 @@ def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
             yield f"{share} samples fail under their own weight: the critical Kh is 0."
             continue
         title = result.title[:1].upper() + result.title[1:]
-        yield f"{title}: {_where(spread, result.samples)}{_strongest(result)}."
+        yield f"{title}: {_spread_words(spread, result.samples)}{_strongest(result)}."
         for group in result.groups:
             if group.samples:
-                phrase = _where(group.spread, group.samples)
+                phrase = _spread_words(group.spread, group.samples)
                 yield f"{title} where {group.path} is {group.value} ({group.samples}): {phrase}."
     yield from (f"{line}." for reach in config.reach.values() for line in reach.notice.splitlines())
     for failure in answer.failures:
         yield f"{failure.samples} without an answer: {failure.reason}."
 
 
-def _where(spread: Spread, samples: int) -> str:
+def _spread_words(spread: Spread, samples: int) -> str:
     phrase = f"half of the samples are below {number(spread.median)}"
     if spread.low is not None and samples >= FEWEST_SAMPLES:
         phrase += f", 90 % of the samples between {number(spread.low)} and {number(spread.high)}"

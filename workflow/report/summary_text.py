@@ -12,7 +12,7 @@ from workflow.config import Config
 from workflow.report.contradictions import is_weaker, liquefied_strata
 from workflow.report.flow_rule import WHEN
 from workflow.report.model_error import model_error
-from workflow.report.numbers import about, coefficient, numerical_error, of_cases, span
+from workflow.report.numbers import coefficient, numerical_error, of_cases, slides_in_words, span
 from workflow.report.post_liquefaction import in_short
 from workflow.report.tables import factor
 from workflow.results.accuracy import Accuracy, accuracy
@@ -184,7 +184,7 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
             end = "settled" if case.settled or rests_at_side(case) else "lying" if lies_still(case) else "moving"
             ends.setdefault((end, case.stopped_by), []).append(number)
     for (end, side), numbers in sorted(ends.items(), key=lambda item: ENDS.index(item[0][0])):
-        lengths = about([cases[number].slide_max_m for number in numbers])
+        lengths = slides_in_words([cases[number].slide_max_m for number in numbers])
         until = f", where the {side} side of the disc model stops it" if side else ""
         if end == "settled":
             yield f"In {of_cases(numbers)} the surface slides {lengths}{until or ' and comes to rest'}."
@@ -203,7 +203,7 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
         yield "The disc model ends at the side of the section: in a longer section the slide would be longer."
     flowing = {number: case.slide_by_weight_m for number, case in cases.items() if case.flows}
     if flowing:
-        far = about([slide for slide in flowing.values() if slide is not None])
+        far = slides_in_words([slide for slide in flowing.values() if slide is not None])
         yield f"In {of_cases(list(flowing))} this is a flow failure: without shaking the surface slides {far} in 20 s."
 
 
@@ -299,10 +299,10 @@ def _interval(results: Results) -> str:
 def _spread(mean: float, values: Sequence[float], interval: Sequence[float] | None) -> str:
     """Return a slide on several packings: the mean, and the range over packings if the range is larger than the digits
     shown."""
-    phrases = [span(values)] if span(values) != about([mean]) else []
-    if interval is not None and span(interval) != about([mean]):
+    phrases = [span(values)] if span(values) != slides_in_words([mean]) else []
+    if interval is not None and span(interval) != slides_in_words([mean]):
         phrases.append(f"95 % interval of the mean of all packings: {span(interval)}")
-    return about([mean]) + (f" ({'; '.join(phrases)})" if phrases else "")
+    return slides_in_words([mean]) + (f" ({'; '.join(phrases)})" if phrases else "")
 
 
 def _disagreement(results: Results) -> Iterator[str]:

@@ -181,10 +181,14 @@ def written_rows(config: Section) -> Iterator[list[str]]:
     for stratum in config.strata:
         cases = ", ".join(map(str, stratum.liquefies_in)) or "–"
         cases = f"triggered: {cases}" if stratum.liquefies_in.triggered else cases
-        yield [stratum.name, *(_written(stratum, field, unit) for field, _, unit in written_columns(config)), cases]
+        yield [
+            stratum.name,
+            *(_written_value(stratum, field, unit) for field, _, unit in written_columns(config)),
+            cases,
+        ]
 
 
-def _written(stratum: Stratum, field: str, unit: str) -> str:
+def _written_value(stratum: Stratum, field: str, unit: str) -> str:
     value = getattr(stratum, field)
     if value is None:
         return "–"
@@ -231,11 +235,11 @@ def changed_settings(config: Config) -> Iterator[tuple[str, str, str]]:
         for key, field in type(settings).model_fields.items():
             value = getattr(settings, key)
             if value != field.get_default(call_default_factory=True) and table != "report":
-                shown = Path(value).name if (table, key) in FILES else plain(value)
+                shown = Path(value).name if (table, key) in FILES else setting_text(value)
                 yield f"{table}.{key}", shown, str(field.description or "")
 
 
-def plain(value: Any) -> str:
+def setting_text(value: Any) -> str:
     """Return a setting as text; a file by its name alone."""
     if value is None:
         return "not given"
@@ -244,10 +248,12 @@ def plain(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, BaseModel):
-        return ", ".join(f"{name.replace('_', ' ')} {plain(each)}" for name, each in value if each not in ("", None))
+        return ", ".join(
+            f"{name.replace('_', ' ')} {setting_text(each)}" for name, each in value if each not in ("", None)
+        )
     if isinstance(value, dict):
-        return ", ".join(f"{name}: {plain(each)}" for name, each in value.items())
+        return ", ".join(f"{name}: {setting_text(each)}" for name, each in value.items())
     if isinstance(value, tuple | list):
-        return "; ".join(plain(each) for each in value) or "none"
+        return "; ".join(setting_text(each) for each in value) or "none"
     written = getattr(value, "written", value)
     return f"{written:g}" if isinstance(written, float) else str(written)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from meshes.section.stratum import cases_of
-from workflow.criteria.settings import judge, together
+from workflow.criteria.settings import common_verdict, judge
 from workflow.estimates.crest_settlement import freeboard
 from workflow.estimates.structures import structures_of
 from workflow.report.crests import crest_parts, water_at_crest
@@ -31,19 +31,21 @@ def verdicts(results: Results) -> list[VerdictPart]:
     limits = results.config.criteria
     parts: list[VerdictPart] = []
     if (factor := limits.factor_of_safety) is not None:
-        parts += _judged("factor of safety", factor.limit, factor.source, _factors(results, factor.kh), factor.kh)
+        parts += _verdict_parts(
+            "factor of safety", factor.limit, factor.source, _factors(results, factor.kh), factor.kh
+        )
     if (kh := limits.critical_kh) is not None:
-        parts += _judged("critical Kh", kh.limit, kh.source, _critical(results))
+        parts += _verdict_parts("critical Kh", kh.limit, kh.source, _critical(results))
     if (far := limits.displacement) is not None:
-        parts += _judged("displacement", float(far.limit), far.source, _displacements(results))
+        parts += _verdict_parts("displacement", float(far.limit), far.source, _displacements(results))
     if (fall := limits.crest_settlement) is not None:
-        parts += _judged("crest settlement", float(fall.limit), fall.source, _settlements(results))
+        parts += _verdict_parts("crest settlement", float(fall.limit), fall.source, _settlements(results))
     if (height := limits.freeboard) is not None:
-        parts += _judged("freeboard", float(height.limit), height.source, _freeboards(results))
+        parts += _verdict_parts("freeboard", float(height.limit), height.source, _freeboards(results))
     return parts
 
 
-def _judged(
+def _verdict_parts(
     criterion: Criterion, limit: float, source: str, ranges: Iterator[Interval], kh: float | None = None
 ) -> Iterator[VerdictPart]:
     answers = list(ranges) or [("the section", None, None, "it was not computed")]
@@ -92,10 +94,12 @@ def _is_of_section(results: Results, surface: Sequence[Sequence[float]] | np.nda
     """Return whether a mechanism of the finite elements counts: in a section with structures only if a crest slides
     with it.
     """
-    return not any(isinstance(face, FacePart) for _, face in _sliding(results)) or not spared(results, surface)
+    return not any(isinstance(face, FacePart) for _, face in _sliding(results)) or not spared_structures(
+        results, surface
+    )
 
 
-def spared(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> list[str]:
+def spared_structures(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> list[str]:
     """Return the names of the structures if none of their crests lies above a slip surface (n, 2) in m; else empty."""
     structures = structures_of(results.config.section)
     points = [(float(x), float(z)) for x, z in surface]
@@ -146,7 +150,7 @@ def _displacements(results: Results) -> Iterator[Interval]:
             yield of, None, None, "it slides without any shaking"
     _, cases = results.case_set()
     slides = [
-        (f"discs, {config.called(number)}", case.slide_along, at_rest(case), _share(results, number))
+        (f"discs, {config.called(number)}", case.slide_along, at_rest(case), _packing_ratios(results, number))
         for number, case in sorted(cases.items())
     ]
     slides += [
@@ -165,11 +169,11 @@ def _displacements(results: Results) -> Iterator[Interval]:
         for by, along, rests, (least, most) in slides:
             far = _largest(along, structure.crest.start, structure.crest.end)
             if far is not None:
-                yield f"{structure.name}, {by}", least * far, most * far if rests else OPEN_END, _why(rests)
+                yield f"{structure.name}, {by}", least * far, most * far if rests else OPEN_END, _unrest_reason(rests)
     yield from _not_computed(results)
 
 
-def _share(results: Results, case: int) -> tuple[float, float]:
+def _packing_ratios(results: Results, case: int) -> tuple[float, float]:
     """Return the ratios of the 5 and 95 % quantiles of the largest slide over packings to the slide of the packing of
     this run."""
     random = results.cases.random.cases.get(case) if results.cases is not None and results.cases.random else None
@@ -188,7 +192,7 @@ def _largest(along: Line, start: float, end: float) -> float | None:
 def _settlements(results: Results) -> Iterator[Interval]:
     for part in crest_parts(results.config, results.cases, results.mpm):
         high = part.settlement_high_m if part.at_rest else OPEN_END
-        yield f"{part.structure}, {part.by}", part.settlement_low_m, high, _why(part.at_rest)
+        yield f"{part.structure}, {part.by}", part.settlement_low_m, high, _unrest_reason(part.at_rest)
     for row in _blocks(results):
         yield f"{row.name}, {BLOCK}", 0.0, row.block.high if row.block else None, ""
     yield from _not_computed(results)
@@ -201,7 +205,12 @@ def _freeboards(results: Results) -> Iterator[Interval]:
         if part.freeboard_high_m is None:
             yield of, None, None, "the water has no elevation"
         else:
-            yield of, part.freeboard_low_m if part.at_rest else -OPEN_END, part.freeboard_high_m, _why(part.at_rest)
+            yield (
+                of,
+                part.freeboard_low_m if part.at_rest else -OPEN_END,
+                part.freeboard_high_m,
+                _unrest_reason(part.at_rest),
+            )
     crests = {structure.name: structure.crest for structure in structures_of(results.config.section)}
     for row in _blocks(results):
         crest = crests[row.face.structure]
@@ -229,7 +238,7 @@ def _without_crest(results: Results) -> Iterator[Interval]:
         yield "the section", None, None, "there is no crest; expected [[structures]] with its feet"
 
 
-def _why(at_rest: bool) -> str:
+def _unrest_reason(at_rest: bool) -> str:
     return "" if at_rest else "the slide is not at rest"
 
 
@@ -245,14 +254,14 @@ def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None) -> I
     _, phrases = texts or Texts(), []
     for criterion in dict.fromkeys(part.criterion for part in parts):
         parts_of_criterion = [part for part in parts if part.criterion == criterion]
-        verdict = together(tuple(part.verdict for part in parts_of_criterion))
+        verdict = common_verdict(tuple(part.verdict for part in parts_of_criterion))
         deciding = [part for part in parts_of_criterion if part.verdict == verdict]
         worst = deciding[:3] if verdict != "satisfied" else []
         reasons = [f"{_.sentence(part.of)}: {_.sentence(part.reason) or interval_words(part)}" for part in worst]
         why = f" ({_.listed(reasons)})" if reasons else ""
         limit = _number(criterion, parts_of_criterion[0].limit)
         limit = _("at least {limit}", limit=limit) if criterion in AT_LEAST else _("at most {limit}", limit=limit)
-        limit += _at(parts_of_criterion[0], _)
+        limit += _kh_words(parts_of_criterion[0], _)
         by_section = criterion not in OF_FACES or any(part.of.startswith("the section") for part in parts_of_criterion)
         name = criterion if by_section else f"{criterion} of the faces of structures"
         source = f" [{parts_of_criterion[0].source}]" if parts_of_criterion[0].source else ""
@@ -263,10 +272,10 @@ def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None) -> I
 
 def limit_words(part: VerdictPart, texts: Texts) -> str:
     """Return the limit with its unit, and the Kh at which it applies, in the language of the ``texts``."""
-    return _number(part.criterion, part.limit) + _at(part, texts)
+    return _number(part.criterion, part.limit) + _kh_words(part, texts)
 
 
-def _at(part: VerdictPart, _: Texts) -> str:
+def _kh_words(part: VerdictPart, _: Texts) -> str:
     """Return the Kh at which a limit applies, after a blank; empty if there is none."""
     return "" if part.kh is None else _(" at Kh = {kh}", kh=f"{part.kh:g}")
 

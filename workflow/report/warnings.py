@@ -32,12 +32,12 @@ def warnings(results: Results) -> list[WarningPart]:
     """Find every warning, the most important first: contradictions, then what changes an answer, then notes."""
     merged: dict[tuple[str, str], WarningPart] = {}
     for weight, text in _warnings(results):
-        what, remedy = split(text)
+        what, remedy = split_warning(text)
         merged.setdefault((what, remedy), WarningPart(weight=weight, what=what, remedy=remedy))
     return sorted(merged.values(), key=lambda part: part.weight)
 
 
-def split(text: str) -> tuple[str, str]:
+def split_warning(text: str) -> tuple[str, str]:
     """Split a warning at its first colon into two sentences: the observation, and the remedy."""
     what, _, remedy = text.partition(": ")
     return _sentence(what), _sentence(remedy)
@@ -89,13 +89,13 @@ def _of_cases(results: Results) -> Iterator[str]:
     escaped = [number for number, case in cases.items() if case.escaped]
     if escaped:
         yield f"discs have left the section in {of_cases(escaped)}: take a longer section (setting beyond)"
-    yield from joined({number: case.notes for number, case in cases.items()})
+    yield from merged_notes({number: case.notes for number, case in cases.items()})
     points = results.mpm.cases if results.mpm is not None else {}
     warned = {
         number: [note.removeprefix(WARNING) for note in case.notes if note.startswith(WARNING)]
         for number, case in points.items()
     }
-    for text in joined(warned):
+    for text in merged_notes(warned):
         yield f"in the slide by material points {text}: compare this slide with that of the discs"
     yield from _unresolved(results)
 
@@ -116,7 +116,7 @@ def _unresolved(results: Results) -> Iterator[str]:
             and case.slide_max_high_m <= UNRESOLVED_RATIO * case.slide_max_m
         )
     }
-    yield from joined(notes)
+    yield from merged_notes(notes)
 
 
 def _residual_strength(results: Results) -> Iterator[str]:
@@ -232,7 +232,7 @@ def _fails_between_fixed_sides(results: Results) -> Iterator[str]:
         )
 
 
-def joined(notes: Mapping[int, Sequence[str]]) -> Iterator[str]:
+def merged_notes(notes: Mapping[int, Sequence[str]]) -> Iterator[str]:
     """Merge equal notes of several cases. Where the notes have different numbers, the merged note has the range of the
     numbers. The order by importance is unchanged."""
     groups: dict[str, dict[int, list[str]]] = {}

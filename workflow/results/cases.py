@@ -278,7 +278,7 @@ class RandomPackings(Part):
         return sum(all(less < more for less, more in pairwise(packing)) for packing in zip(*slides, strict=True))
 
 
-def alike(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dict[tuple[int, ...], Answered]:
+def equal_cases(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dict[tuple[int, ...], Answered]:
     """Group cases with equal answers, so that each is shown once; their stiffness may differ. Return the numbers of the
     cases of each group, in order, and the answer of the first of them. Templates group only the cases ``of`` a row.
     """

@@ -13,8 +13,8 @@ from workflow.earthquake.triggering.consequences import (
     PRESSURE_VALIDITY,
     SEED,
     STRAIN_VALIDITY,
-    left,
     pore_pressures,
+    residual_strengths,
 )
 from workflow.earthquake.triggering.residual import RELATIONS
 from workflow.results.answer import Answer, Known, Part, SectionLabel
@@ -186,7 +186,7 @@ class TriggeringAnswer(Answer):
                     volumetric_strain=layer.volumetric_strain,
                     strain_potential=layer.strain_potential,
                 )
-                for layer in left(assessment, config.triggering)
+                for layer in residual_strengths(assessment, config.triggering)
             ),
             relations=(
                 *(RelationPart.model_validate(relation) for relation in RELATIONS),

@@ -32,13 +32,13 @@ def locked(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise InputError(str(path), [f"cannot be written: {error.strerror or error}"]) from error
     try:
-        _take(descriptor, folder)
+        _take_lock(descriptor, folder)
         yield
     finally:
         os.close(descriptor)
 
 
-def _take(descriptor: int, folder: Path) -> None:
+def _take_lock(descriptor: int, folder: Path) -> None:
     try:
         fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:

@@ -197,7 +197,7 @@ class Run:
                 failure = error
             self._end(decision, started, failure)
 
-        work = partial(_worked, decision.stage.work, self._for_others())
+        work = partial(_do_work, decision.stage.work, self._for_others())
         self.pending.append(then(self.executor.begin(work, lambda progress: started.progress(*progress)), end))
 
     def _begin(self, decision: Decision) -> "StartedStage":
@@ -273,7 +273,7 @@ class Run:
         return tell
 
 
-def _worked(work: Callable[[Job], None], job: Job, tell: Tell) -> None:
+def _do_work(work: Callable[[Job], None], job: Job, tell: Tell) -> None:
     """Do the work of a stage in the process of the stage."""
     work(replace(job, progress=lambda line, share: tell((line, share))))
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from meshes.errors import InputError
 from meshes.executor import check_cancelled
-from meshes.files import TEMPORARY, whole
+from meshes.files import TEMPORARY, whole_file
 
 if TYPE_CHECKING:
     import pyvista as pv
@@ -61,7 +61,7 @@ class Store:
         check_cancelled()
         target = self.folder / name
         try:
-            with whole(target) as temporary:
+            with whole_file(target) as temporary:
                 yield temporary
         except OSError as error:
             reason = error.strerror or error

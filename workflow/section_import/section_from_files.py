@@ -125,7 +125,9 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str
         out.write_text(drawn.text, encoding="utf-8")
         return [*_minded(drawn.notices), f"{out} has the strata of {files[0]}.", *to_be_given(out)]
     read = [READERS[file.suffix.lower()](file, reading.columns) for file in files]
-    connection = connected(_wanted([log for item in read for log in item.logs], reading.borings), reading.off_line)
+    connection = connected(
+        _requested_borings([log for item in read for log in item.logs], reading.borings), reading.off_line
+    )
     out.write_text(text_of(connection, name), encoding="utf-8")
     picture = out.with_suffix(".png")
     draw(connection, out.stem).save(picture)
@@ -133,7 +135,7 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str
     return [*minded, *_summary(connection), f"{out} is the section.", f"Picture: {picture}", *to_be_given(out)]
 
 
-def _wanted(logs: Sequence[Log], names: Sequence[str]) -> list[Log]:
+def _requested_borings(logs: Sequence[Log], names: Sequence[str]) -> list[Log]:
     """Return the named borings, or all. Raises InputError for an unknown name."""
     unknown = [name for name in names if name not in {log.name for log in logs}]
     if unknown:

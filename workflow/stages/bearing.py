@@ -122,8 +122,10 @@ def _critical(
     from fem.search.critical import critical_coefficient
 
     if not is_associated(section.strata, fem.flow):
-        return tried("finite elements", notes, lambda: critical_coefficient(section, mesh, fem))
-    return tried("finite elements", notes, lambda: AdaptiveSearch(section, config.mesh, mesh).critical(fem).result)
+        return answer_or_note("finite elements", notes, lambda: critical_coefficient(section, mesh, fem))
+    return answer_or_note(
+        "finite elements", notes, lambda: AdaptiveSearch(section, config.mesh, mesh).critical(fem).result
+    )
 
 
 def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float:
@@ -136,7 +138,7 @@ def _weight_borne(section: Section, mesh: "QuadMesh", fem: FemSettings) -> float
 
     if not is_associated(section.strata, fem.flow):
         return math.inf
-    borne = tried("finite elements", [], lambda: weight_borne(section, mesh, fem))
+    borne = answer_or_note("finite elements", [], lambda: weight_borne(section, mesh, fem))
     return math.inf if borne is None else borne
 
 
@@ -149,16 +151,16 @@ def _factors(
     from fem.limit.safety_bounds import safety_bounds
     from fem.search.strength_reduction import safety_factor
 
-    safety = tried("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0))
+    safety = answer_or_note("finite elements", notes, lambda: safety_factor(section, mesh, fem, 0.0))
     guess = safety.factor if safety is not None else 1.0
-    strict = tried(
+    strict = answer_or_note(
         "strict bounds", notes, lambda: safety_bounds(section, fem, bounds_settings, 0.0, guess, smooth_sides=True)
     )
     if strict is not None and strict.lower <= 1.0 <= strict.upper < math.inf:
         fine = bounds_settings.changed(max_cells=REFINEMENT * CELLS, gap=GAP / REFINEMENT)
         at = 0.5 * (strict.lower + strict.upper)
         strict = (
-            tried("finer bounds", notes, lambda: safety_bounds(section, fem, fine, 0.0, at, smooth_sides=True))
+            answer_or_note("finer bounds", notes, lambda: safety_bounds(section, fem, fine, 0.0, at, smooth_sides=True))
             or strict
         )
     return safety.factor if safety is not None and safety.verdict != "undecided" else None, strict
@@ -181,7 +183,7 @@ def _between_own_sides(
         return None, ""
 
 
-def tried(what: str, notes: list[str], find: Callable[[], Result]) -> Result | None:
+def answer_or_note(what: str, notes: list[str], find: Callable[[], Result]) -> Result | None:
     """Return the answer of an analysis. If the analysis has no answer, return None and add a note with the reason."""
     try:
         return find()

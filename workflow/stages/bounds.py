@@ -125,14 +125,14 @@ def answer_of(config: Config, bounds: "KhBounds", settings: BoundsSettings, seco
 
     ``config``: config of the run; ``bounds``: result of the analysis; ``settings``: settings of the bounds.
     """
-    from fem.continuum.shallow_failure import joined
+    from fem.continuum.shallow_failure import merged_faces
 
     return BoundsAnswer(
         **vars(bracket_part(bounds, settings)),
         section=SectionLabel.of(config.section),
         flow="associated, ψ = φ",
         substitute=bracket_part(bounds.substitute, settings) if bounds.substitute else None,
-        shallow_failures=tuple(ShallowBoundPart.model_validate(face) for face in joined(bounds.shallow_failures)),
+        shallow_failures=tuple(ShallowBoundPart.model_validate(face) for face in merged_faces(bounds.shallow_failures)),
         shallow=bounds.shallow,
         load_ends=tuple(sorted({x for _, x, _ in config.section.surface_loads.bare_ends()})),
         least_depth=config.fem.least_depth,
@@ -181,15 +181,15 @@ def _direction_part(bounds: "DirectionBounds") -> DirectionPart:
 def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[BoundsVerdict, str]:
     gap = f"The gap of {_gap(bracket)}"
     if bracket.ended == "gap":
-        return "bracketed", f"{gap} is within the required {_wanted(bracket, settings)}."
+        return "bracketed", f"{gap} is within the required {_required_gap(bracket, settings)}."
     if bracket.ended == "enough":
         return "unstable", f"The section fails under its own weight: the critical Kh is at most {bracket.upper:.4f}."
     last = bracket.meshes[-1]
     x, z = bracket.open_at or (math.nan, math.nan)
-    why = f"{_why(bracket.ended, last.cells, settings)}; the gap is widest near x = {x:.1f} m, z = {z:.1f} m."
+    why = f"{_end_reason(bracket.ended, last.cells, settings)}; the gap is widest near x = {x:.1f} m, z = {z:.1f} m."
     why += "".join(f" {note[0].upper()}{note[1:]}." for note in last.notes)
     if math.isfinite(bracket.gap):
-        return "wide", f"{gap} is above the required {_wanted(bracket, settings)}: {why}"
+        return "wide", f"{gap} is above the required {_required_gap(bracket, settings)}: {why}"
     bounds = (("lower", bracket.stress), ("upper", bracket.mechanism))
     missing = " and no ".join(name for name, bound in bounds if bound is None)
     return "no bracket", f"There is no {missing} bound: {why}{''.join(_bracketed_directions(bracket))}"
@@ -217,13 +217,13 @@ def _gap(bracket: "Bracket") -> str:
     return f"{difference} ({100 * bracket.gap:.1f} %)" if small else f"{100 * bracket.gap:.2f} %"
 
 
-def _wanted(bracket: "Bracket", settings: BoundsSettings) -> str:
+def _required_gap(bracket: "Bracket", settings: BoundsSettings) -> str:
     """Return in words the required gap of the bounds: as a share of Kh, or for small Kh as a difference of Kh."""
     small = 0.5 * (abs(bracket.upper) + abs(bracket.lower)) < LEAST_KH
     return f"{settings.gap * LEAST_KH:.4f} in Kh" if small else f"{100 * settings.gap:g} %"
 
 
-def _why(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
+def _end_reason(ended: "OpenEnd | None", cells: int, settings: BoundsSettings) -> str:
     """Return the reason why there is no finer mesh although the gap is larger than required."""
     from fem.limit.bracket import FAILED_MESHES
 

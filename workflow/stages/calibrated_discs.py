@@ -74,7 +74,7 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
     """
     fem = FemAnswer.read(store)
     precompile(executor, lambda what: progress(what, None))
-    searched, paper, layers = _searched(config, store, progress, executor)
+    searched, paper, layers = _all_searches(config, store, progress, executor)
     discs = discs_at_rest(config, store, config.dem, SETTLED, lambda what: progress(what, None))
     if searched.base.kc is None:
         none = slip_surfaces(config, store, NO_LINE, NO_LINE, fem)
@@ -131,7 +131,7 @@ class Searched:
         return {self.calibration.parameter: self.calibration.value} if self.calibration else {}
 
 
-def _searched(
+def _all_searches(
     config: Config, store: Store, progress: Progress, executor: Executor
 ) -> tuple[Searched, Search | None, tuple[LayerCheck, ...]]:
     """Return the searches of the discs. Concurrently, the search of the paper's own discs, if the settings request

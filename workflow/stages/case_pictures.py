@@ -54,7 +54,7 @@ def case_pictures(
     return [CasePictures(config, store, springs, group) for group in groups.values()]
 
 
-def drawn(wanted: CasePictures, _: Tell) -> None:
+def draw_cases(wanted: CasePictures, _: Tell) -> None:
     """Draw the picture of each case at its end, and its animation, from its states."""
     from workflow.figures.slides import animate, end
 

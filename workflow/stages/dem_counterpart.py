@@ -66,7 +66,7 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
     instead = answer if isinstance(answer, str) else ""
     if path is None or path.upper > path.kc + config.dem.tolerance:
         try:
-            most = associated_kc(config.section, mesh, settings, _watch("ψ = φ", mesh, tell))
+            most = associated_kc(config.section, mesh, settings, _path_listener("ψ = φ", mesh, tell))
         except NoAnswerError as error:
             instead += f"; with ψ = φ there is no answer ({error.reason}): the upper limit is not known"
     if path is None or surface is None:
@@ -129,7 +129,7 @@ def _with_own_psi(
     from fem.search.dem_counterpart import non_associated_path
 
     try:
-        path, surface = non_associated_path(section, mesh, settings, _watch("the given ψ", mesh, tell))
+        path, surface = non_associated_path(section, mesh, settings, _path_listener("the given ψ", mesh, tell))
     except NoAnswerError as error:
         return f"with the given ψ there is no answer: {error.reason}"
     if path.verdict == "no failure":
@@ -139,7 +139,7 @@ def _with_own_psi(
     return path, surface
 
 
-def _watch(flow: str, mesh: QuadMesh, tell: Tell) -> "PathListener":
+def _path_listener(flow: str, mesh: QuadMesh, tell: Tell) -> "PathListener":
     """Return a listener that reports the progress of a path, and ends a path that takes too long."""
 
     def step(path: "EquilibriumPath") -> None:

@@ -98,7 +98,7 @@ def _slip_line(mesh: "QuadMesh", state: "FieldState") -> Line:
 
 def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
     """Return the answer: critical Kh with its alternatives, path, stored states, and factors of safety."""
-    from fem.continuum.shallow_failure import joined
+    from fem.continuum.shallow_failure import merged_faces
     from fem.search.mesh_sequence import AdaptiveResult
 
     result, mesh, adapted = assessment.critical, assessment.mesh, assessment.adapted
@@ -122,7 +122,7 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
             ShallowFailurePart.taken(
                 face, start_x_m=face.start, end_x_m=face.end, angle_deg=float(np.degrees(face.angle))
             )
-            for face in joined(result.shallow_failures)
+            for face in merged_faces(result.shallow_failures)
         ),
         settings=config.fem,
         dilation_deg=angles,

@@ -61,7 +61,7 @@ def cases_as_data(config: Config, keys: Collection[str] | None = None) -> list[d
     ]
 
 
-def taken(config: Config) -> dict[str, Any]:
+def resolved_inputs(config: Config) -> dict[str, Any]:
     """Return the resolved cases. If a record determines when strata liquefy, also return the smallest F_L of each
     stratum."""
     decides = (config.slide.accelerogram or config.slide.kh_cycles) and config.slide.liquefies_at == "F_L"

@@ -49,7 +49,7 @@ def _required(job: Job, mesh: "QuadMesh", answers: list[LiquefiedCase]) -> tuple
         return ()
     strongest = max(answers, key=lambda case: case.factor or 0.0)
     remains = remaining(config)[strongest.cases[0]]
-    section = _after(config, remains)
+    section = _liquefied_section(config, remains)
     frictional = any(section.strata[k].friction_angle for k in remains)
     if frictional or not 0.0 < (strongest.factor or 0.0) < 1.0 or not is_associated(section.strata, flow):
         return ()
@@ -62,7 +62,7 @@ def _required(job: Job, mesh: "QuadMesh", answers: list[LiquefiedCase]) -> tuple
     return tuple(stratum.scaled(multiple) for stratum in strongest.strata)
 
 
-def _after(config: Config, remains: Mapping[int, Remains]) -> "Section":
+def _liquefied_section(config: Config, remains: Mapping[int, Remains]) -> "Section":
     """Return the section after liquefaction."""
     from fem.continuum.liquefied_ground import liquefied_section
 
@@ -79,7 +79,7 @@ def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int
 
 def _case(config: Config, mesh: "QuadMesh", remains: dict[int, Remains], numbers: list[int]) -> LiquefiedCase:
     """Return the stability of the ground in cases of equal residual strengths."""
-    section = _after(config, remains)
+    section = _liquefied_section(config, remains)
     mean = section.cohesion_field.means()
     nothing = not any(soil.friction or soil.residual or soil.strength for soil in remains.values())
     bearing = bearing_of(section, config, mesh, nothing)

@@ -19,11 +19,11 @@ from workflow.results.history import SlideHistory, read_histories, write_histori
 from workflow.run.progress import Progress
 from workflow.run.stage import Job
 from workflow.run.store import Store
-from workflow.stages.case_pictures import case_pictures, drawn
+from workflow.stages.case_pictures import case_pictures, draw_cases
 from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 from workflow.stages.liquefaction import liquefying
-from workflow.stages.random_packings import PackingTask, RandomPackingsWanted, packed
-from workflow.stages.sliding import ALONE, PlannedSlide, SlideTask, first_alike, slid, task
+from workflow.stages.random_packings import PackingTask, RandomPackingsWanted, calibrated_packing
+from workflow.stages.sliding import ALONE, PlannedSlide, SlideTask, first_alike, slide_of_discs, task
 
 SLIDES_PER_PACKING = 6.0  # slides that take as long as a packing, which is calibrated before its slides
 # Of the time that a slide may last, when it is at rest as a rule; what is done by then.
@@ -69,7 +69,7 @@ def slide_stage(job: Job) -> None:
 
 def _computed(piece: SlideTask | PackingTask, tell: Tell) -> Any:
     """Compute one slide, or one random packing with all of its slides."""
-    return packed(piece, tell) if isinstance(piece, PackingTask) else slid(piece, tell)
+    return calibrated_packing(piece, tell) if isinstance(piece, PackingTask) else slide_of_discs(piece, tell)
 
 
 def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]:
@@ -120,7 +120,7 @@ class Hearer:
             line = piece.message(message)
         else:
             seconds, slide, settlement, speed = message
-            self.done[place] = _share(seconds / self.config.slide.duration)
+            self.done[place] = _finished_share(seconds / self.config.slide.duration)
             line = (
                 f"{self._name(piece.task)}: {seconds:.1f} s, slide {slide:.2f} m, settlement {settlement:.2f} m, "
                 f"{speed:.2g} m/s"
@@ -137,7 +137,7 @@ class Hearer:
         self.done[place] = 1.0
 
 
-def _share(of_duration: float) -> float:
+def _finished_share(of_duration: float) -> float:
     """Return the finished share of the work of a slide after a share of its longest duration. Most slides come to rest
     long before the longest duration.
     """
@@ -151,7 +151,7 @@ def slide_pictures(config: Config, store: Store, executor: Executor = SERIAL) ->
 
     answer = CasesAnswer.read(store)
     wanted = [each for springs, cases in answer.sets.items() for each in case_pictures(config, store, springs, cases)]
-    executor.compute(drawn, wanted)
+    executor.compute(draw_cases, wanted)
     if any(answer.sets.values()):
         store.save("figures/history.png", slide_figures.history(config, read_histories(store)))
     random_cases = answer.random.cases if answer.random is not None else {}

@@ -16,7 +16,7 @@ from workflow.results.answer import SectionLabel, line
 from workflow.results.material_points import WARNING, PointCase, PointSlidesAnswer
 from workflow.run.stage import Job, Stage, unless_it_liquefies
 from workflow.run.store import Store
-from workflow.stages.liquefaction import first_equal, liquefying, remaining, taken
+from workflow.stages.liquefaction import first_equal, liquefying, remaining, resolved_inputs
 from workflow.stages.slide import files, of_the_record
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def work(job: Job) -> None:
         job.progress(said, sum(share * cost for share, cost in zip(shares, costs, strict=True)) / sum(costs))
 
     slides: dict[int, list[PointSlide]] = {}
-    for run, slide in zip(runs, job.executor.compute(slid, runs, heard), strict=True):
+    for run, slide in zip(runs, job.executor.compute(slide_of_points, runs, heard), strict=True):
         slides.setdefault(run.number, []).append(slide)
     ground = slider.ground
     PointSlidesAnswer(
@@ -128,12 +128,12 @@ def alike_by_strength(config: Config, wanted: Sequence[int]) -> dict[int, int]:
 def draw(job: Job) -> None:
     """Draw the surface of every case before and after, every case at its end, and its animation."""
     from workflow.figures.slides import point_profiles
-    from workflow.stages.case_pictures import POINTS, case_pictures, drawn
+    from workflow.stages.case_pictures import POINTS, case_pictures, draw_cases
 
     config, store, answer = job.config, job.store, PointSlidesAnswer.read(job.store)
     if answer.cases:
         store.save("figures/mpm.png", point_profiles(config, answer))
-    job.executor.compute(drawn, case_pictures(config, store, POINTS, answer.cases))
+    job.executor.compute(draw_cases, case_pictures(config, store, POINTS, answer.cases))
 
 
 def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
@@ -150,7 +150,7 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
     return slider, slider.settle()
 
 
-def slid(run: PointRun, tell: Tell) -> "PointSlide":
+def slide_of_points(run: PointRun, tell: Tell) -> "PointSlide":
     """Compute a slide; ``tell`` is called with the finished share, the time (s) and the largest slide (m)."""
     from fem.mpm.slide import CHECK_INTERVAL, DECAY_RATES
     from fem.mpm.slide_record import earliest_rest
@@ -289,7 +289,7 @@ STAGE = Stage(
         "slide.mpm_cells", "slide.mpm_sides", "fem.sides", "site_response",
     ),
     ignores=of_the_record,
-    takes=taken,
+    takes=resolved_inputs,
     files=files,
     concurrent_after=("mesh",),
     results=(PointSlidesAnswer.FILE, "mpm/case*.pvd", "mpm/case*/*.vtp"),

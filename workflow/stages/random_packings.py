@@ -13,7 +13,7 @@ from workflow.results.cases import QUANTITIES, Profile, RandomCase, RandomPackin
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.stages.discs_at_rest import calibrator_for, continuum_for, discs_at_rest
-from workflow.stages.sliding import SlideTask, first_alike, slid, task
+from workflow.stages.sliding import SlideTask, first_alike, slide_of_discs, task
 
 Packed = tuple[Seed, dict[int, Slide]]  # how it was calibrated, and its slides by case
 
@@ -76,7 +76,7 @@ class RandomPackingsWanted:
             packings = [
                 *packings,
                 *job.executor.compute(
-                    packed, later, lambda place, message: job.progress(later[place].message(message), None)
+                    calibrated_packing, later, lambda place, message: job.progress(later[place].message(message), None)
                 ),
             ]
         seeds, slides = [seed for seed, _ in packings], [slides for _, slides in packings]
@@ -113,7 +113,7 @@ class PackingTask:
         return f"random packing, seed {self.seed}: {text}"
 
 
-def packed(packing: PackingTask, tell: Tell) -> Packed:
+def calibrated_packing(packing: PackingTask, tell: Tell) -> Packed:
     """Compute the calibration of a packing and its slides by case; no slides if the calibration is out of reach."""
     config, store, parameter = packing.config, packing.store, packing.parameter
     dem = config.dem.changed(packing="random", seed=packing.seed, parameter=parameter)
@@ -145,7 +145,9 @@ def packed(packing: PackingTask, tell: Tell) -> Packed:
     alike = first_alike(config, tasks)
     # whether a case is a flow failure is decided by the packing of the run alone
     slides = {
-        each: slid(SlideTask(config, store, each, by_weight=False), _in_words(config.called(each.number), tell))
+        each: slide_of_discs(
+            SlideTask(config, store, each, by_weight=False), _in_words(config.called(each.number), tell)
+        )
         for each in dict.fromkeys(alike.values())
     }
     return seed, {each.number: slides[alike[each]] for each in tasks}

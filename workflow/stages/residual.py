@@ -15,7 +15,7 @@ from workflow.config import Config
 from workflow.results.answer import SectionLabel, line
 from workflow.results.stability import AlongSurface, ResidualAnswer, ResidualVerdict, SoftenedStratum, TwoSteps
 from workflow.run.stage import Job, Stage
-from workflow.stages.bearing import WITHOUT_EFFECT, bearing_of, tried
+from workflow.stages.bearing import WITHOUT_EFFECT, answer_or_note, bearing_of
 
 if TYPE_CHECKING:
     from fem.search.mesh_sequence import AdaptiveResult
@@ -78,7 +78,7 @@ def _peak(config: Config, mesh: "QuadMesh", notes: list[str]) -> "AdaptiveResult
             return AdaptiveSearch(section, config.mesh, mesh).safety(fem, 0.0)
         return AdaptiveResult(safety_factor(section, mesh, fem, 0.0), mesh)
 
-    answer = tried("finite elements, peak strength", notes, find)
+    answer = answer_or_note("finite elements, peak strength", notes, find)
     if answer is not None and answer.result.verdict == "undecided":
         notes.append(f"finite elements, peak strength: {answer.result.reason}")
         return None

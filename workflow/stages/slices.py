@@ -38,7 +38,9 @@ def work(job: Job) -> None:
         job.progress("critical Kh" if kh is None else f"factor of safety at Kh = {kh:g}", None)
         for side in (LEFT, RIGHT):
             circles[kh, side] = ground_of_circles(section, side, kh, fem.least_depth, fem.vertical, crack)
-    critical, *factors = (_parts(section, kh, (circles[kh, LEFT], circles[kh, RIGHT])) for kh in (None, *coefficients))
+    critical, *factors = (
+        _circle_parts(section, kh, (circles[kh, LEFT], circles[kh, RIGHT])) for kh in (None, *coefficients)
+    )
     critical = tuple(_with_longer(job.config, part) for part in critical)
     reason = "" if critical or any(factors) else NO_CIRCLE
     SlicesAnswer(
@@ -70,13 +72,13 @@ def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:
             parts: dict[float | None, tuple[CirclePart, ...]] = {}
             for kh, ground, circle in ((kh, *of) for (kh, of_side), of in whole.items() if of_side == side):
                 face = face_circle(ground, structure, side, circle, kh, fem.least_depth, fem.vertical, crack)
-                parts[kh] = _parts(section, kh, ((ground, face),))
+                parts[kh] = _circle_parts(section, kh, ((ground, face),))
             davis: dict[float | None, CirclePart | None] = {}
             for kh in (0.0, None) if weak is not None and any(parts.values()) else ():
                 job.progress(f"{structure.name}, towards the {towards}, Davis's strength", None)
                 assert weak is not None
                 face = face_circle(weak, structure, side, None, kh, fem.least_depth, fem.vertical, crack)
-                davis[kh] = next(iter(_parts(section, kh, ((section, face),))), None)
+                davis[kh] = next(iter(_circle_parts(section, kh, ((section, face),))), None)
             crest = structure.crest
             yield FacePart(
                 structure=structure.name,
@@ -116,7 +118,7 @@ def draw(job: Job) -> None:
         job.store.save(PICTURE, circles_sheet(job.config.section, answer))
 
 
-def _parts(
+def _circle_parts(
     section: "Section", kh: float | None, circles: "Iterable[tuple[Section, SlipCircle | None]]"
 ) -> tuple[CirclePart, ...]:
     """Return the critical circles, each with its ground, the smallest value first."""

@@ -8,7 +8,7 @@ from fem.settings import WITHOUT_EFFECT
 from workflow.config import Config
 from workflow.results.cases import CasesAnswer
 from workflow.run.stage import Job, Stage, unless_it_liquefies
-from workflow.stages.liquefaction import taken
+from workflow.stages.liquefaction import resolved_inputs
 
 
 def work(job: Job) -> None:
@@ -59,7 +59,7 @@ STAGE = Stage(
     needs=("calibrate",),
     reads=("dem", "slide", "site_response", "fem.sides"),
     ignores=ignored,
-    takes=taken,
+    takes=resolved_inputs,
     files=files,
     results=(CasesAnswer.FILE, "dem/history.csv", "dem/case*.pvd", "dem/case*/*.vtp"),
     read=CasesAnswer.read,

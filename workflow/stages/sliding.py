@@ -81,7 +81,7 @@ class SlideTask:
     by_weight: bool = True
 
 
-def slid(run: SlideTask, tell: Tell) -> Slide:
+def slide_of_discs(run: SlideTask, tell: Tell) -> Slide:
     """Compute a slide to its end, from its last checkpoint if there is one; ``tell`` is called with time, slide,
     settlement and speed.
 

@@ -196,7 +196,7 @@ def variant(change: Change, tell: Tell) -> Variant:
     """Return the critical Kh with one changed assumption, or None with the reason."""
     start = time.perf_counter()
     try:
-        result = _limit(change, tell)
+        result = _limit_load(change, tell)
     except NoAnswerError as error:
         return Variant(
             name=change.name, change=change.words, kc=None, kc_upper=None, verdict="no answer", reason=str(error),
@@ -215,7 +215,7 @@ def variant(change: Change, tell: Tell) -> Variant:
     )
 
 
-def _limit(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
+def _limit_load(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":
     """Return the limit load by limit analysis where it is unique, else by a path; raise NoAnswerError."""
     from fem.limit_load.limit_load import critical_limit_load, is_unique
     from fem.search.critical import critical_coefficient

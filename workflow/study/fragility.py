@@ -124,12 +124,12 @@ def _blocks(config: Config, kc: np.ndarray) -> Iterator[ProbabilityCurve]:
         return
     record = config.sliding_block.in_use()
     peaks = np.linspace(0.0, max(PEAK_CURVE_END * float(np.median(kc)), record.peak / GRAVITY), POINTS)
-    slides = np.array([[_under(record, peak, yield_kh) for peak in peaks] for yield_kh in kc])
+    slides = np.array([[_slide_under(record, peak, yield_kh) for peak in peaks] for yield_kh in kc])
     for far in config.study.exceeds:
         yield probability(f"block, {record.name} by PGA / g: slide > {far:g} m", peaks, slides > far)
 
 
-def _under(record: Accelerogram, peak: float, kc: float) -> float:
+def _slide_under(record: Accelerogram, peak: float, kc: float) -> float:
     """Return the slide (m) under the record scaled to a peak (g), in the direction with the larger slide."""
     if peak <= kc:
         return 0.0
@@ -149,7 +149,7 @@ def block(config: Config, kc: float | None) -> float | None:
     if not recorded:
         return drive.slide(max(kc, SMALLEST_KC), constant_kh(config))
     record = config.sliding_block.in_use()
-    return _under(record, record.peak / GRAVITY, max(kc, SMALLEST_KC))
+    return _slide_under(record, record.peak / GRAVITY, max(kc, SMALLEST_KC))
 
 
 def _known(table: SampleTable, name: str) -> np.ndarray:

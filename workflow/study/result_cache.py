@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from meshes.errors import InputError
-from meshes.files import whole
+from meshes.files import whole_file
 
 FOLDER = "tasks"
 
@@ -56,7 +56,7 @@ class ResultCache:
         """Store an outcome; raises InputError if it cannot be written."""
         path = self.path(fingerprint)
         try:
-            with whole(path) as temporary:
+            with whole_file(path) as temporary:
                 temporary.write_text(outcome.model_dump_json(indent=1) + "\n", encoding="utf-8")
         except OSError as error:
             raise InputError(str(path), [f"cannot be written: {error.strerror or error}"]) from error

@@ -221,5 +221,5 @@ def draw_all(section: Section, table: SampleTable, answer: StudyAnswer, store: S
     for result in (*first, *slides):
         drawn = {effect.path: table.drawn(effect.path) for effect in result.effects}
         name = "samples" if result in first else f"samples_{result.name.split('_')[0]}"
-        picture = figures.single(result.title, table.column(result.name), drawn, title)
+        picture = figures.scatter(result.title, table.column(result.name), drawn, title)
         store.save(f"figures/study_{name}.png", picture)

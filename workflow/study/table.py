@@ -59,12 +59,12 @@ class SampleTable:
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(["sample", *heads, *self.names, *words, "failed"])
         for number, row in enumerate(self.rows, start=1):
-            numbers = _written(row.results.numbers.get(name) for name in self.names)
+            numbers = _written_values(row.results.numbers.get(name) for name in self.names)
             said = [row.results.words.get(name, "") for name in words]
-            drawn = _written(row.drawn[path] for path in self.units)
+            drawn = _written_values(row.drawn[path] for path in self.units)
             writer.writerow([number, *drawn, *numbers, *said, row.reason])
         return out.getvalue()
 
 
-def _written(values: Iterable[Any]) -> list[Any]:
+def _written_values(values: Iterable[Any]) -> list[Any]:
     return ["" if value is None else repr(value) if isinstance(value, float) else value for value in values]

@@ -51,7 +51,7 @@ def reach_of(data: Mapping[str, Any], numbers: Mapping[str, Distribution], model
     an end that the input states (uniform, triangular, list, between), this is a problem.
     """
     return {
-        path: _reach(path, distribution, _check(data, path, distribution, models))
+        path: _reach(path, distribution, _check_of(data, path, distribution, models))
         for path, distribution in numbers.items()
     }
 
@@ -82,7 +82,7 @@ def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
     return Reach(low, high, "\n".join(messages))
 
 
-def _check(data: Mapping[str, Any], path: str, distribution: Distribution, models: Models) -> Check:
+def _check_of(data: Mapping[str, Any], path: str, distribution: Distribution, models: Models) -> Check:
     """Check a drawn number by the fields that its path names."""
     fields = []
     try:

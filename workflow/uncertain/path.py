@@ -13,16 +13,16 @@ from workflow.uncertain.distribution import Distribution, in_unit, measured
 Place = tuple[int | str, ...]  # keys and indices, from the outermost table inwards
 
 
-def plain(data: Any) -> Any:
+def mutable_copy(data: Any) -> Any:
     """Return a copy of nested tables in which dicts and lists replace read-only mappings and tuples."""
     if isinstance(data, Mapping):
-        return {key: plain(value) for key, value in data.items()}
-    return [plain(value) for value in data] if isinstance(data, list | tuple) else data
+        return {key: mutable_copy(value) for key, value in data.items()}
+    return [mutable_copy(value) for value in data] if isinstance(data, list | tuple) else data
 
 
 def changed(data: Mapping[str, Any], drawn: Mapping[str, Any], numbers: Mapping[str, Distribution]) -> dict[str, Any]:
     """Return the nested tables with the drawn values in their places; raise ValueError for an unknown path."""
-    new: dict[str, Any] = plain(data)
+    new: dict[str, Any] = mutable_copy(data)
     for path, value in drawn.items():
         for place in list(places(new, path)):
             holder = value_at(new, place[:-1])
@@ -45,10 +45,10 @@ def places(data: Any, path: str) -> Iterator[Place]:
     entries = _entries(data)
     if path.startswith("*.") and isinstance(data, list | tuple):
         for number, entry in enumerate(data):
-            if _head(_entries(entry), path[2:]) is not None:
+            if _longest_entry(_entries(entry), path[2:]) is not None:
                 yield from ((number, *rest) for rest in places(entry, path[2:]))
         return
-    name = _head(entries, path)
+    name = _longest_entry(entries, path)
     if name is None and isinstance(data, Mapping) and "." not in path:
         yield (path,)  # not set so far; whether there is such a key is found out as for a file
     elif name is None:
@@ -70,7 +70,7 @@ def _entries(data: Any) -> dict[str, Any]:
     return {**named, **{str(at + 1): at for at in range(len(data))}}
 
 
-def _head(entries: Mapping[str, Any], path: str) -> str | None:
+def _longest_entry(entries: Mapping[str, Any], path: str) -> str | None:
     """Return the longest entry with which a path begins, since names of entries may contain dots; None without one."""
     return max((name for name in entries if path == name or path.startswith(f"{name}.")), key=len, default=None)
 
@@ -85,17 +85,17 @@ def changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
                 'holds more than one number; expected the path of one number, or does = "shift" or "factor"'
             )
         return distribution.written(value)
-    return _moved(before, distribution, value)
+    return _changed_value(before, distribution, value)
 
 
-def _moved(before: Any, distribution: Distribution, value: Any) -> Any:
+def _changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
     """Return a number or a line (or a table that contains a line), shifted or multiplied by a factor."""
     if isinstance(before, dict):
-        return {key: _moved(inside, distribution, value) for key, inside in before.items()}
+        return {key: _changed_value(inside, distribution, value) for key, inside in before.items()}
     if _is_point(before):
-        return [before[0], _moved(before[1], distribution, value)]
+        return [before[0], _changed_value(before[1], distribution, value)]
     if isinstance(before, list):
-        return [_moved(inside, distribution, value) for inside in before]
+        return [_changed_value(inside, distribution, value) for inside in before]
     if before is None:
         raise ValueError("is not set in the section file; expected a number, which the distribution changes")
     number, unit = measured(before)

@@ -23,7 +23,7 @@ def verify_slides(
     """Predict known slides, print a line on each, and return rows for JSON."""
     place = folder or FOLDER
     find = None if judge_only else lambda case, _: _by_both(case, packings)
-    rows = run(place, read_cases(place, names), SlideAnswer, judge, find, lambda row: _tell(out, row))
+    rows = run(place, read_cases(place, names), SlideAnswer, judge, find, lambda row: _print_row(out, row))
     return [_as_dict(row) for row in rows]
 
 
@@ -64,7 +64,7 @@ def _as_dict(row: SlideRow) -> dict[str, object]:
     }
 
 
-def _tell(out: Console, row: SlideRow) -> None:
+def _print_row(out: Console, row: SlideRow) -> None:
     """Print one line on a case, and further lines on material points and failures."""
     answer = row.answer
     values = predicted(answer, row.verdict) if answer is not None else ""

@@ -13,7 +13,7 @@ from fem.mpm import PointSlide, PointSlider, SlideProgramme, ground_of
 from fem.mpm.slide import DECAY_RATES
 from meshes.section.section import Section
 from workflow.config import Config
-from workflow.stages.mpm import PointRun, at_rest, slid
+from workflow.stages.mpm import PointRun, at_rest, slide_of_points
 
 # Cells: at least, over the layer that liquefies and over its crust; along the slope; of firm ground below.
 CELLS_ACROSS, CELLS_IN_CRUST, CELLS_ALONG, CELLS_BELOW = 6, 2, 4, 3
@@ -33,7 +33,7 @@ def by_points(case: SlideCase) -> float | None:
         return round(_along_uniform_slope(case, wanted), 4)
     if config is None or not isinstance(wanted, Ground) or "mpm" not in config.slide.methods or wanted.at == "front":
         return None
-    slide = _slid(Sliding(config), number_of(wanted.case, config.cases))
+    slide = _computed_slide(Sliding(config), number_of(wanted.case, config.cases))
     if wanted.at == "crest":
         return round(float(slide.before[:, 1].max() - slide.after[:, 1].max()), 4)
     if wanted.at == "largest":
@@ -42,13 +42,13 @@ def by_points(case: SlideCase) -> float | None:
 
 
 @lru_cache(maxsize=8)
-def _slid(sliding: Sliding, number: int) -> PointSlide:
-    return slide_of_points(sliding.config, number)
+def _computed_slide(sliding: Sliding, number: int) -> PointSlide:
+    return governing_slide_of_points(sliding.config, number)
 
 
-def slide_of_points(config: Config, number: int) -> PointSlide:
+def governing_slide_of_points(config: Config, number: int) -> PointSlide:
     """Compute a slide by material points with the governing damping rate of unresolved velocities."""
-    return slid(PointRun(config, at_rest(config)[0], number, DECAY_RATES[0]), lambda _: None)
+    return slide_of_points(PointRun(config, at_rest(config)[0], number, DECAY_RATES[0]), lambda _: None)
 
 
 def _along_uniform_slope(case: SlideCase, wanted: UniformSlope) -> float:

@@ -63,7 +63,7 @@ def predict(case: SlideCase, seeds: int | None = None) -> SlideAnswer:
     )  # fmt: skip
 
 
-def _thinned(points: np.ndarray) -> Line:
+def _thinned_points(points: np.ndarray) -> Line:
     """Return at most `PROFILE_POINTS` of the points, rounded to centimetres."""
     step = max(1, len(points) // PROFILE_POINTS)
     return tuple((round(float(x), 2), round(float(z), 2)) for x, z in points[::step])
@@ -84,7 +84,7 @@ def _column(case: SlideCase, wanted: Column, seed: int) -> SlideNumbers:
     rested = _strength_is_lost_slowly(column, wanted) if wanted.slowly else column.release().rested
     out = run_out(column.model)
     ran = (out.front - wanted.width) / (wanted.height if clay else wanted.width)
-    return ran, out.loose, rested, _thinned(before), _thinned(deposit_profile(column.model))
+    return ran, out.loose, rested, _thinned_points(before), _thinned_points(deposit_profile(column.model))
 
 
 def _strength_is_lost_slowly(column: SoilColumn, wanted: Column) -> bool:
@@ -124,7 +124,7 @@ def _uniform_slope(case: SlideCase, wanted: UniformSlope, seed: int) -> SlideNum
     response = slope.shake(*shaking_of_slope(wanted, case.folder))
     after = deposit_profile(slope.model)
     slid = float((slope.model.x - start)[crust].mean())
-    return slid, loose_share(slope.model), response.rest.rested, _thinned(before), _thinned(after)
+    return slid, loose_share(slope.model), response.rest.rested, _thinned_points(before), _thinned_points(after)
 
 
 def _section(case: SlideCase, wanted: Ground, seed: int) -> SlideNumbers:
@@ -133,14 +133,14 @@ def _section(case: SlideCase, wanted: Ground, seed: int) -> SlideNumbers:
     config = case.config
     if config is None:
         raise ValueError(f"{case.name}: a section is wanted")
-    start, end, slide = _slid(Sliding(config), number_of(wanted.case, config.cases), seed)
-    value = _at(wanted, np.array(slide.slide_along), slide.rows[-1].slide_max_m, start, end)
+    start, end, slide = _computed_slide(Sliding(config), number_of(wanted.case, config.cases), seed)
+    value = _measured_quantity(wanted, np.array(slide.slide_along), slide.rows[-1].slide_max_m, start, end)
     before, after = np.array(slide.surface_before), np.array(slide.surface_after)
-    return value, slide.loose_share, slide.settled, _thinned(before), _thinned(after)
+    return value, slide.loose_share, slide.settled, _thinned_points(before), _thinned_points(after)
 
 
 @lru_cache(maxsize=8)
-def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscModel, Slide]:
+def _computed_slide(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscModel, Slide]:
     """Return the discs at rest before and after the slide, and the slide."""
     config = sliding.config
     soil = soil_layers(config.section)
@@ -160,7 +160,7 @@ def _slid(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel, DiscMode
     return slider.start, slider.model, slide
 
 
-def _at(wanted: Ground, along: np.ndarray, largest: float, start: DiscModel, end: DiscModel) -> float:
+def _measured_quantity(wanted: Ground, along: np.ndarray, largest: float, start: DiscModel, end: DiscModel) -> float:
     """Return the number (m) that was measured in the field, from the slides and profiles of the discs."""
     if wanted.at == "largest":
         return largest

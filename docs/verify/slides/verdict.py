@@ -45,7 +45,7 @@ def judge(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict:
         return SlideVerdict("not run")
     if isinstance(case.known.problem, UniformSlope) and not all(answer.rested):
         return SlideVerdict("flows", float("inf"))
-    return _judged(case, answer.values) if answer.values else SlideVerdict("failed")
+    return _verdict_of(case, answer.values) if answer.values else SlideVerdict("failed")
 
 
 def judge_points(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict | None:
@@ -53,12 +53,12 @@ def judge_points(case: SlideCase, answer: SlideAnswer | None) -> SlideVerdict | 
     discs do not come to rest and the points move more than three times as far as measured."""
     if answer is None or answer.points is None:
         return None
-    verdict = _judged(case, (answer.points,))
+    verdict = _verdict_of(case, (answer.points,))
     flows = verdict.word == "beyond 3" and judge(case, answer).word == "flows"
     return SlideVerdict("flows", float("inf")) if flows else verdict
 
 
-def _judged(case: SlideCase, predicted: tuple[float, ...]) -> SlideVerdict:
+def _verdict_of(case: SlideCase, predicted: tuple[float, ...]) -> SlideVerdict:
     low, high = case.measured
     values = np.array(predicted)
     mean = float(values.mean())

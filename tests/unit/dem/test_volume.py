@@ -15,7 +15,7 @@ from dem.packing import lattice_box, random_packing
 from dem.search.equilibrium import settle
 from dem.settings import DemSettings, SlideSettings
 from dem.slides.liquefaction import Slider
-from dem.slides.volume import swollen, undrained
+from dem.slides.volume import required_areas, undrained_strata
 from dem.springs import Strength, soil_discs
 from tests.support.dem_cases import RADIUS
 
@@ -69,23 +69,23 @@ def test_ground_that_cannot_drain_swells_by_what_is_missing(start: DiscModel) ->
     hardly.z *= 0.998
     soft.z *= 0.98
     before = area_per_disc(loose, loose)
-    assert swollen(lower, loose, before, [1], [1.01], {}) == pytest.approx([1.01 * 1.002])
-    assert swollen(lower, loose, before, [1], [1.01], {1: 0.019}) == [1.01]
-    assert swollen(hardly, loose, before, [1], [1.0], {}) == [1.0]
-    assert swollen(soft, start, area_per_disc(start, start), [1], [1.0], {}) == [1.0]
+    assert required_areas(lower, loose, before, [1], [1.01], {}) == pytest.approx([1.01 * 1.002])
+    assert required_areas(lower, loose, before, [1], [1.01], {1: 0.019}) == [1.01]
+    assert required_areas(hardly, loose, before, [1], [1.0], {}) == [1.0]
+    assert required_areas(soft, start, area_per_disc(start, start), [1], [1.0], {}) == [1.0]
 
 
 def test_what_cannot_drain(start: DiscModel) -> None:
     """Soil discs that liquefy or have phi = 0; the paper's discs know nothing of it."""
     soil = start.copy()
     soil.law = "soil"
-    assert undrained(soil, []) == []
-    assert undrained(soil, [1]) == [1]
+    assert undrained_strata(soil, []) == []
+    assert undrained_strata(soil, [1]) == [1]
     soil.set_springs([replace(layer, undrained_strength=2e3) for layer in soil.springs.layers])
-    assert undrained(soil, [1]) == [0, 1]
+    assert undrained_strata(soil, [1]) == [0, 1]
     paper = soil.copy()
     paper.law = "paper"
-    assert undrained(paper, [1]) == []
+    assert undrained_strata(paper, [1]) == []
 
 
 def volume_lost(start: DiscModel, model: DiscModel) -> float:

@@ -13,8 +13,8 @@ from fem.continuum.shallow_failure import (
     ShallowFailure,
     faces_at,
     has_uncounted_water,
-    joined,
     least_rolling_factor,
+    merged_faces,
     shallow_failures,
     strengthened,
 )
@@ -60,7 +60,7 @@ def test_a_face_with_a_pore_pressure_ratio_above_a_pond_is_told_once() -> None:
     cos² β + sin β cos β tan φ, from u = ru γ z in the infinite slope."""
     section = face_of_sand(water={"table": 7.5}, pore_pressure_ratio=0.15)
     pieces = shallow_failures(section, FIXED)
-    (above,) = joined(pieces)
+    (above,) = merged_faces(pieces)
     assert len(pieces) == 2
     assert (above.start, above.end) == (18.75, 50.0)
     beta = math.atan(SLOPE)
@@ -73,7 +73,7 @@ def test_pieces_of_a_face_that_are_told_with_the_same_digits_are_told_once() -> 
     pieces = [
         ShallowFailure("shell", float(x), x + 1.0, 0.46, kh) for x, kh in enumerate((0.1083, 0.1080, 0.1081, 0.112))
     ]
-    first, last = joined(pieces)
+    first, last = merged_faces(pieces)
     assert (first.start, first.end, first.kh) == (0.0, 3.0, 0.1080)
     assert (last.start, last.end, last.kh) == (3.0, 4.0, 0.112)
 

@@ -8,7 +8,7 @@ from meshes.errors import InputError
 from meshes.section.structure import Structure, structure_problems
 from tests.support import TOP
 from workflow.config import Config
-from workflow.criteria.settings import CriteriaSettings, FactorCriterion, judge, together
+from workflow.criteria.settings import CriteriaSettings, FactorCriterion, common_verdict, judge
 
 
 @pytest.mark.parametrize(
@@ -29,10 +29,10 @@ def test_an_interval_against_a_limit(low: float | None, high: float | None, at_l
 
 
 def test_several_verdicts() -> None:
-    assert together(("satisfied", "satisfied")) == "satisfied"
-    assert together(("satisfied", "not decided")) == "not decided"
-    assert together(("not decided", "not satisfied")) == "not satisfied"
-    assert together(()) == "not decided"
+    assert common_verdict(("satisfied", "satisfied")) == "satisfied"
+    assert common_verdict(("satisfied", "not decided")) == "not decided"
+    assert common_verdict(("not decided", "not satisfied")) == "not satisfied"
+    assert common_verdict(()) == "not decided"
 
 
 def test_published_criteria_follow_the_peak_acceleration() -> None:

@@ -22,7 +22,7 @@ from workflow.report.page import page
 from workflow.report.player import _extent
 from workflow.report.summary import summary
 from workflow.results.answer import SectionLabel
-from workflow.results.cases import CasesAnswer, alike
+from workflow.results.cases import CasesAnswer, equal_cases
 from workflow.results.continuum import VariantsAnswer
 from workflow.results.results import Results
 from workflow.results.slices import FacePart, FactorCircles, SlicesAnswer
@@ -152,7 +152,7 @@ def test_cases_that_slide_alike_are_shown_once(s13: Config) -> None:
     """Whatever stiffness they leave: one row for cases 1 and 3, one for case 2, one bar in the picture of slides."""
     first = dem_fixture.case(0.1, 2.0)
     cases = {1: first, 2: dem_fixture.case(0.1, 3.0), 3: first.model_copy(update={"stiffness": 0.01})}
-    assert {numbers: case.slide_max_m for numbers, case in alike(cases).items()} == {(1, 3): 2.0, (2,): 3.0}
+    assert {numbers: case.slide_max_m for numbers, case in equal_cases(cases).items()} == {(1, 3): 2.0, (2,): 3.0}
     result = results(s13, cases=CasesAnswer(sets={"calibrated": cases}, random=None))
     assert re.findall(r"<tr><td>([\d, ]+)</td><td class=\"n\"><b>", html(result)) == ["1, 3", "2"]
     assert [row.words for row in slides(result)][:2] == ["discs, cases 1, 3", "discs, case 2"]

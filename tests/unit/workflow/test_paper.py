@@ -156,7 +156,7 @@ def test_the_papers_own_discs_keep_its_kh_beside_an_earthquake(
     config = config_after_triggering(s13)
     planned = sliding.PlannedSlide(springs, 2, None, None, [3, 5], config.cases[1])  # type: ignore[arg-type]
     with pytest.raises(StoppedError):
-        sliding.slid(sliding.SlideTask(config, Store(tmp_path), planned), lambda _: None)
+        sliding.slide_of_discs(sliding.SlideTask(config, Store(tmp_path), planned), lambda _: None)
     settings, shaking = loaded[4], loaded[6]
     assert (settings.kh, settings.kh_cycles) == (pytest.approx(kh, abs=5e-4), cycles)
     assert (shaking is None) == (cycles is None)

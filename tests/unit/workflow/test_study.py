@@ -17,8 +17,8 @@ from meshes.errors import NoAnswerError
 from tests.support.sections import analysed, slope
 from tests.support.tasks import Numbers, infinite_slope, ishigami
 from workflow.config import Config
+from workflow.report.study import _spread_words as where
 from workflow.report.study import _strongest as strongest
-from workflow.report.study import _where as where
 from workflow.report.study import sentences
 from workflow.results.cases import Spread
 from workflow.results.study import Effect, Result, StudyAnswer

@@ -25,7 +25,7 @@ from workflow.report.first_page import FLOW, IN_FULL, SIDES, headlines
 from workflow.report.model_error import error_sentence
 from workflow.report.page import VARIED
 from workflow.report.tables import STRATA_HEADS
-from workflow.report.warnings import split
+from workflow.report.warnings import split_warning
 from workflow.results.accuracy import METHODS
 from workflow.results.answer import FORCE
 from workflow.results.governing import MethodSlides
@@ -78,9 +78,9 @@ def warnings_of_report() -> Iterator[str]:
             text = node.value if isinstance(node, ast.Yield) and text is None else text
             if isinstance(text, ast.JoinedStr):
                 parts = [part.value if isinstance(part, ast.Constant) else "{}" for part in text.values]
-                yield from (item for item in split("".join(map(str, parts))) if re.search("[a-z]{4}", item))
+                yield from (item for item in split_warning("".join(map(str, parts))) if re.search("[a-z]{4}", item))
             elif isinstance(text, ast.Constant):
-                yield from split(str(text.value))
+                yield from split_warning(str(text.value))
 
 
 def wanted() -> set[str]:

@@ -9,7 +9,7 @@ from tests.support import dem_fixture
 from tests.support.answers import fem, liquefying_config, report_text, results, warned
 from tests.support.sections import analysed, slope
 from workflow.config import Config
-from workflow.report.warnings import _unresolved, joined
+from workflow.report.warnings import _unresolved, merged_notes
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import PathStep
 from workflow.results.dem_counterpart import DemCounterpart
@@ -54,7 +54,7 @@ def test_notes_that_say_the_same_of_cases_are_one_warning() -> None:
         2: ("it slides 10 m within 20 s, a flow failure: mind", "3.4 % of the area is gone: beyond 8 m²"),
         3: ("it slides 9.9 m within 20 s, a flow failure: mind", 'stratum "layer 5" is 2.4 m thick: take less'),
     }
-    assert list(joined(notes)) == [
+    assert list(merged_notes(notes)) == [
         "it slides 9.9 to 10 m within 20 s, a flow failure (cases 2 and 3): mind",
         "1.2 to 3.4 % of the area is gone (cases 1 and 2): beyond 3 m²",
         'stratum "layer 4" is 2.4 m thick (case 1): take less',

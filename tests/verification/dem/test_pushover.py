@@ -114,9 +114,11 @@ def test_ground_of_which_a_part_comes_apart_is_pushed_no_further() -> None:
     disc_model = model.copy()
     disc_model.x += 0.1 * RADIUS
     machine = pushover.DisplacementControl(RADIUS, 1.0)
-    assert not pushover._failed(disc_model, model, ground, machine, 0.1 * RADIUS)
+    assert not pushover._end_reason(disc_model, model, ground, machine, 0.1 * RADIUS)
     disc_model.x[-1] += 2.0 * RADIUS
-    assert "a part has separated from the rest" in pushover._failed(disc_model, model, ground, machine, 0.1 * RADIUS)
+    assert "a part has separated from the rest" in pushover._end_reason(
+        disc_model, model, ground, machine, 0.1 * RADIUS
+    )
 
 
 def test_the_curve_is_elastic_and_then_level() -> None:

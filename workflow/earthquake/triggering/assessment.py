@@ -116,7 +116,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
     lengths = _stretches(section, sorted({float(boring.x) for boring in borings}))
     for boring in borings:
         samples: tuple[Sample | Cone, ...] = getattr(boring, relation.kind)
-        pieces = _pieces(section, boring, [float(sample.depth) for sample in samples])
+        pieces = _ranges_of_tests(section, boring, [float(sample.depth) for sample in samples])
         for sample, (top, bottom, where) in zip(samples, pieces, strict=True):
             point = point_of(sample, where)
             reason = _why_not(section, sample, where) or relation.why_not(point)
@@ -261,7 +261,7 @@ def fines_of(test: Judged) -> float:
     return point.fines
 
 
-def _pieces(section: Section, boring: Boring, depths: list[float]) -> list[tuple[float, float, Overburden]]:
+def _ranges_of_tests(section: Section, boring: Boring, depths: list[float]) -> list[tuple[float, float, Overburden]]:
     """Return the range of depth that each test represents: half-way to the neighbouring tests, not beyond its stratum
     or the water table.
     """

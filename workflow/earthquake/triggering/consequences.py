@@ -102,7 +102,7 @@ class Left:
         return CHOICE[case](list(self.strengths.values()))
 
 
-def left(assessment: TriggeringAssessment, settings: TriggeringSettings) -> tuple[Left, ...]:
+def residual_strengths(assessment: TriggeringAssessment, settings: TriggeringSettings) -> tuple[Left, ...]:
     """Return the residual strength of every stratum in which at least one test has F_L below 1."""
     strata = [k for k in range(len(assessment.strata)) if _liquefying(assessment, k)]
     return tuple(_of_stratum(k, assessment, settings) for k in strata)

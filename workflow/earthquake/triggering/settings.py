@@ -10,7 +10,7 @@ from pydantic import Field, StrictBool
 from meshes.borings.boring import Boring
 from meshes.borings.plausible import implausible_tests
 from meshes.section.liquefies import TRIGGERED
-from meshes.section.plausibility import Range, sentence, within
+from meshes.section.plausibility import Range, is_within, sentence
 from meshes.section.quantity import Coordinate, Length
 from meshes.section.section import Model, Section
 from workflow.earthquake.settings import EarthquakeSettings
@@ -176,10 +176,10 @@ def implausible_triggering(
 def _of_the_earthquake(earthquake: EarthquakeSettings) -> Iterator[str]:
     for key, limits in (("depth", DEPTH), ("distance", DISTANCE), ("vs30", VS30)):
         value = getattr(earthquake, key)
-        if value is not None and not within(value, limits):
+        if value is not None and not is_within(value, limits):
             yield sentence(f"earthquake, {key}", value, limits)
 
 
 def _of_the_rods(triggering: TriggeringSettings) -> Iterator[str]:
-    if not within(triggering.rods_above, RODS):
+    if not is_within(triggering.rods_above, RODS):
         yield sentence("triggering, rods_above", triggering.rods_above, RODS)
