@@ -110,7 +110,7 @@ def test_undrained_ground_that_shears_swells(
     settings = SETTINGS.model_copy(update={"kh": 0.4, "duration": 20.0})
     slider = Slider(start, ground, [], None, settings)
     slider.run()
-    monkeypatch.setattr("dem.slides.liquefaction.undrained", lambda *_: [])
+    monkeypatch.setattr("dem.slides.liquefaction.undrained_strata", lambda *_: [])
     drained = Slider(start, ground, [], None, settings)
     drained.run()
     assert volume_lost(start, drained.model) > 0.01
