@@ -77,10 +77,10 @@ class Acceleration:
 
 def _unchecked(times: np.ndarray, x: np.ndarray, z: np.ndarray) -> Acceleration:
     """Return an acceleration that is made of a checked one, without the checks: there are some thousand in a slide."""
-    made = object.__new__(Acceleration)
+    acceleration = object.__new__(Acceleration)
     for name, values in (("times", times), ("x", x), ("z", z)):
-        object.__setattr__(made, name, values)
-    return made
+        object.__setattr__(acceleration, name, values)
+    return acceleration
 
 
 def right_of(gravity: tuple[float, float]) -> tuple[float, float]:

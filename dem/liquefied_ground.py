@@ -105,9 +105,9 @@ def match_strength(state: DiscState) -> None:
     if not len(state.liquefied):
         return
     wet = state.liquefied
-    way = np.array([state.x - state.x_list, state.z - state.z_list])
+    displacement = np.array([state.x - state.x_list, state.z - state.z_list])
     stress, strain, used = measured_shear(
-        wet, way, np.array([state.liquefied_i, state.liquefied_j]), state.bonds, state.reach, state.repeats
+        wet, displacement, np.array([state.liquefied_i, state.liquefied_j]), state.bonds, state.reach, state.repeats
     )
     measured = wet[:, bond.SHARE] == 1.0
     if not state.rough_base:
@@ -161,16 +161,16 @@ def liquefy(model: DiscState, onset: Onset) -> None:
     wet[new, bond.STRATUM] = model.layer[new]
     wet[:, bond.AT_X], wet[:, bond.AT_Z] = model.x, model.z
     for k in np.unique(model.layer[new]):
-        here = new & (model.layer == k)
-        wet[here, bond.STIFFNESS] = WATER_STIFFNESS * float(onset.pressure[here].mean())
+        new_in_layer = new & (model.layer == k)
+        wet[new_in_layer, bond.STIFFNESS] = WATER_STIFFNESS * float(onset.pressure[new_in_layer].mean())
     list_liquefied(model)
     model.bonds[new[model.liquefied_i] | new[model.liquefied_j], bond.FRESH] = float(onset.peak)
     density = _densities(model)
     for k in np.unique(model.layer[new]):
-        here = new & (model.layer == k)
-        middle = np.median(density[here])
-        wet[here, bond.DENSITY] = np.where(
-            density[here] < LOOSEST_DENSITY * middle, LOOSE_DENSITY * middle, density[here]
+        new_in_layer = new & (model.layer == k)
+        middle = np.median(density[new_in_layer])
+        wet[new_in_layer, bond.DENSITY] = np.where(
+            density[new_in_layer] < LOOSEST_DENSITY * middle, LOOSE_DENSITY * middle, density[new_in_layer]
         )
     wet[new, bond.NOW] = density[new]
     speed = np.sqrt(wet[new, bond.STIFFNESS] * model.mass[new] / wet[new, bond.AREA])  # density times speed of sound

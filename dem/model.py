@@ -158,8 +158,8 @@ class DiscModel(DiscState):
         known = known_pairs(self.pair_i, self.pair_j, self.places)
         i, j, old = pairs_near(near, known, self.pore_length, in_ranges)
         if self._gone.any():  # contacts that liquefied ground has lost would be computed in vain
-            there = ~self._gone[self.kind(order[i], order[j])]
-            i, j, old = i[there], j[there], old[there]
+            remaining_pairs = ~self._gone[self.kind(order[i], order[j])]
+            i, j, old = i[remaining_pairs], j[remaining_pairs], old[remaining_pairs]
         share_out(i, j, len(self))
         owner, other = order[i], order[j]
         # a pair may have changed its owner
@@ -266,10 +266,10 @@ class DiscModel(DiscState):
         remaining = np.setdiff1d(np.arange(count), which)
         number = np.full(count, -1, np.int32)
         number[remaining] = np.arange(len(remaining), dtype=np.int32)
-        here = number[self.line_id] >= 0
+        remaining_contacts = number[self.line_id] >= 0
         for name in ("line_disc", *LINE_MEMORY):
-            setattr(self, name, getattr(self, name)[here])
-        self.line_id = number[self.line_id[here]]
+            setattr(self, name, getattr(self, name)[remaining_contacts])
+        self.line_id = number[self.line_id[remaining_contacts]]
         self.lines = self.lines[remaining].copy()
         if self.line_strength:
             self.line_strength = tuple(self.line_strength[k] for k in remaining)

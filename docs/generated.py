@@ -149,6 +149,6 @@ def speed() -> str:
         for row in sections["rows"]
     ]
     answers = table(("section", "`noshiro fem`", "critical Kh", "factor of safety"), each)
-    why = "A section that fails under its own weight has no critical Kh."
+    note = "A section that fails under its own weight has no critical Kh."
     words = "Seconds of processor time on one machine. All benchmarks: `python -m tests.benchmarks`."
-    return "\n\n".join(["# Speed", words, table(("what", "speed"), rows), answers, why, dates]) + "\n"
+    return "\n\n".join(["# Speed", words, table(("what", "speed"), rows), answers, note, dates]) + "\n"

@@ -43,7 +43,7 @@ def keep_numbers(
     path = folder / FILE
     tables = tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     commits_named = ", ".join(sorted({commit or "unknown" for commit in commits})) or version_of(folder)
-    made = {"command": command, "date": date.today().isoformat(), "commit": commits_named}
-    tables[table] = {**made, **numbers}
+    origin = {"command": command, "date": date.today().isoformat(), "commit": commits_named}
+    tables[table] = {**origin, **numbers}
     text = HEAD + tomli_w.dumps({name: tables[name] for name in sorted(tables)})
     return Store(folder).write_text(FILE, text)

@@ -23,11 +23,11 @@ DELAY = 0.04  # s; below ten update intervals the lowest row of discs resonates 
 
 def acceleration_on_discs(model: DiscState) -> Acceleration:
     """Return the present acceleration that acts on the discs, including the acceleration of a compliant base."""
-    here = model.acceleration.at(model.time)
+    acceleration = model.acceleration.at(model.time)
     if model.base_impedance == 0.0:
-        return here
+        return acceleration
     x, z = right_of(model.gravity)
-    return here.plus(-model.base_rate * x, -model.base_rate * z)
+    return acceleration.plus(-model.base_rate * x, -model.base_rate * z)
 
 
 def felt_until(model: DiscState, end: float, look: "Look | None") -> Acceleration:

@@ -128,12 +128,12 @@ def _added_mass(model: DiscModel, slices: int) -> dict[str, np.ndarray]:
     """Return the fields of the layout for discs with added mass."""
     order = model.order
     carries = (model.added_mass_x != 0.0) | (model.added_mass_z != 0.0)
-    there = np.flatnonzero(carries[order]) if carries.any() else np.zeros(0, np.int64)
+    discs_with_mass = np.flatnonzero(carries[order]) if carries.any() else np.zeros(0, np.int64)
     fields = (*model.pull, model.added_mass_x, model.added_mass_z)
     return {
-        "added_mass_disc": there,
-        "added_mass": np.column_stack([values[order[there]] for values in fields]),
-        "added_mass_start": np.searchsorted(there, np.arange(slices + 1) * LANES),
+        "added_mass_disc": discs_with_mass,
+        "added_mass": np.column_stack([values[order[discs_with_mass]] for values in fields]),
+        "added_mass_start": np.searchsorted(discs_with_mass, np.arange(slices + 1) * LANES),
     }
 
 

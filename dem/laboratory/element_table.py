@@ -32,10 +32,10 @@ def middle_stresses(section: Section) -> np.ndarray:
         weight = np.where(layer >= 0, density[layer], 0.0) * GRAVITY * (z[0] - z[1])
         stress = np.cumsum(weight)
         for k in np.unique(layer[layer >= 0]):
-            here = np.flatnonzero(layer == k)
-            if len(here) > sums[k, 0]:
-                middle = here[len(here) // 2]
-                sums[k] = len(here), stress[middle] - _pore_pressure(section, x, float(z[middle]), int(k))
+            points_in_layer = np.flatnonzero(layer == k)
+            if len(points_in_layer) > sums[k, 0]:
+                middle = points_in_layer[len(points_in_layer) // 2]
+                sums[k] = len(points_in_layer), stress[middle] - _pore_pressure(section, x, float(z[middle]), int(k))
     return sums[:, 1]
 
 

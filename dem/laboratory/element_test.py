@@ -121,9 +121,9 @@ class ElementTest:
         unbalanced, errors = [], []
         for test in self.tests:
             for curve, axis in ((test.biaxial, 0), (test.shear, 1)):
-                way = slice(int(np.argmax(curve.resistance)) + 1)
-                unbalanced.append(curve.unbalanced[way])
-                errors.append(-curve.stress[way, axis, axis] / curve.pressure - 1.0)
+                until_peak = slice(int(np.argmax(curve.resistance)) + 1)
+                unbalanced.append(curve.unbalanced[until_peak])
+                errors.append(-curve.stress[until_peak, axis, axis] / curve.pressure - 1.0)
         return {
             "unbalanced_largest": float(np.concatenate(unbalanced).max()),
             "unbalanced_median": float(np.median(np.concatenate(unbalanced))),

@@ -114,14 +114,14 @@ def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
     if the result is not the stiffness of a stable body, since then the patch still rearranges.
     """
     size = PROBE_STRESS * pressure / lattice_elastic(patch.model.springs.layers[0]).M
-    ways = {"none": np.zeros((2, 2)), "x": np.diag([-1.0, 0.0]), "z": np.diag([0.0, -1.0])}
-    ways["shear"] = np.array([[0.0, 0.5], [0.5, 0.0]])
+    directions = {"none": np.zeros((2, 2)), "x": np.diag([-1.0, 0.0]), "z": np.diag([0.0, -1.0])}
+    directions["shear"] = np.array([[0.0, 0.5], [0.5, 0.0]])
     responses = {}
-    for name, way in ways.items():
+    for name, direction in directions.items():
         probed = patch.copy()
         unit = patch.time_unit
         with Press(probed) as press:
-            press.strain(way * size / (PROBE_TIME * unit), PROBE_TIME * unit)
+            press.strain(direction * size / (PROBE_TIME * unit), PROBE_TIME * unit)
             press.strain(np.zeros((2, 2)), HOLD_TIME * unit)
         responses[name] = probed.stress_state().stress / size
     x, z, shear = (responses[name] - responses["none"] for name in ("x", "z", "shear"))

@@ -239,8 +239,8 @@ def _on_strength(contacts: ContactStrength, wanted: np.ndarray, reach: np.ndarra
 def _on_stiffness(stiffness: float, real: float, stress: float) -> list[str]:
     if abs(stiffness / real - 1.0) <= 1e-9:
         return []
-    what = "stiffer" if stiffness > real else "softer"
+    comparison = "stiffer" if stiffness > real else "softer"
     return [
-        f"the discs are {what} than the soil: their contact stiffness kn is {stiffness / stress:.0f} times the "
+        f"the discs are {comparison} than the soil: their contact stiffness kn is {stiffness / stress:.0f} times the "
         f"vertical effective stress of the layer, which is {stiffness / real:.2f} times the kn that corresponds to E"
     ]

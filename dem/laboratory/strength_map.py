@@ -118,11 +118,11 @@ class StrengthMap:
 
     def _at(self, table: np.ndarray, friction: float, number: np.ndarray) -> np.ndarray:
         """Return a table (m, k), interpolated at one friction and some cohesion numbers."""
-        where = np.column_stack([np.broadcast_to(friction, number.shape), np.log(number + EVEN_COHESION)])
+        coordinates = np.column_stack([np.broadcast_to(friction, number.shape), np.log(number + EVEN_COHESION)])
         between = RegularGridInterpolator(
             (self.friction, np.log(self.cohesion + EVEN_COHESION)), np.log(table), bounds_error=False, fill_value=None
         )
-        return np.asarray(np.exp(between(where)))
+        return np.asarray(np.exp(between(coordinates)))
 
     def strength(self, friction: float, cohesion: float, pressure: np.ndarray) -> np.ndarray:
         """Return half the deviator stress after the peak (Pa) at confining pressures (Pa); cohesion: C over the

@@ -296,18 +296,22 @@ def try_kh(
         except DemError as error:
             return _trial(kh, "undecided", f"{type(error).__name__}: {error}", seen, elastic, model.time - start)
         ratios = unbalanced_ratio(model), kinetic_ratio(model, most)
-        here = Rest(model.time - start, *ratios, displacement(model, before, ground))
-        seen.append(here)
-        moving = here.unbalanced_ratio > settings.unbalanced and here.kinetic_ratio > settings.kinetic
-        resting = here.unbalanced_ratio <= settings.unbalanced and here.kinetic_ratio <= settings.kinetic
+        rest_state = Rest(model.time - start, *ratios, displacement(model, before, ground))
+        seen.append(rest_state)
+        moving = rest_state.unbalanced_ratio > settings.unbalanced and rest_state.kinetic_ratio > settings.kinetic
+        resting = rest_state.unbalanced_ratio <= settings.unbalanced and rest_state.kinetic_ratio <= settings.kinetic
         if model.time < risen:
             continue
         if resting:
-            return _trial(kh, "stands", "all forces are balanced and no disc moves", seen, elastic, here.time)
+            return _trial(kh, "stands", "all forces are balanced and no disc moves", seen, elastic, rest_state.time)
         recent = np.array([rest.displacement for rest in seen[-round(1.0 / CHECK_INTERVAL) - 1 :]])
-        if moving and abs(here.displacement) > settings.ductility * elastic and np.all(np.diff(np.abs(recent)) > 0.0):
-            reason = f"the displacement is {abs(here.displacement) / elastic:.1f} times the elastic one and grows"
-            return _trial(kh, "fails", reason, seen, elastic, here.time)
+        if (
+            moving
+            and abs(rest_state.displacement) > settings.ductility * elastic
+            and np.all(np.diff(np.abs(recent)) > 0.0)
+        ):
+            reason = f"the displacement is {abs(rest_state.displacement) / elastic:.1f} times the elastic one and grows"
+            return _trial(kh, "fails", reason, seen, elastic, rest_state.time)
     reason = (
         f"the discs are neither at rest nor displaced by {settings.ductility:g} elastic displacements after "
         f"{settings.patience:g} periods"

@@ -130,21 +130,25 @@ def _fillings(
     ``ends`` is the range of x (m) in which the centres of the new discs may lie.
     """
     # behind a steep face discs lie deep below their own surface and yet beside the places at its toe
-    lowest = np.min([_surface_at(section, discs[:, 0] + SEARCH_DEPTH * way) for way in (-radius, 0.0, radius)], axis=0)
-    there = discs[discs[:, 1] > lowest - SEARCH_DEPTH * radius]
+    lowest = np.min(
+        [_surface_at(section, discs[:, 0] + SEARCH_DEPTH * offset) for offset in (-radius, 0.0, radius)], axis=0
+    )
+    discs_near_surface = discs[discs[:, 1] > lowest - SEARCH_DEPTH * radius]
     sizes = radius * (np.linspace(1.0 - spread, 1.0 + spread, TRIAL_RADII) if spread > 0.0 else np.ones(1))
     laid = np.zeros((0, 3))
-    places = _resting_positions(there, np.arange(len(there)), sizes)
+    places = _resting_positions(discs_near_surface, np.arange(len(discs_near_surface)), sizes)
     while True:
         at_surface = np.abs(_heights_above_surface(section, places)) <= LARGEST_PROTRUSION * radius
         places = places[at_surface & (places[:, 0] >= ends[0]) & (places[:, 0] <= ends[1])]
-        places = places[_fitting(places, there, radius)]
+        places = places[_fitting(places, discs_near_surface, radius)]
         if not len(places):
             return laid
         away = np.round(np.abs(_heights_above_surface(section, places)), 9)
         best = places[np.lexsort((places[:, 0], away))[:1]]
-        laid, there = np.vstack([laid, best]), np.vstack([there, best])
-        places = np.vstack([places, _resting_positions(there, np.array([len(there) - 1]), sizes)])
+        laid, discs_near_surface = np.vstack([laid, best]), np.vstack([discs_near_surface, best])
+        places = np.vstack(
+            [places, _resting_positions(discs_near_surface, np.array([len(discs_near_surface) - 1]), sizes)]
+        )
 
 
 def _resting_positions(discs: np.ndarray, of: np.ndarray, sizes: np.ndarray) -> np.ndarray:

@@ -215,8 +215,8 @@ def _points(
 
 def _end_reason(model: DiscModel, before: DiscModel, ground: Ground, machine: DisplacementControl, moved: float) -> str:
     """Return the reason why the test ends at this mean displacement (m), in words; empty while the test continues."""
-    way = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
-    most = np.percentile(way, GROUND_PERCENTILE)
+    displacement = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
+    most = np.percentile(displacement, GROUND_PERCENTILE)
     if most >= BAND_DISPLACEMENT * ground.radius:
         return "where a band of shear has formed"
     if most >= DETACHMENT_RATIO * moved:

@@ -97,12 +97,14 @@ def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.nda
     strength = np.append([layer.undrained_strength for layer in layers], 0.0)[model.layer]
     if ground is None or ground.section is None:
         return strength
-    section, here = ground.section, np.flatnonzero((strength > 0.0) & ~model.fixed)
-    points = np.column_stack(ground.to_section(model.x[here], model.z[here]))
+    section, discs_of_clay = ground.section, np.flatnonzero((strength > 0.0) & ~model.fixed)
+    points = np.column_stack(ground.to_section(model.x[discs_of_clay], model.z[discs_of_clay]))
     field = section.cohesion_field
-    means = np.array([soil.cohesion for soil in field.means()])[model.layer[here]]
+    means = np.array([soil.cohesion for soil in field.means()])[model.layer[discs_of_clay]]
     most = STRENGTH_MARGIN * _largest_overburden(section)
-    strength[here] = np.minimum(strength[here] * field.at(points, points, model.layer[here]) / means, most)
+    strength[discs_of_clay] = np.minimum(
+        strength[discs_of_clay] * field.at(points, points, model.layer[discs_of_clay]) / means, most
+    )
     return strength
 
 

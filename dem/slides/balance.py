@@ -135,11 +135,11 @@ def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSid
     before, after = (Surface.of(m, ground).points(m, ground) for m in (start, model))
     surface = Surface.of(start, ground)
     slide = np.abs(surface.movement(model, ground)[0])
-    there = ground.to_section(model.x[surface.discs], model.z[surface.discs])[0]
+    x_of_surface = ground.to_section(model.x[surface.discs], model.z[surface.discs])[0]
     reach = SIDE_DISTANCE * 2.0 * ground.radius
     sides = []
     for name, side in (("left", before[0, 0]), ("right", before[-1, 0])):
-        came = (np.abs(there - side) < reach) & (np.abs(surface.x - side) >= reach) & (slide > ground.radius)
+        came = (np.abs(x_of_surface - side) < reach) & (np.abs(surface.x - side) >= reach) & (slide > ground.radius)
         near_before, near_after = (line[np.abs(line[:, 0] - side) < reach, 1] for line in (before, after))
         rise = float(near_after.mean() - near_before.mean()) if len(near_before) and len(near_after) else 0.0
         furthest = float(slide[came].max() / slide.max()) if came.any() else 0.0
@@ -195,14 +195,14 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
     notes, thin = [], dict[str, float]()
     free = ~start.fixed
     for k in strata:
-        here = free & (start.layer == k)
-        if not here.any():
+        in_layer = free & (start.layer == k)
+        if not in_layer.any():
             name = start.springs.layers[k].name
             notes.append(f'stratum "{name}" liquefies but has no disc: take a smaller radius')
             continue
-        x, z = ground.to_section(start.x[here], start.z[here])
+        x, z = ground.to_section(start.x[in_layer], start.z[in_layer])
         column = _columns(x, ground.radius)
-        depth = [float(np.ptp(z[column == c]) + 2.0 * start.radius[here].mean()) for c in np.unique(column)]
+        depth = [float(np.ptp(z[column == c]) + 2.0 * start.radius[in_layer].mean()) for c in np.unique(column)]
         thick = float(np.median(depth))
         if thick < 4.0 * ground.radius:
             thin[shown_name(start.springs.layers[k].name)] = thick
@@ -244,8 +244,8 @@ def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[
     column = _columns(x, ground.radius)
     thick = []
     for c in np.unique(column[wet]):
-        here = column == c
-        above = float(top[here].max() - top[here & wet].max())
+        in_column = column == c
+        above = float(top[in_column].max() - top[in_column & wet].max())
         if above > 0.0:
             thick.append(above)
     crust = float(np.median(thick)) if thick else np.inf

@@ -74,25 +74,26 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
     strength, strain = np.zeros(len(model)), np.full(len(model), SMALLEST_STRAIN)
     knee, soft_to = np.zeros(len(model)), np.zeros(len(model))
     for k in strata:
-        here, layer = model.layer == k, model.springs.layers[k]
+        in_layer, layer = model.layer == k, model.springs.layers[k]
         if section is None:
             remaining = case.residual_remains(layer.name)
         else:
             remaining = case.remains_of(section, k)
             soil = section.cohesion_field.means()[k]
-            strength[here] = (
-                remaining.friction * np.tan(soil.friction_angle) * pressure[here] + remaining.cohesion * soil.cohesion
+            strength[in_layer] = (
+                remaining.friction * np.tan(soil.friction_angle) * pressure[in_layer]
+                + remaining.cohesion * soil.cohesion
             )
-        strength[here] += remaining.residual * np.maximum(consolidated[here], 0.0) + remaining.strength
+        strength[in_layer] += remaining.residual * np.maximum(consolidated[in_layer], 0.0) + remaining.strength
         modulus = case.stiffness * SHEAR_MODULUS * layer.kn
-        strain[here] = np.maximum(
-            1.0 / (modulus / np.maximum(strength[here], NO_STRENGTH) + 1.0 / LARGEST_STRAIN), SMALLEST_STRAIN
+        strain[in_layer] = np.maximum(
+            1.0 / (modulus / np.maximum(strength[in_layer], NO_STRENGTH) + 1.0 / LARGEST_STRAIN), SMALLEST_STRAIN
         )
         if remaining.strain_potential > 0.0:
-            wanted = np.maximum(strength[here], NO_STRENGTH)
-            strain[here] = ELASTIC * (remaining.strain_potential + BEYOND)
-            knee[here] = stress_at_potential(pressure[here], wanted) / wanted
-            soft_to[here] = remaining.strain_potential / (remaining.strain_potential + BEYOND)
+            wanted = np.maximum(strength[in_layer], NO_STRENGTH)
+            strain[in_layer] = ELASTIC * (remaining.strain_potential + BEYOND)
+            knee[in_layer] = stress_at_potential(pressure[in_layer], wanted) / wanted
+            soft_to[in_layer] = remaining.strain_potential / (remaining.strain_potential + BEYOND)
     discs = np.isin(model.layer, strata) & ~model.fixed
     return Onset(discs, area_with_voids(model), pressure, strength, strain, knee, soft_to)
 

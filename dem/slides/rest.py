@@ -29,15 +29,15 @@ def at_rest(times: Sequence[float], moved: Sequence[Sequence[float]], still: flo
     times (n,): times of the records (s), rising; moved (n, k): displacements at each time (m): slides and settlements
     of the thirds, and the largest slide.
     """
-    time, where = np.asarray(times, float), np.asarray(moved, float)
+    time, displacements = np.asarray(times, float), np.asarray(moved, float)
     if len(time) == 0 or time[-1] - time[0] < WINDOW - 1e-9:
         return False
-    still = max(still, STILL_SHARE * float(np.abs(where[-1]).max()))
+    still = max(still, STILL_SHARE * float(np.abs(displacements[-1]).max()))
     since = time - time[-1] + WINDOW
     late, middle = since > -1e-9, 0.5 * WINDOW
-    earlier, later = where[late & (since < middle + 1e-9)], where[since > middle - 1e-9]
+    earlier, later = displacements[late & (since < middle + 1e-9)], displacements[since > middle - 1e-9]
     moved_on = 2.0 * np.abs(later.mean(axis=0) - earlier.mean(axis=0))
-    return bool(moved_on.max() < still and np.ptp(where[late], axis=0).max() < SWING_RATIO * still)
+    return bool(moved_on.max() < still and np.ptp(displacements[late], axis=0).max() < SWING_RATIO * still)
 
 
 def moved_lately(times: Sequence[float], moved: Sequence[float]) -> float:

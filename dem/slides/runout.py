@@ -150,8 +150,8 @@ def deposit_profile(model: DiscModel, width: float | None = None) -> np.ndarray:
     area = np.bincount(column, np.pi * r**2, len(top))
     last = int(np.flatnonzero(area > FULL_ROW * step * 2.0 * float(r.mean()) * np.pi / 4.0).max(initial=0))
     middle = x.min() + (np.arange(len(top)) + 0.5) * step
-    there = np.isfinite(top[: last + 1])
-    return np.column_stack([middle[: last + 1][there], top[: last + 1][there]])
+    covered = np.isfinite(top[: last + 1])
+    return np.column_stack([middle[: last + 1][covered], top[: last + 1][covered]])
 
 
 def run_out(model: DiscModel) -> RunOut:

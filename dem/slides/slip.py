@@ -41,8 +41,8 @@ def cracked_shares(model: DiscModel) -> dict[str, float]:
     first, second = model.layer[model.pair_i], model.layer[model.pair_j]
     shares = {}
     for k, layer in enumerate(model.springs.layers):
-        here = set_ & ((first == k) | (second == k))
-        shares[layer.name] = float(cracked[here].mean()) if here.any() else 0.0
+        set_in_layer = set_ & ((first == k) | (second == k))
+        shares[layer.name] = float(cracked[set_in_layer].mean()) if set_in_layer.any() else 0.0
     return shares
 
 

@@ -87,10 +87,10 @@ def run_until_rest(
     while model.time - begin < longest - 1e-9 and quiet < CHECKS_AT_REST:
         before = np.array([model.x, model.z])
         _advance(model, every, step_share)
-        way = np.hypot(*(np.array([model.x, model.z]) - before))[free]
-        order = np.argsort(way)
+        displacement = np.hypot(*(np.array([model.x, model.z]) - before))[free]
+        order = np.argsort(displacement)
         share = np.cumsum(model.mass[free][order]) / model.mass[free].sum()
-        moved.append(float(way[order][min(int(np.searchsorted(share, MASS_AT_REST)), len(way) - 1)]))
+        moved.append(float(displacement[order][min(int(np.searchsorted(share, MASS_AT_REST)), len(displacement) - 1)]))
         times.append(model.time - begin)
         quiet = quiet + 1 if moved[-1] < still and times[-1] >= at_least else 0
         if on_look is not None:

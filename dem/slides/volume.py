@@ -43,8 +43,8 @@ def shortening(model: DiscModel, strata: Sequence[int]) -> float:
     i, j = model.pair_i, model.pair_j
     touching = model.radius[i] + model.radius[j]
     over = (touching - model.distance()) / touching
-    here = (over > 0.0) & ~model.fading & (np.isin(model.layer[i], strata) | np.isin(model.layer[j], strata))
-    return float(over[here].mean()) if here.any() else 0.0
+    overlapping = (over > 0.0) & ~model.fading & (np.isin(model.layer[i], strata) | np.isin(model.layer[j], strata))
+    return float(over[overlapping].mean()) if overlapping.any() else 0.0
 
 
 def required_areas(

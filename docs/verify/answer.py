@@ -76,15 +76,15 @@ def _elements(case: Case, part: Part, known: Answer) -> dict[str, Any]:
         return {"davis": known.associated, "davis_upper": known.associated_upper}
     flow: Literal["associated", "davis"] = "associated" if part == "associated" else "davis"
     most = min(case.fem.max_cells, MOST_CELLS)
-    wish = case.fem.changed(flow=flow, kh=(), max_cells=most)
+    settings = case.fem.changed(flow=flow, kh=(), max_cells=most)
     mesh = generate(case.section, case.mesh)
-    result = _adapted(case, mesh, wish)
+    result = _adapted(case, mesh, settings)
     if result is not None:
         return {part: result, f"{part}_upper": result}
     if case.published.expected == "kc":
-        path: CriticalResult | SafetyFactor = critical_coefficient(case.section, mesh, wish)
+        path: CriticalResult | SafetyFactor = critical_coefficient(case.section, mesh, settings)
     else:
-        path = safety_factor(case.section, mesh, wish, case.published.kh)
+        path = safety_factor(case.section, mesh, settings, case.published.kh)
     return {part: path.value, f"{part}_upper": path.upper}
 
 

@@ -204,9 +204,9 @@ def _node_points(comm: Any, part: api.RankDistribution, corners: np.ndarray, deg
         middles = [(reference[a] + reference[b]) / 2.0 for a, b in api.REFERENCE_EDGES]
         reference = np.vstack([reference, middles, [[0.5, 0.5]]])
     shapes, _ = api.tabulate(1, reference)
-    here = (part.nodes.ravel(), np.einsum("na,cai->cni", shapes, corners).reshape(-1, 2))
+    own_points = (part.nodes.ravel(), np.einsum("na,cai->cni", shapes, corners).reshape(-1, 2))
     points = np.empty((part.total, 2))
-    for nodes, x in comm.allgather(here):
+    for nodes, x in comm.allgather(own_points):
         points[nodes] = x
     return points
 
@@ -215,8 +215,8 @@ def _side_nodes(comm: Any, part: api.RankDistribution, edges: np.ndarray, degree
     """Return the global numbers of the nodes on boundary edges (k, 2), sorted, on every rank."""
     span = int(edges.max(initial=0)) + 1 if len(edges) else 1
     span = max(span, int(part.corners.max(initial=0)) + 1)
-    wanted = np.sort(edges, axis=1).astype(np.int64)
-    keys = wanted[:, 0] * span + wanted[:, 1]
+    side_edges = np.sort(edges, axis=1).astype(np.int64)
+    keys = side_edges[:, 0] * span + side_edges[:, 1]
     nodes = []
     for number, (a, b) in enumerate(api.REFERENCE_EDGES):
         pair = np.sort(part.corners[:, [a, b]], axis=1).astype(np.int64)

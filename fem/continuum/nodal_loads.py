@@ -73,11 +73,11 @@ def pore_force(problem: PlaneStrain, mesh: QuadMesh, pressure: Pressure) -> np.n
     grid = problem.grid
     corners = mesh.points[grid.corners]
     points = np.einsum("qa,cai->cqi", grid.corner_shapes, corners)
-    near = np.repeat(corners.mean(axis=1), grid.points_per_cell, axis=0)
+    cell_centres = np.repeat(corners.mean(axis=1), grid.points_per_cell, axis=0)
     stratum = np.repeat(grid.stratum, grid.points_per_cell)
-    inside = pressure(points.reshape(-1, 2), near, stratum).reshape(grid.weights.shape)
+    pressures = pressure(points.reshape(-1, 2), cell_centres, stratum).reshape(grid.weights.shape)
     local = np.zeros(len(grid.global_dofs))
-    np.add.at(local, grid.dofs, np.einsum("cq,cq,cqd->cd", grid.weights, inside, grid.divergence))
+    np.add.at(local, grid.dofs, np.einsum("cq,cq,cqd->cd", grid.weights, pressures, grid.divergence))
     return problem.exchange.sum_to_owned(local)
 
 
@@ -115,19 +115,19 @@ def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction, bound
     if degree == 2:
         shapes = np.column_stack([(1.0 - s) * (1.0 - 2.0 * s), s * (2.0 * s - 1.0), 4.0 * s * (1.0 - s)])
     key = np.array([len(mesh.points), 1])
-    wanted = np.sort(mesh.boundaries[boundary], axis=1).astype(np.int64) @ key
+    boundary_edges = np.sort(mesh.boundaries[boundary], axis=1).astype(np.int64) @ key
     local = np.zeros(len(grid.global_dofs))
     for number, (a, b) in enumerate(api.REFERENCE_EDGES):
         ends = grid.corners[:, [a, b]].astype(np.int64)
-        cells = np.flatnonzero(np.isin(np.sort(ends, axis=1) @ key, wanted))
+        cells = np.flatnonzero(np.isin(np.sort(ends, axis=1) @ key, boundary_edges))
         first, last = (mesh.points[ends[cells, end]] for end in (0, 1))
-        middle, along = 0.5 * (first + last), last - first
-        length = np.hypot(*along.T)
-        normal = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
+        middle, edge_vectors = 0.5 * (first + last), last - first
+        length = np.hypot(*edge_vectors.T)
+        normal = np.column_stack([edge_vectors[:, 1], -edge_vectors[:, 0]]) / length[:, None]
         inwards = mesh.points[grid.corners[cells]].mean(axis=1) - middle
         normal *= -np.sign(np.sum(normal * inwards, axis=1))[:, None]
-        at = [traction(first + share * along, middle, normal) for share in s]
-        force = np.einsum("q,qn,qki,k->kni", weight, shapes, np.array(at), length)
+        tractions = [traction(first + share * edge_vectors, middle, normal) for share in s]
+        force = np.einsum("q,qn,qki,k->kni", weight, shapes, np.array(tractions), length)
         nodes = [a, b] if degree == 1 else [a, b, 4 + number]
         for axis in (0, 1):
             np.add.at(local, grid.dofs[cells][:, [2 * node + axis for node in nodes]], force[:, :, axis])

@@ -180,11 +180,17 @@ class PlaneStrain:
         masters, slaves = (
             nodes[np.argsort(grid.node_points[nodes, 1])] for nodes in (grid.sides[first], grid.sides[second])
         )
-        here, there = (grid.node_points[nodes, 1] - grid.node_points[nodes[0], 1] for nodes in (masters, slaves))
-        if len(masters) != len(slaves) or not np.allclose(here, there, atol=1e-6 * here[-1], rtol=0.0):
+        master_heights, slave_heights = (
+            grid.node_points[nodes, 1] - grid.node_points[nodes[0], 1] for nodes in (masters, slaves)
+        )
+        if len(masters) != len(slaves) or not np.allclose(
+            master_heights, slave_heights, atol=1e-6 * master_heights[-1], rtol=0.0
+        ):
             alike = "points of the mesh" if section.layering.repeats else "layers and the same height"
-            wish = f'expected the same {alike} at both; use sides = "free-field" or "fixed"'
-            raise InputError(section.name, [f'fem, sides = "periodic": the {first} and {second} sides differ; {wish}'])
+            remedy = f'expected the same {alike} at both; use sides = "free-field" or "fixed"'
+            raise InputError(
+                section.name, [f'fem, sides = "periodic": the {first} and {second} sides differ; {remedy}']
+            )
         self.tie_nodes(masters, slaves)
         self.repeats = True
         self.hold({"base": "xy"})

@@ -20,8 +20,8 @@ def refuse_other_sides(section: Section) -> None:
     """Raise InputError unless the layers, and the water, are the same at both sides."""
     refuse_other_water(section)
     if not section.layering.repeats:
-        wish = 'expected the same layers and the same height at both; use sides = "free-field" or "fixed"'
-        raise InputError(section.name, [f'fem, sides = "periodic": the left and right sides differ; {wish}'])
+        remedy = 'expected the same layers and the same height at both; use sides = "free-field" or "fixed"'
+        raise InputError(section.name, [f'fem, sides = "periodic": the left and right sides differ; {remedy}'])
 
 
 def refuse_other_water(section: Section) -> None:
@@ -75,8 +75,8 @@ def _along_side(section: Section, side: int, depths: np.ndarray) -> tuple[np.nda
     x, inside = layers.x[-side], layers.x[[0, 1] if side == 0 else [-2, -1]].mean()
     z = elevation[0] - np.concatenate([depths[:-1], depths[1:], [0.0]])
     middle = np.tile(elevation[0] - 0.5 * (depths[:-1] + depths[1:]), 2)
-    points, near = (np.column_stack([np.full(len(z), at), z]) for at in (x, inside))
+    points, near = (np.column_stack([np.full(len(z), x_of_points), z]) for x_of_points in (x, inside))
     stratum = section.stratum_at(np.full(len(middle), x), middle)
-    still = water.at_rest(points[:-1], near[:-1], stratum)
+    at_rest = water.at_rest(points[:-1], near[:-1], stratum)
     on_ground = water.on_ground(points[-1:], near[-1:])
-    return np.concatenate([still, on_ground]), water.excess(points[:-1], near[:-1], stratum)
+    return np.concatenate([at_rest, on_ground]), water.excess(points[:-1], near[:-1], stratum)

@@ -71,9 +71,9 @@ class ShallowFailure:
     def continues_as(self, other: "ShallowFailure") -> bool:
         """Return whether the neighbouring piece to the right, ``other``, is a face with the same stratum, slope and
         critical Kh."""
-        here, there = ((face.angle, face.kh, face.ratio, face.seepage) for face in (self, other))
+        own_properties, other_properties = ((face.angle, face.kh, face.ratio, face.seepage) for face in (self, other))
         adjoins = (self.end, self.stratum, self.into_water) == (other.start, other.stratum, other.into_water)
-        return adjoins and bool(np.allclose(here, there, rtol=0.0, atol=ANGLE_TOLERANCE))
+        return adjoins and bool(np.allclose(own_properties, other_properties, rtol=0.0, atol=ANGLE_TOLERANCE))
 
 
 class _Piece(NamedTuple):
@@ -178,21 +178,23 @@ def faces_at(section: Section, settings: FemSettings, kh: float) -> list[Shallow
     """Return the cohesionless faces inclined in the direction of the seismic force, or in any direction where Kh
     is 0."""
     directions = ("downhill", "uphill") if kh == 0.0 or settings.direction == "both" else (settings.direction,)
-    wishes = [settings.changed(direction=direction) for direction in directions]
-    return [face for wish in wishes for face in shallow_failures(section, wish, excess_pressure=kh != 0.0)]
+    variants = [settings.changed(direction=direction) for direction in directions]
+    return [face for variant in variants for face in shallow_failures(section, variant, excess_pressure=kh != 0.0)]
 
 
 def has_uncounted_water(section: Section, face: ShallowFailure, depth: float) -> bool:
     """Return whether water stands less than a ``depth`` (m) below a part of a dry face, and is not counted in the
     critical Kh of the face since this part is short. In this part shallow ground may slip before the face fails.
     """
-    short = min(SHORT_WATER_RATIO * depth, 0.5 * (face.end - face.start))
-    x = np.array([face.start + short, face.end - short])
+    shortest_part = min(SHORT_WATER_RATIO * depth, 0.5 * (face.end - face.start))
+    x = np.array([face.start + shortest_part, face.end - shortest_part])
     ground = np.column_stack([x, section.layering.interfaces(x)[:, 0]])
     below, strata = ground - np.array([0.0, depth]), np.full(2, _number(section, face))
     at_rest = section.water_pressure.at_rest
-    wet = (at_rest(below, below, strata) > PRESSURE_TOLERANCE) & (at_rest(ground, ground, strata) <= PRESSURE_TOLERANCE)
-    return not face.into_water and bool(wet.any())
+    emerging = (at_rest(below, below, strata) > PRESSURE_TOLERANCE) & (
+        at_rest(ground, ground, strata) <= PRESSURE_TOLERANCE
+    )
+    return not face.into_water and bool(emerging.any())
 
 
 def least_rolling_factor(
@@ -221,25 +223,27 @@ def _surface_pieces(section: Section, depth: float) -> Iterator[_Piece]:
     surface = np.where(layers.present().any(axis=1), layers.present().argmax(axis=1), -1).tolist()
     x = np.concatenate([layers.x, section.water_pressure.kinks])
     for i, k in enumerate(surface):  # -1 where the base comes out
-        over = [depth - (end[i, 0] - end[i, k + 1]) for end in (layers.left, layers.right)]
-        if over[0] * over[1] < 0.0:
-            x = np.append(x, layers.x[i] + layers.width[i] * over[0] / (over[0] - over[1]))
+        depth_margins = [depth - (end[i, 0] - end[i, k + 1]) for end in (layers.left, layers.right)]
+        if depth_margins[0] * depth_margins[1] < 0.0:
+            x = np.append(x, layers.x[i] + layers.width[i] * depth_margins[0] / (depth_margins[0] - depth_margins[1]))
     x = np.unique(x)
     x = x[np.isin(x, layers.x) | (np.abs(x[:, None] - layers.x).min(axis=1) > layers.tolerance)]
     for start, end in pairwise(x):
         i = int(np.searchsorted(layers.x, 0.5 * (start + end))) - 1
         if (k := surface[i]) < 0:
             continue
-        cut = k + 1 < len(names) and names[k + 1] == names[k] + BELOW_WATER
-        yield _Piece(float(start), float(end), i, k, 2 if cut and end - start >= LONG_WATER_RATIO * depth else 1)
+        cut_by_water = k + 1 < len(names) and names[k + 1] == names[k] + BELOW_WATER
+        yield _Piece(
+            float(start), float(end), i, k, 2 if cut_by_water and end - start >= LONG_WATER_RATIO * depth else 1
+        )
 
 
 def _is_stable_anyway(section: Section, piece: _Piece, excess_pressure: bool) -> bool:
     """Return whether a surcharge, or free water above the water table, prevents the shallow failure of a piece of the
     surface.
     """
-    water, at = section.water_pressure, np.array([piece.middle])
-    ground = np.column_stack([at, section.layering.interfaces(at)[:, 0]])
+    water, middle = section.water_pressure, np.array([piece.middle])
+    ground = np.column_stack([middle, section.layering.interfaces(middle)[:, 0]])
     if section.surface_loads.dead(ground, ground, np.array([[0.0, 1.0]])).any():
         return True
     inside = water.inside(ground, ground, np.array([piece.number]), excess_pressure)
@@ -366,22 +370,26 @@ def strip_bottom(layers: Layering, start: float, end: float, k: int, depth: floa
     x = np.unique(np.concatenate([[start, end], layers.x]))
     x = x[(x >= start) & (x <= end)]
     points: list[list[float]] = []
-    thick = False
+    is_thicker = False
     for start, end in pairwise(x):
-        at = np.array([start, end])
-        ground, top, bottom = layers.interfaces(at, near=np.full(2, at.mean()))[:, [0, k, k + 1]].T
+        x_of_ends = np.array([start, end])
+        ground, top, bottom = layers.interfaces(x_of_ends, near=np.full(2, x_of_ends.mean()))[:, [0, k, k + 1]].T
         shares = {0.0, 1.0}
         for line in (top, bottom):  # where the least depth goes through it
-            over = ground - depth - line
-            if over[0] * over[1] < 0.0:
-                shares.add(float(over[0] / (over[0] - over[1])))
+            excess_depth = ground - depth - line
+            if excess_depth[0] * excess_depth[1] < 0.0:
+                shares.add(float(excess_depth[0] / (excess_depth[0] - excess_depth[1])))
         share = np.array(
-            sorted(at for at in shares if at in (0.0, 1.0) or ANGLE_TOLERANCE < at < 1.0 - ANGLE_TOLERANCE)
+            sorted(
+                x_of_ends
+                for x_of_ends in shares
+                if x_of_ends in (0.0, 1.0) or ANGLE_TOLERANCE < x_of_ends < 1.0 - ANGLE_TOLERANCE
+            )
         )
         ground, top, bottom = (line[0] + share * (line[1] - line[0]) for line in (ground, top, bottom))
         level = np.clip(ground - depth, bottom, top)
-        thick = thick or bool((top - level > layers.tolerance).any())
+        is_thicker = is_thicker or bool((top - level > layers.tolerance).any())
         for place, z in zip((1.0 - share) * start + share * end, level, strict=True):  # both ends exactly
             if not points or place > points[-1][0] or abs(z - points[-1][1]) > layers.tolerance:
                 points.append([float(place), float(z)])
-    return points if thick else []
+    return points if is_thicker else []

@@ -54,9 +54,9 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
     elevation = layers.left[0] if side == "left" else layers.right[-1]
     effective = _vertical_stress(section, side, elevation)
     places, interior_points = _stratum_ends(section, side, elevation)
-    here = np.flatnonzero(elevation[:-1] > elevation[1:])
+    present_strata = np.flatnonzero(elevation[:-1] > elevation[1:])
     sides = []
-    for k in here:
+    for k in present_strata:
         soil = section.strata[k]
         vertical = effective[k]
         ratio = soil.poissons_ratio / (1.0 - soil.poissons_ratio)
@@ -70,7 +70,11 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
         # Half-way to either limit at most: loose ground at the limit at its surface would not stand any push.
         lowest, highest = (0.5 * (np.clip(plain, active, passive) + limit) for limit in (active, passive))
         sides.append(-np.clip(factor * plain, lowest, highest))
-    return SideStress(here, np.column_stack([elevation[here], elevation[here + 1]]), np.array(sides).reshape(-1, 2))
+    return SideStress(
+        present_strata,
+        np.column_stack([elevation[present_strata], elevation[present_strata + 1]]),
+        np.array(sides).reshape(-1, 2),
+    )
 
 
 def _vertical_stress(section: Section, side: str, elevation: np.ndarray) -> np.ndarray:
@@ -103,7 +107,7 @@ def _stratum_ends(section: Section, side: str, elevation: np.ndarray) -> tuple[n
     """Return the points (strata, 2, 2) at top and bottom of every stratum on a side, and points just inside the section
     next to them (m)."""
     x, layers = section.layering.x, len(elevation) - 1
-    at, inside = (x[0], x[:2].mean()) if side == "left" else (x[-1], x[-2:].mean())
+    x_of_side, x_inside = (x[0], x[:2].mean()) if side == "left" else (x[-1], x[-2:].mean())
     ends = np.repeat(elevation, 2)[1:-1]
-    places, interior_points = (np.column_stack([np.full(2 * layers, x_side), ends]) for x_side in (at, inside))
+    places, interior_points = (np.column_stack([np.full(2 * layers, x_side), ends]) for x_side in (x_of_side, x_inside))
     return places.reshape(layers, 2, 2), interior_points.reshape(layers, 2, 2)

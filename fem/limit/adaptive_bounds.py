@@ -66,18 +66,18 @@ class BoundSearch:
         if self._seen is not None:
             mesh = finer_mesh(*self._seen, self._limits.growth(best, len(self._seen[0].mesh.cells)))
         problem = limit_problem(mesh, self._body, self._units)
-        left = max(self._limits.seconds - self.work - others, 0.0)
+        remaining_work = max(self._limits.seconds - self.work - others, 0.0)
         share = share_of_lower_bound(*self._seen[1:]) if self._seen is not None else 0.5
         with one_more_thread() as executor:
-            above = executor.submit(partial(proven_upper_bound, problem, (1.0 - share) * left))
-            low, low_notes, stress = proven_lower_bound(problem, share * left)
+            above = executor.submit(partial(proven_upper_bound, problem, (1.0 - share) * remaining_work))
+            low, low_notes, stress = proven_lower_bound(problem, share * remaining_work)
             high, high_notes, mechanism = above.result()
         missing: tuple[tuple[BoundSide, bool], ...] = (
             ("lower", stress is None and not (low.solution.none or low.solution.out_of_work)),
             ("upper", mechanism is None and not (high.solution.none or high.solution.out_of_work)),
         )
         solutions: tuple[tuple[BoundSide, Solution], ...] = (("lower", low.solution), ("upper", high.solution))
-        this = MeshBounds(
+        mesh_bounds = MeshBounds(
             len(problem.mesh.cells),
             stress.multiplier if stress else None,
             mechanism.multiplier if mechanism else None,
@@ -93,7 +93,7 @@ class BoundSearch:
         best = Bracket(
             stress if stress and stress.multiplier > best.lower else best.stress,
             mechanism if mechanism and mechanism.multiplier < best.upper else best.mechanism,
-            [*best.meshes, this],
+            [*best.meshes, mesh_bounds],
             mesh,
         )
         self._seen = problem, low, high
@@ -154,15 +154,15 @@ def proven_upper_bound(
         place = bound.solution.warm
         return bound, check_velocity(problem, bound.velocity)
 
-    steep = problem.friction > LARGEST_LOCKED_FRICTION
-    partly_steep = bool(steep.any() and not steep.all())
+    locked_cells = problem.friction > LARGEST_LOCKED_FRICTION
+    partly_steep = bool(locked_cells.any() and not locked_cells.all())
     bound, check, notes = _first_checked("upper bound", attempt, most_work, 1 if partly_steep else ATTEMPTS)
     if check is None and partly_steep:
-        before, attempt_with_rigid = bound.solution.work, partial(attempt, rigid=steep)
+        work_before, attempt_with_rigid = bound.solution.work, partial(attempt, rigid=locked_cells)
         bound, check, more_notes = _first_checked(
-            "upper bound, steep ground held", attempt_with_rigid, most_work - before
+            "upper bound, steep ground held", attempt_with_rigid, most_work - work_before
         )
-        bound = replace(bound, solution=replace(bound.solution, work=before + bound.solution.work))
+        bound = replace(bound, solution=replace(bound.solution, work=work_before + bound.solution.work))
         notes += more_notes
     return bound, notes, Mechanism(problem, check.multiplier, bound.velocity, check) if check else None
 
@@ -202,8 +202,8 @@ def _first_checked(
             break
         bound, check = wider, check_of_wider
     if bound.solution.ended:
-        why = "the allowed work is used up" if bound.solution.out_of_work else bound.solution.ended
-        notes.append(f"{name}: the solver ended early ({why})")
+        reason = "the allowed work is used up" if bound.solution.out_of_work else bound.solution.ended
+        notes.append(f"{name}: the solver ended early ({reason})")
     bound = replace(bound, solution=replace(bound.solution, work=work))  # that of all attempts
     if check.holds:
         return bound, check, notes
@@ -270,9 +270,9 @@ def refined(mesh: TriMesh, indicator: np.ndarray, wanted: float) -> TriMesh:
     """Return the mesh with about ``wanted`` cells, bisected where the ``indicator`` (m,) is largest."""
     while len(mesh.cells) < 0.95 * wanted:
         order = np.argsort(-indicator, kind="stable")
-        enough = int(np.searchsorted(np.cumsum(indicator[order]), BULK_SHARE * indicator.sum())) + 1
-        most = max(1, int((wanted - len(mesh.cells)) / 1.5))
-        mesh, parent = bisect(mesh, order[: min(enough, most)])
+        count_by_share = int(np.searchsorted(np.cumsum(indicator[order]), BULK_SHARE * indicator.sum())) + 1
+        largest_count = max(1, int((wanted - len(mesh.cells)) / 1.5))
+        mesh, parent = bisect(mesh, order[: min(count_by_share, largest_count)])
         halves = np.bincount(parent)[parent]
         indicator = indicator[parent] * np.where(halves > 1, 2.0 * HALF_CELL_INDICATOR / halves, 1.0)
     return mesh

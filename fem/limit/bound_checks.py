@@ -135,24 +135,26 @@ def check_stress(problem: LimitProblem, stress: np.ndarray, multiplier: float) -
     sides = mesh.points[mesh.cells[:, 1:]] - mesh.points[mesh.cells[:, :1]]
     slopes = np.linalg.solve(sides, stress[:, 1:] - stress[:, :1])
     force = problem.dead_force + multiplier * problem.live_force
-    left = np.column_stack([slopes[:, 0, 0] + slopes[:, 1, 2], slopes[:, 0, 2] + slopes[:, 1, 1]]) + force
-    imbalance = np.hypot(*left.T) * np.sqrt(mesh.areas)
+    unbalanced = np.column_stack([slopes[:, 0, 0] + slopes[:, 1, 2], slopes[:, 0, 2] + slopes[:, 1, 1]]) + force
+    imbalance = np.hypot(*unbalanced.T) * np.sqrt(mesh.areas)
 
     interior = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
     first, second = mesh.edge_cells[interior].T
     ends = mesh.edges[interior]
     jumps = [0.0]
-    wanted = np.zeros((len(mesh.edges), 2, 2))
-    wanted[problem.jumps.edges] = problem.jumps.traction + multiplier * problem.jumps.live
+    tractions = np.zeros((len(mesh.edges), 2, 2))
+    tractions[problem.jumps.edges] = problem.jumps.traction + multiplier * problem.jumps.live
     normal = outward_normals(problem.mesh, first, ends)
     for end in (0, 1):
-        here, there = (_at_point(problem, stress, cells, ends[:, end]) for cells in (first, second))
-        jumps.append(float(np.abs(_traction(here - there, normal) - wanted[interior, end]).max(initial=0.0)))
+        inner_stress, outer_stress = (_at_point(problem, stress, cells, ends[:, end]) for cells in (first, second))
+        jumps.append(
+            float(np.abs(_traction(inner_stress - outer_stress, normal) - tractions[interior, end]).max(initial=0.0))
+        )
     normal = outward_normals(problem.mesh, outline.cells, outline.ends)
     for end in (0, 1):
-        here = _at_point(problem, stress, outline.cells, outline.ends[:, end])
+        inner_stress = _at_point(problem, stress, outline.cells, outline.ends[:, end])
         traction = outline.dead[:, end] + multiplier * outline.live[:, end]
-        miss = np.where(outline.reacts, 0.0, _traction(here, normal) - traction)
+        miss = np.where(outline.reacts, 0.0, _traction(inner_stress, normal) - traction)
         jumps.append(float(np.abs(miss).max()))
         sides = []
         for ends in mesh.matched:
@@ -191,11 +193,11 @@ def corner_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
     for k in range(3):
         after, before = (k + 1) % 3, (k + 2) % 3
         sides = np.stack([points[:, after] - points[:, k], points[:, before] - points[:, k]], axis=1)
-        here = -3.0 * velocity[:, k]
+        opposite_velocity = -3.0 * velocity[:, k]
         slopes = np.stack(
             [
-                here + 4.0 * velocity[:, 3 + k] - velocity[:, after],
-                here + 4.0 * velocity[:, 3 + before] - velocity[:, before],
+                opposite_velocity + 4.0 * velocity[:, 3 + k] - velocity[:, after],
+                opposite_velocity + 4.0 * velocity[:, 3 + before] - velocity[:, before],
             ],
             axis=1,
         )

@@ -91,8 +91,8 @@ class KhBounds(SmallerKhBounds):
         search for a factor of safety there; None without such a mesh."""
         for mesh in self.directions[0].meshes:
             if mesh.lower is not None and mesh.upper is not None:
-                wide = max(LARGEST_FIRST_GAP, LARGEST_FIRST_GAP_SHARE * abs(mesh.upper))
-                if mesh.upper - mesh.lower <= wide:
+                widest_gap = max(LARGEST_FIRST_GAP, LARGEST_FIRST_GAP_SHARE * abs(mesh.upper))
+                if mesh.upper - mesh.lower <= widest_gap:
                     return mesh.mesh
         return None
 
@@ -125,16 +125,16 @@ class DirectionGround:
         for the comparison: where faces of different water meet, its mechanism may be shallow, too. Raises the errors of
         ``first_mesh``.
         """
-        faces, always = shallow_failures(section, fem), failing_at_rest(section, fem)
-        whole = strengthened(section, faces + always, fem)
+        faces, faces_at_rest = shallow_failures(section, fem), failing_at_rest(section, fem)
+        strengthened_section = strengthened(section, faces + faces_at_rest, fem)
         most_work = LARGEST_COARSE_SHARE * seconds
-        upper, work = _coarse_upper_bound(whole, fem, most_work) if faces else (-np.inf, 0.0)
+        upper, work = _coarse_upper_bound(strengthened_section, fem, most_work) if faces else (-np.inf, 0.0)
         govern = [face for face in faces if face.kh < upper]
-        if not govern and not always:
+        if not govern and not faces_at_rest:
             return cls(fem, max_cells, (), np.inf, section, work)
-        ground = whole if govern else strengthened(section, always, fem)
+        ground = strengthened_section if govern else strengthened(section, faces_at_rest, fem)
         as_given, more_work = _coarse_upper_bound(section, fem, most_work)
-        return cls(fem, max_cells, (*govern, *always), as_given, ground, work + more_work)
+        return cls(fem, max_cells, (*govern, *faces_at_rest), as_given, ground, work + more_work)
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
         """Return the search for bounds. ``after``, the search for ψ = φ, is given if the search is for Davis's
@@ -144,8 +144,8 @@ class DirectionGround:
         if after is not None and 2.0 * after.bracket.meshes[-1].work < limits.seconds:
             mesh = after.bracket.mesh
         else:
-            most = cells_of_first_search(self.max_cells, limits.seconds / WORK_IN_FIRST_MESHES)
-            mesh = first_mesh(ground, most, self.fem.sides)
+            most_cells = cells_of_first_search(self.max_cells, limits.seconds / WORK_IN_FIRST_MESHES)
+            mesh = first_mesh(ground, most_cells, self.fem.sides)
         towards: SectionSide = "right" if seismic_sign(self.section, self.fem) > 0 else "left"
         body = body_of(ground, mesh, self.fem, davis=after is not None)
         return DirectionSearch(mesh, body, limits, direction_of(self.fem), towards)
@@ -243,8 +243,8 @@ def _drop_needless_strength(
         if ground.section is not section and not any(face.kh < upper for face in ground.shallow_failures):
             grounds[direction] = replace(ground, section=section, shallow_failures=())
             dropped += searches[direction].work
-            left = replace(limits, seconds=limits.seconds - dropped)
-            searches[direction] = grounds[direction].search(left)
+            remaining_limits = replace(limits, seconds=limits.seconds - dropped)
+            searches[direction] = grounds[direction].search(remaining_limits)
     return dropped
 
 
@@ -255,8 +255,8 @@ def _fails_shallow(
     ``ground`` has strengthened faces, or below them with water at a face."""
     if search.bracket.upper < SHALLOW_FAILURE_SHARE * max(strong.bracket.lower, 0.0):
         return True
-    wet = any(has_uncounted_water(section, face, fem.least_depth) for face in ground.shallow_failures)
-    return wet and search.bracket.upper < strong.bracket.lower
+    water_emerges = any(has_uncounted_water(section, face, fem.least_depth) for face in ground.shallow_failures)
+    return water_emerges and search.bracket.upper < strong.bracket.lower
 
 
 def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
@@ -270,11 +270,13 @@ def _unstable_error(section: Section, upper: float) -> UnstableError:
     """
     if section.uplift is not None:
         return uplift_error(section.uplift, "the section fails under its own weight")
-    most = f"the critical Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could stabilise it"
-    loose = excess_pressure_advice(section.strata)
-    if loose:
-        return UnstableError(f"the section fails by excess pore pressure and its weight: {most}", loose)
-    return UnstableError(f"the section fails under its own weight: {most}; check strengths, densities")
+    limit_words = (
+        f"the critical Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could stabilise it"
+    )
+    advice = excess_pressure_advice(section.strata)
+    if advice:
+        return UnstableError(f"the section fails by excess pore pressure and its weight: {limit_words}", advice)
+    return UnstableError(f"the section fails under its own weight: {limit_words}; check strengths, densities")
 
 
 def as_analysed(section: Section, fem: FemSettings) -> Section:
@@ -314,7 +316,7 @@ def body_of(
     cohesion, friction = strengths(section.strata, davis)
     ordinary = GRAVITY * np.array([s.density_ordinary for s in section.strata])
     seismic = GRAVITY * np.array([s.density_seismic for s in section.strata])
-    nothing = np.zeros(len(ordinary))
+    zeros = np.zeros(len(ordinary))
     water = section.water_pressure
     sides = {
         "surface": _ground(section, seismic_sign(section, fem)),
@@ -332,8 +334,8 @@ def body_of(
     return RigidPlasticBody(
         cohesion=cohesion,
         friction=friction,
-        dead_force=np.column_stack([nothing, fem.vertical * seismic - ordinary]),
-        live_force=np.column_stack([seismic_sign(section, fem) * seismic, nothing]),
+        dead_force=np.column_stack([zeros, fem.vertical * seismic - ordinary]),
+        live_force=np.column_stack([seismic_sign(section, fem) * seismic, zeros]),
         sides=sides,
         pore_pressure=_pore_pressure(water, excess_pressure) if water.present else None,
         varying=_varying_cohesion(section, davis) if section.cohesion_field.varies.any() else None,

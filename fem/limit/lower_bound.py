@@ -73,20 +73,22 @@ def lower_bound(
     cohesion, friction = problem.cohesion.ravel()[free[::3]], np.repeat(problem.friction, 3)[free[::3]]
     cohesion = np.where(all_round, 1.0, cohesion)  # so that the cone has an inside; equations keep it to its axis
     size = np.repeat(np.sqrt(problem.mesh.areas), 3)[free[::3]]
-    more = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[free[::3]]
-    margin = np.maximum(STRESS_MARGIN * size, SMALLEST_MARGIN) + more
+    extra_margin = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[free[::3]]
+    margin = np.maximum(STRESS_MARGIN * size, SMALLEST_MARGIN) + extra_margin
     margin = np.where(
         friction == 0.0, np.minimum(margin, LARGEST_MARGIN * cohesion), margin
     )  # beside clay without strength
     balance = balance[:, free].tocsr()
     corner_points = problem.mesh.own_node[problem.mesh.cells.ravel()[free[::3]]]
     points = points_of_equations(balance, points, corner_points)
-    at = np.flatnonzero(all_round)
+    equal_pressure_points = np.flatnonzero(all_round)
     balance = sparse.vstack(
-        [balance, sparse.kron(sparse.identity(len(cohesion), format="csr")[at], SHEAR_ROWS)]
+        [balance, sparse.kron(sparse.identity(len(cohesion), format="csr")[equal_pressure_points], SHEAR_ROWS)]
     ).tocsr()
-    dead, live = (np.append(values, np.zeros(2 * len(at))) for values in (dead, live))
-    balance, dead, live = independent_equations(balance, dead, live, np.append(points, np.repeat(corner_points[at], 2)))
+    dead, live = (np.append(values, np.zeros(2 * len(equal_pressure_points))) for values in (dead, live))
+    balance, dead, live = independent_equations(
+        balance, dead, live, np.append(points, np.repeat(corner_points[equal_pressure_points], 2))
+    )
     ones = np.ones(len(cohesion))
     program = cone_program.ConeProgram(
         balance.T.tocsr(),
@@ -124,9 +126,9 @@ def _yield_work(
     if solution.none != "no stress":  # else these rates are a mechanism of the dead load, whatever the stress
         work[free] *= np.abs(stresses)
     work = work.reshape(-1, 3, 3).sum(axis=2)
-    without = ~free[::3].reshape(-1, 3)
-    turns = without.sum(axis=1) == 1  # the stress turns round a corner that has none itself
-    work[turns] = np.where(without[turns], work[turns].sum(axis=1, keepdims=True), 0.0)
+    stressless = ~free[::3].reshape(-1, 3)
+    turns = stressless.sum(axis=1) == 1  # the stress turns round a corner that has none itself
+    work[turns] = np.where(stressless[turns], work[turns].sum(axis=1, keepdims=True), 0.0)
     return work
 
 

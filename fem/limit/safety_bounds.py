@@ -96,22 +96,22 @@ def safety_bounds(
     shallow = least_rolling_factor(section, faces, kh, strengths(section.strata)[1])
     if shallow is None or shallow >= LARGEST:
         return _bounds_of(section, fem, settings, start, work)
-    whole = strengthened(section, faces, fem)
+    strengthened_section = strengthened(section, faces, fem)
     # Where bare faces of unlike water meet, or water stands shortly below a face, shallow ground may slip before the
     # faces and before the slope as a whole, by less than coarse triangles tell apart: work is left for the ground as it
     # is given.
     meet = any(face.end == other.start for face in faces for other in faces)
     meet = meet or any(has_uncounted_water(section, face, fem.least_depth) for face in faces)
     deeper: SafetyBounds | None = None
-    coarse = _coarse(whole, fem, settings, start, work)
+    coarse = _coarse(strengthened_section, fem, settings, start, work)
     if not coarse.fails_at(shallow):
         share = WORK_SHARE_OF_WHOLE if meet and coarse.fails_at(COARSE_BOUND_RATIO * shallow) else 1.0
-        deeper = _bounds_of(whole, fem, settings, start, work.part(share))
+        deeper = _bounds_of(strengthened_section, fem, settings, start, work.part(share))
         if shallow < deeper.upper:
             return replace(deeper, shallow_failure=_coarse(section, fem, settings, start, work).least_failing(shallow))
     if not meet:
         return _bounds_of(section, fem, settings, start, work)
-    deeper = deeper or _bounds_of(whole, fem, settings, start, work.part(WORK_SHARE_OF_WHOLE))
+    deeper = deeper or _bounds_of(strengthened_section, fem, settings, start, work.part(WORK_SHARE_OF_WHOLE))
     work.spent += sum(trial.work for trial in deeper.trials)
     return _with_given_ground(section, deeper, fem, settings, start, work)
 
@@ -182,8 +182,8 @@ def _coarse(
 ) -> _Coarse:
     section = as_analysed(section, fem)
     mesh = first_mesh(section, COARSE_CELLS, fem.sides)
-    down, up = (FactorSearch(section, mesh, fem, settings, sign, start, work) for sign in (1, -1))
-    return _Coarse((down, up))
+    downslope, upslope = (FactorSearch(section, mesh, fem, settings, sign, start, work) for sign in (1, -1))
+    return _Coarse((downslope, upslope))
 
 
 def _first_mesh(

@@ -87,7 +87,7 @@ def upper_bound(
     # Corners of unstrained points, and of rigid cells, have no strain rate.
     strains = np.repeat(np.diff(strain.indptr).reshape(-1, 3).any(axis=1), 3)
     corners = strains[::3]
-    more = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[corners]
+    extra_margin = np.broadcast_to(more_margin, (len(problem.mesh.cells), 3)).ravel()[corners]
     program = cone_program.ConeProgram(
         strain[strains],
         problem.spread_cohesion.ravel()[corners],
@@ -95,7 +95,7 @@ def upper_bound(
         size[corners],
         basis.T @ dead,
         basis.T @ live,
-        strain_margin=STRAIN_MARGIN * size[corners] + more,
+        strain_margin=STRAIN_MARGIN * size[corners] + extra_margin,
         strain_share=STRAIN_MARGIN,
         tension=np.repeat(problem.tension, 3)[corners],
     )
@@ -110,10 +110,10 @@ def upper_bound(
     points = problem.mesh.own_node[problem.mesh.cells.ravel()[corners]]
     rates = _corrected(program, solution.rates, dilates, points)
     slack, _ = _flow_slack(program, rates)
-    short = np.maximum(program.strain_margin - slack, 0.0)
-    short[slack < 0.0] += cone_program.FEASIBILITY * np.abs(rates).max()  # the margin of a sliver may be less
+    shortfalls = np.maximum(program.strain_margin - slack, 0.0)
+    shortfalls[slack < 0.0] += cone_program.FEASIBILITY * np.abs(rates).max()  # the margin of a sliver may be less
     shortfall = np.zeros(len(areas))
-    shortfall[corners] = np.where(dilates, short, 0.0)
+    shortfall[corners] = np.where(dilates, shortfalls, 0.0)
     velocity = (basis @ rates).reshape(-1, 2)[nodes]
     return UpperBound(solution.multiplier, velocity, shortfall.reshape(-1, 3), solution)
 
@@ -132,17 +132,19 @@ def free_velocities(problem: LimitProblem, moves: np.ndarray) -> sparse.csr_matr
     edges = np.flatnonzero(unstrained[mesh.edges].any(axis=1))
     ends = mesh.edges[edges]
     point = np.where(unstrained[ends[:, 0]], ends[:, 0], ends[:, 1])
-    middle, here, there = (
+    middle, own_nodes, matched_nodes = (
         2 * node[:, None] + [0, 1] for node in (len(mesh.points) + edges, point, ends.sum(1) - point)
     )
     free = moves.astype(float)
     free[middle] = 0.0
-    rows, columns = np.concatenate([middle.ravel()] * 2), np.concatenate([here.ravel(), there.ravel()])
+    rows, columns = np.concatenate([middle.ravel()] * 2), np.concatenate([own_nodes.ravel(), matched_nodes.ravel()])
     shares = np.repeat([0.75, 0.25], middle.size) * moves[rows] * moves[columns]
     full = sparse.diags(free) + sparse.csr_matrix((shares, (rows, columns)), shape=(len(moves), len(moves)))
     if mesh.repeats:
-        same = (2 * mesh.own_node[:, None] + [0, 1]).ravel()
-        alike = sparse.csr_matrix((np.ones(len(same)), (np.arange(len(same)), same)), shape=full.shape)
+        own_components = (2 * mesh.own_node[:, None] + [0, 1]).ravel()
+        alike = sparse.csr_matrix(
+            (np.ones(len(own_components)), (np.arange(len(own_components)), own_components)), shape=full.shape
+        )
         full = alike @ full @ alike
     full = sparse.csc_matrix(full)
     full.eliminate_zeros()
@@ -163,19 +165,19 @@ def _corrected(
     volume = (program.strain[3 * clay] + program.strain[3 * clay + 1]).tocsr()
     volume = independent_combinations(volume, points[clay], DEPENDENT_VOLUMES) @ volume
     equal = sparse.vstack([sparse.csr_matrix(program.live), volume]).tocsr()
-    wanted = np.pad([1.0], (0, volume.shape[0]))
-    rates = rates + smallest_correction(equal, wanted - equal @ rates)
+    load_row = np.pad([1.0], (0, volume.shape[0]))
+    rates = rates + smallest_correction(equal, load_row - equal @ rates)
     goal = 0.5 * np.broadcast_to(program.strain_margin, len(dilates))
-    beyond = np.zeros(len(dilates), dtype=bool)
+    corrected = np.zeros(len(dilates), dtype=bool)
     for _ in range(MOST_REPAIRS):
         slack, slope = _flow_slack(program, rates)
-        now = dilates & (slack < 0.5 * goal)
-        if not now.any():
+        violating = dilates & (slack < 0.5 * goal)
+        if not violating.any():
             break
-        beyond |= now
-        change = sparse.vstack([equal, slope[beyond]]).tocsr()
-        left = np.concatenate([wanted - equal @ rates, (goal - slack)[beyond]])
-        rates = rates + smallest_correction(change, left)
+        corrected |= violating
+        change = sparse.vstack([equal, slope[corrected]]).tocsr()
+        residual = np.concatenate([load_row - equal @ rates, (goal - slack)[corrected]])
+        rates = rates + smallest_correction(change, residual)
     return rates / (program.live @ rates)
 
 

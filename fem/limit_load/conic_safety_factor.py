@@ -116,13 +116,13 @@ def too_weak(kh: float, moving: np.ndarray | None = None) -> UnstableError:
 
     ``moving`` are the points (n, 2) in m that move most in the mechanism; without them the error names no place.
     """
-    under = "its own weight" + (f" and Kh = {kh:g}" if kh else "")
-    what = f"the section fails under {under} even at {LARGEST_FACTOR:g} times its strength"
+    load_words = "its own weight" + (f" and Kh = {kh:g}" if kh else "")
+    failure_words = f"the section fails under {load_words} even at {LARGEST_FACTOR:g} times its strength"
     if moving is None:
-        return UnstableError(what)
+        return UnstableError(failure_words)
     (left, low), (right, high) = moving.min(axis=0), moving.max(axis=0)
     ends = f"x = {left:.1f} to {right:.1f} m and z = {low:.1f} to {high:.1f} m"
-    return UnstableError(f"{what}; it moves between {ends}", "check outline and strength of this ground")
+    return UnstableError(f"{failure_words}; it moves between {ends}", "check outline and strength of this ground")
 
 
 def _elastic_mean(problem: "PlaneStrain", forces: np.ndarray) -> np.ndarray:
@@ -156,24 +156,28 @@ class _FactorSearch:
 
     def find(self, guess: float, kh: float) -> tuple[float, FieldState, FactorStart]:
         """Find the factor of safety, its mechanism, and the start of a search by another flow rule."""
-        low, high, at = -math.inf, math.inf, math.log(guess) if self.start is None else self.next_from(self.start)
+        low, high, log_factor = (
+            -math.inf,
+            math.inf,
+            math.log(guess) if self.start is None else self.next_from(self.start),
+        )
         solution = None
         for _ in range(MOST_TRIALS):
-            if at < -math.log(LARGEST_FACTOR):
+            if log_factor < -math.log(LARGEST_FACTOR):
                 raise too_weak(kh, None if solution is None else self.moving(solution, kh))
-            if at > math.log(LARGEST_FACTOR):
+            if log_factor > math.log(LARGEST_FACTOR):
                 raise NoAnswerError(f"the section stands even with its strength divided by {LARGEST_FACTOR:g}", "")
-            step, solution = self.step(at)
-            low, high = (at, high) if step >= 0.0 else (low, at)
+            step, solution = self.step(log_factor)
+            low, high = (log_factor, high) if step >= 0.0 else (low, log_factor)
             if abs(step) < NEWTON_STEP:
-                factor = math.exp(at + step)
+                factor = math.exp(log_factor + step)
                 self.problem.use_strength(factor)  # whose shares the mechanism tells
                 mechanism = self.ground.mechanism(self.problem, self.mesh, solution, kh)
                 mean = self.ground.stress(solution)[:, :2].mean(axis=1)
-                resisted = float(solution.shear @ self.resistance(at + step, mean))
-                return factor, mechanism, FactorStart(at + step, solution.shear, mean, resisted)
+                resisted = float(solution.shear @ self.resistance(log_factor + step, mean))
+                return factor, mechanism, FactorStart(log_factor + step, solution.shear, mean, resisted)
             step = float(np.clip(step, -math.log(LARGEST_STEP), math.log(LARGEST_STEP)))
-            at = at + step if low < at + step < high else 0.5 * (low + high)
+            log_factor = log_factor + step if low < log_factor + step < high else 0.5 * (low + high)
         raise NoAnswerError("no factor of safety was found", "use another mesh")
 
     def moving(self, solution: cone_program.Solution, kh: float) -> np.ndarray:
@@ -196,23 +200,23 @@ class _FactorSearch:
         self.ground, solution = self.ground.solved(program, self.known)
         self.known = None if solution.warm is None else replace(solution.warm, place=None)
         if solution.none or not solution.sure:
-            why = solution.ended or solution.none
-            raise NoAnswerError(f"the factor of safety by finite elements was not found ({why})", "use another mesh")
-        borne = self.ground.stress(solution)[:, :2].mean(axis=1)
-        slope = float(solution.shear @ self.softening(at, borne)) / self.ground.unit + solution.torn
+            reason = solution.ended or solution.none
+            raise NoAnswerError(f"the factor of safety by finite elements was not found ({reason})", "use another mesh")
+        mean_stress = self.ground.stress(solution)[:, :2].mean(axis=1)
+        slope = float(solution.shear @ self.softening(at, mean_stress)) / self.ground.unit + solution.torn
         spare = solution.multiplier / slope if slope > 0.0 else solution.multiplier
         return -math.log1p(-min(spare, LARGEST_SPARE_SHARE)), solution
 
     def next_from(self, start: FactorStart) -> float:
         """Return the logarithm of the factor at which the mechanism of ``start`` meets the same resistance by this flow
         rule as by the other one."""
-        at = start.log_factor
+        log_factor = start.log_factor
         for _ in range(PREDICTION_STEPS):
-            resisted = float(start.shear @ self.resistance(at, start.mean))
+            resisted = float(start.shear @ self.resistance(log_factor, start.mean))
             if not resisted > 0.0 or not start.resisted > 0.0:
                 return start.log_factor
-            at += math.log(resisted / start.resisted)
-        return at
+            log_factor += math.log(resisted / start.resisted)
+        return log_factor
 
     def softening(self, at: float, mean: np.ndarray) -> np.ndarray:
         """Return the decrease of the strength R (points,) at ``mean`` stresses in Pa per unit of the logarithm of the

@@ -177,9 +177,9 @@ def loaded_ground(
     """
     first = 0.0  # Kh at which the first face fails
     if faces is None:
-        sand, always = cohesionless_faces(section, settings), faces_failing_at_rest(section, settings)
+        sand, faces_at_rest = cohesionless_faces(section, settings), faces_failing_at_rest(section, settings)
         first = min((face.kh for face in sand), default=np.inf)
-        faces = sand + always if first <= 0.0 or is_unique(section, settings) else always
+        faces = sand + faces_at_rest if first <= 0.0 or is_unique(section, settings) else faces_at_rest
     if not is_unique(section, settings):
         problem, constant, gravity = gravity_equilibrium(section, mesh, settings, comm, faces)
         load = seismic_load(problem, mesh, section, seismic_sign(section, settings))
@@ -192,7 +192,7 @@ def loaded_ground(
             raise UnstableError("the section fails under its own weight")
         if limit is None or not limit.multiplier <= first < np.inf or first <= 0.0:
             return LoadedGround(problem, weight, constant, None, faces, load, limit, settings)
-        faces, first = always, 0.0  # the ground below fails before them
+        faces, first = faces_at_rest, 0.0  # the ground below fails before them
 
 
 def is_unique(section: Section, settings: FemSettings) -> bool:

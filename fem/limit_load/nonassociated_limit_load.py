@@ -148,7 +148,7 @@ class _Step:
         """Return the Kh at which the ``pressure`` (cells,) no longer changes from iteration to iteration; None if it
         does not settle."""
         assert self._program is not None
-        off = np.inf
+        change_share = np.inf
         for number in range(MOST_PROGRAMS):
             if self.work > most_work:
                 self.reason = "the allowed work is used up"
@@ -161,13 +161,13 @@ class _Step:
                 self.reason = "the solver ended without an answer"
                 return None
             change = self._pressure(solution[1]) - pressure
-            off = float(np.linalg.norm(change) / np.linalg.norm(pressure))
-            if off < PRESSURE_TOLERANCE:
+            change_share = float(np.linalg.norm(change) / np.linalg.norm(pressure))
+            if change_share < PRESSURE_TOLERANCE:
                 return self._ratio * solution[0]
             pressure = (
                 pressure + (RELAXATION_FACTOR if number < PROGRAMS_BEFORE_LATER else LATER_RELAXATION_FACTOR) * change
             )
-        self.reason = f"pressures still change by {100.0 * off:.1f} %"
+        self.reason = f"pressures still change by {100.0 * change_share:.1f} %"
         return None
 
     def _pressure(self, stress: np.ndarray) -> np.ndarray:

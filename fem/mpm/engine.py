@@ -116,9 +116,9 @@ class MaterialPointEngine:
     def energy(self) -> MaterialPointEnergy:
         """Return the energy balance since the beginning."""
         (external, dissipated), (gained, buoyed) = self._sums.sum(axis=0), self._gained.sum(axis=0)
-        now = self.points.kinetic(self.grid.cell), self.points.elastic()
+        energies = self.points.kinetic(self.grid.cell), self.points.elastic()
         dissipated += self.base[grid_motion.LEFT]
-        return MaterialPointEnergy(float(external + buoyed), float(dissipated), float(gained), *now, *self._began)
+        return MaterialPointEnergy(float(external + buoyed), float(dissipated), float(gained), *energies, *self._began)
 
     def run(self, seconds: float, shaking: ShakingHistory | None = None, damping: float = 0.0) -> None:
         """Continue the motion for some seconds; ``shaking`` returns the acceleration by shaking (m/s²) at times (s).

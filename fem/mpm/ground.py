@@ -166,11 +166,14 @@ def _dip(section: Section) -> float:
     0 if no stratum liquefies."""
     layering = section.layering
     liquefies = np.array([bool(stratum.liquefies_in) for stratum in section.strata])
-    there = layering.present() & liquefies
-    slopes = ((layering.right - layering.left)[:, 1:] / layering.width[:, None])[there]
+    liquefying_present = layering.present() & liquefies
+    slopes = ((layering.right - layering.left)[:, 1:] / layering.width[:, None])[liquefying_present]
     if not len(slopes):
         return 0.0
-    length, order = np.broadcast_to(layering.width[:, None], there.shape)[there], np.argsort(slopes)
+    length, order = (
+        np.broadcast_to(layering.width[:, None], liquefying_present.shape)[liquefying_present],
+        np.argsort(slopes),
+    )
     reached = np.cumsum(length[order]) - 0.5 * length[order]
     return float(np.clip(np.interp(0.5 * length.sum(), reached, slopes[order]), -STEEPEST_ROW, STEEPEST_ROW))
 
@@ -221,13 +224,13 @@ def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> tupl
     """Return the vertical effective stress (n,) of the column above each point (Pa): with all of the surcharges, and
     with the share to which the ground has consolidated. Points below the base have the stresses at the base.
     """
-    at = _between_sides(section, places)
-    at[:, 1] = np.maximum(at[:, 1], section.layering.interfaces(at[:, 0])[:, -1])
+    points_inside = _between_sides(section, places)
+    points_inside[:, 1] = np.maximum(points_inside[:, 1], section.layering.interfaces(points_inside[:, 0])[:, -1])
     water, stratum = section.water_pressure, np.maximum(owners, 0)
     stratum = np.where(owners < 0, section.layering.strata - 1, stratum)
-    load = section.surface_loads.pressure(at[:, 0], at[:, 0])
-    all_of_it = water.vertical_effective(at, at, stratum, load=load)
-    return all_of_it, section.cohesion_field.effective_stress(at, at, stratum)
+    load = section.surface_loads.pressure(points_inside[:, 0], points_inside[:, 0])
+    effective_stress = water.vertical_effective(points_inside, points_inside, stratum, load=load)
+    return effective_stress, section.cohesion_field.effective_stress(points_inside, points_inside, stratum)
 
 
 def _add_surcharges(
@@ -257,9 +260,9 @@ def _soil(
     poisson = [min(s.poissons_ratio, LARGEST_POISSON) for s in strata]
     young, softened = [], []
     for s, nu, rho in zip(strata, poisson, mass, strict=True):
-        most = rho * FASTEST_WAVE**2 * (1.0 + nu) * (1.0 - 2.0 * nu) / (1.0 - nu)
-        young.append(min(s.youngs_modulus, most))
-        if s.youngs_modulus > most:
+        largest_stiffness = rho * FASTEST_WAVE**2 * (1.0 + nu) * (1.0 - 2.0 * nu) / (1.0 - nu)
+        young.append(min(s.youngs_modulus, largest_stiffness))
+        if s.youngs_modulus > largest_stiffness:
             softened.append(s.name)
     cohesion = np.where(inside, section.cohesion_field.at(places, places, k), RIGID_COHESION)
     friction = np.where(inside, of([s.friction_angle for s in strata]), 0.0)
@@ -327,15 +330,15 @@ def _between_sides(section: Section, points: np.ndarray) -> np.ndarray:
 def _pressure(section: Section, points: np.ndarray) -> np.ndarray:
     """Return the water pressure (n,) in the ground and above it (Pa). Beyond the sides and the base, the pressure is
     that at the side or the base."""
-    water, at = section.water_pressure, _between_sides(section, points)
-    levels = section.layering.interfaces(at[:, 0])
-    drop = np.maximum(levels[:, -1] - at[:, 1], 0.0)  # below the base it goes on as still water
-    at[:, 1] += drop
-    stratum = section.layering.stratum_at(at[:, 0], np.minimum(at[:, 1], levels[:, 0]))
-    inside = (at[:, 1] <= levels[:, 0]) & (stratum >= 0)
-    pressure = water.on_ground(at, at)
+    water, points_inside = section.water_pressure, _between_sides(section, points)
+    levels = section.layering.interfaces(points_inside[:, 0])
+    drop = np.maximum(levels[:, -1] - points_inside[:, 1], 0.0)  # below the base it goes on as still water
+    points_inside[:, 1] += drop
+    stratum = section.layering.stratum_at(points_inside[:, 0], np.minimum(points_inside[:, 1], levels[:, 0]))
+    inside = (points_inside[:, 1] <= levels[:, 0]) & (stratum >= 0)
+    pressure = water.on_ground(points_inside, points_inside)
     if inside.any():
-        places_inside = at[inside]
+        places_inside = points_inside[inside]
         pressure[inside] = water.at_rest(places_inside, places_inside, stratum[inside]) + water.excess(
             places_inside, places_inside, stratum[inside]
         )

@@ -102,7 +102,7 @@ class PointSlider:
         """
         self._come_to_rest()
         points = self.ground.points
-        far = float(np.abs(points.displacement[points.stratum >= 0]).max())
+        largest_movement = float(np.abs(points.displacement[points.stratum >= 0]).max())
         if self.ground.sides == "free-field":
             self.ground = with_free_sides(self.ground, self.engine.order)
             self.engine = MaterialPointEngine(self.ground.points, self.ground.grid, threads=self.engine.threads)
@@ -112,7 +112,7 @@ class PointSlider:
         points.v[:], points.affine[:] = 0.0, 0.0
         points.state[:, kernel.SHEARED] = 0.0
         self.engine.begin_again()
-        return far
+        return largest_movement
 
     def _come_to_rest(self) -> None:
         """Continue with damping until the ground is at rest; raises FloatingPointError as `settle` does."""
@@ -161,8 +161,8 @@ class PointSlider:
             if slide.at_rest(programme.still, programme.rest_from):
                 slide.settled, slide.reason = True, "the surface has come to rest"
             elif slide.stopped_by and slide.slide_max > ROOM_BEYOND_SIDES * float(np.ptp(self.ground.section.extent)):
-                where = "out of the section at" if self.ground.room > 0.0 else "across the section to"
-                slide.reason = f"the ground has moved {where} the {slide.stopped_by} side"
+                side_words = "out of the section at" if self.ground.room > 0.0 else "across the section to"
+                slide.reason = f"the ground has moved {side_words} the {slide.stopped_by} side"
             elif self.engine.time >= programme.duration - 1e-9:
                 slide.reason = f"still moving after {programme.duration:.3g} s"
             if checkpoint is not None and (slide.reason or time.monotonic() - saved_at > CHECKPOINT_INTERVAL):
@@ -246,16 +246,18 @@ class PointSlider:
         edge = edge_strength(x, height, mass, liquefies, strength, self.ground.grid.cell)
         sound = np.where(liquefies >= 0, after[:, STRENGTH], before[:, STRENGTH])[edge.points]
         sound += stress[edge.points] * np.where(liquefies >= 0, after[:, SINE], before[:, SINE])[edge.points]
-        less = edge.strength < sound
-        near, donor = edge.points[less], edge.donors[less]
-        after[np.ix_(near, [SINE, LIMIT])] = after[np.ix_(donor, [SINE, LIMIT])]
-        after[near, STRENGTH] = np.maximum(edge.strength[less] - stress[near] * after[near, SINE], 0.0)
+        weakened = edge.strength < sound
+        weakened_points, donor = edge.points[weakened], edge.donors[weakened]
+        after[np.ix_(weakened_points, [SINE, LIMIT])] = after[np.ix_(donor, [SINE, LIMIT])]
+        after[weakened_points, STRENGTH] = np.maximum(
+            edge.strength[weakened] - stress[weakened_points] * after[weakened_points, SINE], 0.0
+        )
         strains = potential[edge.donors] > 0.0
-        liquefies[edge.points[less | strains]] = liquefies[edge.donors[less | strains]]
-        near, donor = edge.points[strains], edge.donors[strains]
-        potential[near] = potential[donor]
-        most = LARGEST_SHARE * np.minimum(edge.strength, sound)[strains]
-        knee[near] = np.minimum(edge.demand[strains] * knee[donor], most)
+        liquefies[edge.points[weakened | strains]] = liquefies[edge.donors[weakened | strains]]
+        weakened_points, donor = edge.points[strains], edge.donors[strains]
+        potential[weakened_points] = potential[donor]
+        largest_strength = LARGEST_SHARE * np.minimum(edge.strength, sound)[strains]
+        knee[weakened_points] = np.minimum(edge.demand[strains] * knee[donor], largest_strength)
 
     def _soften(
         self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray, potential: np.ndarray, knee: np.ndarray
@@ -271,13 +273,13 @@ class PointSlider:
         in_layer = self.engine.original(self.ground.points.stratum) == layer
         share = thickness_over_width(x, height, mass, layer, in_layer, self.ground.grid.cell)[strains]
         strength = after[strains, STRENGTH] + self.ground.effective[strains] * after[strains, SINE]
-        hard = before[strains, SHEAR]
-        stiff = np.minimum((strength - knee[strains]) / (BEYOND * share), hard)
+        full_stiffness = before[strains, SHEAR]
+        stiff = np.minimum((strength - knee[strains]) / (BEYOND * share), full_stiffness)
         soft = np.minimum(knee[strains] / (potential[strains] * share), stiff)
         after[strains, SHEAR] = stiff
-        after[strains, BULK] += (stiff - hard) / 3.0  # λ + G at the same bulk modulus λ + 2 G / 3
+        after[strains, BULK] += (stiff - full_stiffness) / 3.0  # λ + G at the same bulk modulus λ + 2 G / 3
         after[strains, SOFT], after[strains, KNEE], after[strains, VISCOUS] = soft, knee[strains], CREEP_TIME * soft
-        before[strains, SOFT] = hard
+        before[strains, SOFT] = full_stiffness
 
     def _columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return for all points, in their original order: positions on the grid (n, 2) in m, heights (n,) in m of the
@@ -299,20 +301,23 @@ class PointSlider:
         for k, share in changes.items():
             in_stratum = self.began["liquefies"][order] == k
             before, after = (self.began[name][order][in_stratum] for name in ("before", "after"))
-            now = before + share * (after - before)
+            values = before + share * (after - before)
             apex = np.divide(
-                now[:, STRENGTH], now[:, SINE], out=np.full(len(now), UNLIMITED_TENSION), where=now[:, SINE] > 0.0
+                values[:, STRENGTH],
+                values[:, SINE],
+                out=np.full(len(values), UNLIMITED_TENSION),
+                where=values[:, SINE] > 0.0,
             )
-            now[:, LIMIT] = np.minimum(np.maximum(before[:, LIMIT], after[:, LIMIT]), apex)
+            values[:, LIMIT] = np.minimum(np.maximum(before[:, LIMIT], after[:, LIMIT]), apex)
             strains = after[:, KNEE] > 0.0
             if strains.any():
                 potential = np.ix_(strains, [SHEAR, BULK, SOFT])
-                now[potential] = before[potential] * (after[potential] / before[potential]) ** share
-                now[:, KNEE] = after[:, KNEE]
+                values[potential] = before[potential] * (after[potential] / before[potential]) ** share
+                values[:, KNEE] = after[:, KNEE]
                 points.scale_shear(np.flatnonzero(in_stratum)[strains], (1.0 - share) / (1.0 - shares[k]))
             points.properties[np.ix_(in_stratum, CHANGED_COLUMNS)], points.side[in_stratum] = (
-                now[:, :SIDE],
-                now[:, SIDE],
+                values[:, :SIDE],
+                values[:, SIDE],
             )
             draining = programme.drained / programme.onset if 0.0 < share < 1.0 else 0.0
             points.properties[points.stratum == k, kernel.DRAINS] = draining

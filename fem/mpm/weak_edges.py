@@ -94,12 +94,12 @@ def edge_strength(
     nearest: dict[int, tuple[float, int, float]] = {}
     for edge in (edge for of_column in edges.values() for edge in of_column):
         low, high = _rows(edge, edges, layer, cell)
-        near = edge.others[(row[edge.others] >= low) & (row[edge.others] <= high)]
-        for p in near[layer[near] < 0]:
+        neighbours = edge.others[(row[edge.others] >= low) & (row[edge.others] <= high)]
+        for p in neighbours[layer[neighbours] < 0]:
             scaled = edge.per_mass * above[p] if edge.below else strength[edge.donor]
-            away = abs(x[p, 1] - edge.z)
-            if away < nearest.get(p, (np.inf,))[0]:
-                nearest[p] = away, edge.donor, scaled
+            distance = abs(x[p, 1] - edge.z)
+            if distance < nearest.get(p, (np.inf,))[0]:
+                nearest[p] = distance, edge.donor, scaled
     points = np.array(sorted(nearest), dtype=int)
     donors = np.array([nearest[p][1] for p in points], dtype=int)
     strengths = np.array([nearest[p][2] for p in points], dtype=float)
@@ -212,11 +212,13 @@ def _rows(edge: _Edge, edges: dict[int, list[_Edge]], layer: np.ndarray, cell: f
     node = (edge.column + 1) // 2
     heights = [edge.z]
     for column in range(2 * node - 2, 2 * node + 2):
-        far = STEEPEST_EDGE * 0.5 * cell * abs(column - edge.column) + 1e-9
+        height_tolerance = STEEPEST_EDGE * 0.5 * cell * abs(column - edge.column) + 1e-9
         heights += [
             other.z
             for other in edges.get(column, ())
-            if other.below == edge.below and layer[other.donor] == layer[edge.donor] and abs(other.z - edge.z) <= far
+            if other.below == edge.below
+            and layer[other.donor] == layer[edge.donor]
+            and abs(other.z - edge.z) <= height_tolerance
         ]
     low = min(heights) / cell - (CELLS_BELOW if edge.below else 1.0)
     return int(np.ceil(low - 1e-6)), int(np.ceil(max(heights) / cell + 1.0 - 1e-6)) - 1

@@ -94,8 +94,8 @@ class EquilibriumPath:
                 break
             cutbacks += 1
             self._step *= 0.5
-        taken = self._step
-        self._accept(result, taken, cutbacks, at_rest=False)
+        step_taken = self._step
+        self._accept(result, step_taken, cutbacks, at_rest=False)
         if result.iterations <= FEW_ITERATIONS:
             self._step = min(self._step * STEP_GROWTH, self.settings.largest)
         elif result.iterations > MANY_ITERATIONS:
@@ -112,7 +112,7 @@ class EquilibriumPath:
         if self.settings.relaxation <= 0.0:
             return True
         if self.beta > 0.0:
-            return any(self.reach(self.factor * (1.0 - less)) for less in MULTIPLIER_REDUCTIONS)
+            return any(self.reach(self.factor * (1.0 - reduction)) for reduction in MULTIPLIER_REDUCTIONS)
         return self._relax(Constraint(self.control / self.reference, 0.0, 0.0))
 
     def reach(self, factor: float) -> bool:
@@ -195,11 +195,11 @@ class EquilibriumPath:
             zero = np.zeros_like(self.control)
             self.problem.use_elastic_tangent()
             self.problem.factorise()
-            along = self.problem.solve(self.loading.derivative(self.problem, zero, self.factor))
-            moved = self.problem.exchange.dot(self.control, along) / self.reference
-            self._elastic = along, moved + self.beta
-        along, length = self._elastic
-        return along * (step / length), step / length
+            load_displacement = self.problem.solve(self.loading.derivative(self.problem, zero, self.factor))
+            moved = self.problem.exchange.dot(self.control, load_displacement) / self.reference
+            self._elastic = load_displacement, moved + self.beta
+        load_displacement, length = self._elastic
+        return load_displacement * (step / length), step / length
 
     def _newton(self, factor: float, first: np.ndarray, constraint: Constraint | None) -> NewtonResult:
         newton = self.settings.newton

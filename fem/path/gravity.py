@@ -137,11 +137,11 @@ def bring_to_rest(
     if settings.sides != "periodic":
         problem.hold(FIXED_UNDER_GRAVITY)
     path = apply_load(problem, np.zeros_like(weight), weight, settings)
-    borne = np.where(problem.free, weight, problem.forces_of(problem.stress))
+    internal_force = np.where(problem.free, weight, problem.forces_of(problem.stress))
     problem.hold(fixed_components(settings))
-    more = np.where(problem.free, constant - borne, 0.0)
-    if problem.exchange.norm(more) > settings.tolerance * problem.exchange.norm(constant):
-        apply_load(problem, constant - more, more, settings)
+    missing_force = np.where(problem.free, constant - internal_force, 0.0)
+    if problem.exchange.norm(missing_force) > settings.tolerance * problem.exchange.norm(constant):
+        apply_load(problem, constant - missing_force, missing_force, settings)
     _begin_here(problem)
     return path
 
@@ -200,11 +200,11 @@ def _assign_strips(strips: Sequence[Stratum], strong: Section, problem: PlaneStr
 
     In a free mesh ``strips`` are all strata, since the cells do not follow the thin tips of layers.
     """
-    inside = strong.stratum_at(*problem.points().T)
+    strip_of_points = strong.stratum_at(*problem.points().T)
     names, stratum_names = ([stratum.name for stratum in strata] for strata in (strong.strata, problem.strata))
     for strip in strips:
         if strip.name in names:  # one that is strengthened as a whole is not
-            problem.material[inside == names.index(strip.name)] = stratum_names.index(strip.name)
+            problem.material[strip_of_points == names.index(strip.name)] = stratum_names.index(strip.name)
 
 
 def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
@@ -217,11 +217,13 @@ def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
         points, near = corners.reshape(-1, 2), np.repeat(corners.mean(axis=1), corners.shape[1], axis=0)
         in_stratum = np.repeat(mesh.stratum == k, corners.shape[1]) if (mesh.stratum == k).any() else slice(None)
         cohesion = field.at(points[in_stratum], near[in_stratum], np.full(len(points[in_stratum]), k))
-        most = max(float(cohesion.max()), 1e-9)  # Pa
+        largest_cohesion = max(float(cohesion.max()), 1e-9)  # Pa
         bins = np.linspace(
-            0.0, np.log(max(float(cohesion.min()), LOWEST_COHESION_RATIO * most) / most), COHESION_LEVELS
+            0.0,
+            np.log(max(float(cohesion.min()), LOWEST_COHESION_RATIO * largest_cohesion) / largest_cohesion),
+            COHESION_LEVELS,
         )[::-1]
-        strata += [section.strata[k].with_cohesion(float(c)) for c in most * np.exp(bins)]
+        strata += [section.strata[k].with_cohesion(float(c)) for c in largest_cohesion * np.exp(bins)]
     return strata
 
 
@@ -286,8 +288,8 @@ def side_force(problem: PlaneStrain, mesh: QuadMesh, section: Section, weight: n
     by_cell = np.einsum("cq,cqk,cqkd->cd", grid.weights, stress, grid.matrix)[:, 0::2]
     force = np.zeros_like(weight)
     for name, outwards in (("left", -1.0), ("right", 1.0)):
-        here = np.isin(grid.global_dofs[grid.dofs[:, 0::2]] // 2, grid.sides[name])
-        on_side = np.bincount(grid.stratum, (by_cell * here).sum(axis=1), minlength=len(section.strata))
+        side_nodes = np.isin(grid.global_dofs[grid.dofs[:, 0::2]] // 2, grid.sides[name])
+        on_side = np.bincount(grid.stratum, (by_cell * side_nodes).sum(axis=1), minlength=len(section.strata))
         pressed = k0_stress(section, name, outwards * grid.comm.allreduce(on_side))
 
         def traction(

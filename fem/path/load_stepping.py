@@ -35,13 +35,13 @@ def step_to_limit(
     mesh of the path; ``listener`` is called after every step.
     """
     recorded_kh = {kh for kh in wanted if 0.0 < kh <= min(known, limit)}
-    sure = limit if known > limit else CERTAIN_SHARE * known
+    certain_level = limit if known > limit else CERTAIN_SHARE * known
     shares = (share * known for share in LOAD_SHARES if share * known < limit)
     levels = {kh for kh in shares if all(abs(kh - other) > SMALLEST_DISTANCE * known for other in recorded_kh)}
     states: list[FieldState] = []
-    for kh in sorted({*levels, *recorded_kh, sure}):
+    for kh in sorted({*levels, *recorded_kh, certain_level}):
         is_hard = any(step.iterations > MANY_ITERATIONS for step in path.steps)
-        if is_hard and kh not in recorded_kh and kh != sure:
+        if is_hard and kh not in recorded_kh and kh != certain_level:
             continue
         if not path.reach(kh):
             continue
@@ -50,7 +50,7 @@ def step_to_limit(
         if listener is not None:
             listener(path)
     if known > limit:
-        more = "raise the limit to search for larger values"
-        return LimitLoad(path.factor, path.factor, "no failure", f"no failure up to {limit:g}", more), states
+        remedy = "raise the limit to search for larger values"
+        return LimitLoad(path.factor, path.factor, "no failure", f"no failure up to {limit:g}", remedy), states
     reason = f"the limit load of this mesh is known by limit analysis; the path was followed to Kh = {path.factor:.3f}"
     return LimitLoad(path.factor, known, "plateau", reason), states

@@ -172,22 +172,24 @@ def find_equilibrium(
             problem.factorise()
             step = problem.solve(residual)
             if constraint is not None:
-                along = problem.solve(loading.derivative(problem, increment, multiplier))
-                response = dot(constraint.control, along) + constraint.beta
+                load_displacement = problem.solve(loading.derivative(problem, increment, multiplier))
+                response = dot(constraint.control, load_displacement) + constraint.beta
                 # Strength reduction does not change ground that is elastic everywhere: then λ stays as it is.
                 change = -dot(constraint.control, step) / response if response != 0.0 else 0.0
-                step = step + change * along
+                step = step + change * load_displacement
         except SingularMatrixError:
             break
         part = 1.0
         for _ in range(settings.line_search + 1):
-            residual, new = residual_of(problem, loading, increment + part * step, multiplier + part * change, scale)
-            if new < norm:
+            residual, new_residual = residual_of(
+                problem, loading, increment + part * step, multiplier + part * change, scale
+            )
+            if new_residual < norm:
                 break
             part *= 0.5
         else:
             part *= 2.0
-        increment, multiplier, norm = increment + part * step, multiplier + part * change, new
+        increment, multiplier, norm = increment + part * step, multiplier + part * change, new_residual
         if not np.isfinite(norm):
             break
         stalled = 0 if norm < PROGRESS_RATIO * best else stalled + 1

@@ -127,9 +127,9 @@ def _equilibrium_below(path: EquilibriumPath, highest: float, summit: tuple[Any,
     multipliers are lower.
     """
     end, steps, in_equilibrium = path.mark(), list(path.steps), -np.inf
-    for less in MULTIPLIER_REDUCTIONS:
+    for reduction in MULTIPLIER_REDUCTIONS:
         path.back(summit)
-        if path.reach(highest * (1.0 - less)):
+        if path.reach(highest * (1.0 - reduction)):
             in_equilibrium = path.factor
             break
     path.back(end)

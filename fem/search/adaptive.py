@@ -146,27 +146,30 @@ class AdaptiveSearch:
             return self._towards(settings.direction, settings, no_other_kh)
         downhill = self.executor.submit(self._towards, "downhill", settings, no_other_kh)
         try:
-            up = self._towards("uphill", settings, lambda: downhill.result().result.kc)
+            uphill_result = self._towards("uphill", settings, lambda: downhill.result().result.kc)
         except NoAnswerError:
             downhill.result()  # its error is raised first
             raise
-        down = downhill.result()
-        counting = counting_directions(self.section, {"downhill": down.at_sides, "uphill": up.at_sides})
+        downhill_result = downhill.result()
+        counting = counting_directions(
+            self.section, {"downhill": downhill_result.at_sides, "uphill": uphill_result.at_sides}
+        )
         if "downhill" not in counting:
-            if up.result.kc > down.result.kc:  # its meshes ended where the other direction was taken to govern
-                up = self._towards("uphill", settings, nothing)
-            return replace(up, other=down)
-        if "uphill" in counting and up.result.kc < down.result.kc:
-            return replace(up, other=down)
-        return replace(down, other=up)
+            # Its meshes ended where the other direction was taken to govern.
+            if uphill_result.result.kc > downhill_result.result.kc:
+                uphill_result = self._towards("uphill", settings, no_other_kh)
+            return replace(uphill_result, other=downhill_result)
+        if "uphill" in counting and uphill_result.result.kc < downhill_result.result.kc:
+            return replace(uphill_result, other=downhill_result)
+        return replace(downhill_result, other=uphill_result)
 
     def _towards(
         self, direction: Direction, settings: FemSettings, other: Callable[[], float]
     ) -> AdaptiveResult[LimitLoadResult]:
         one_way = settings.changed(direction=direction)
         faces = self._rough_faces(one_way)
-        wish = Wish(settings.accuracy, self._most_cells(settings), other, LEAST_KH)
-        sequence = MeshSequence[LimitLoadResult](self.first, wish)
+        request = Wish(settings.accuracy, self._most_cells(settings), other, LEAST_KH)
+        sequence = MeshSequence[LimitLoadResult](self.first, request)
         while (mesh := sequence.mesh) is not None:
             self.tell(f"limit load of {len(mesh.cells)} cells, {direction}")
             answer: LimitLoadResult | NoAnswerError
@@ -205,20 +208,22 @@ class AdaptiveSearch:
         has no answer on the mesh of ``base``.
         """
         self.tell(f"limit load of {len(base.mesh.cells)} cells")
-        same = with_other_flow(base.result, self.section, base.mesh, other)
-        first = AdaptiveResult(same, base.mesh, [MeshRound(len(base.mesh.cells), same.kc, math.inf, math.inf)])
-        if same.mechanism is None or base.resolves(same.mechanism):
+        limit_load = with_other_flow(base.result, self.section, base.mesh, other)
+        first = AdaptiveResult(
+            limit_load, base.mesh, [MeshRound(len(base.mesh.cells), limit_load.kc, math.inf, math.inf)]
+        )
+        if limit_load.mechanism is None or base.resolves(limit_load.mechanism):
             return first
-        faces, strain = base.result.ground.faces, same.mechanism.plastic_shear_strain
+        faces, strain = base.result.ground.faces, limit_load.mechanism.plastic_shear_strain
         try:
             mesh = self._next(base.mesh, strain, len(base.mesh.cells), faces, other)
             self.tell(f"limit load of {len(mesh.cells)} cells")
             separate = critical_limit_load(self.section, mesh, other, self.comm, faces)
         except NoAnswerError:
             return first
-        if separate.kc > same.kc:
+        if separate.kc > limit_load.kc:
             return first
-        change = (same.kc - separate.kc) / max(separate.kc, SMALLEST_KH)
+        change = (limit_load.kc - separate.kc) / max(separate.kc, SMALLEST_KH)
         return AdaptiveResult(separate, mesh, [*first.rounds, MeshRound(len(mesh.cells), separate.kc, change, change)])
 
     def with_full_dilation(
@@ -236,12 +241,12 @@ class AdaptiveSearch:
             return ordered(base, compared)
         if compared.result.kc >= base.result.kc:
             return base, compared
-        again = critical_limit_load(self.section, compared.mesh, settings, self.comm, base.result.ground.faces)
-        last = replace(base.rounds[-1], cells=len(compared.mesh.cells), value=again.kc)
-        same = with_other_flow(again, self.section, compared.mesh, full)
+        recomputed = critical_limit_load(self.section, compared.mesh, settings, self.comm, base.result.ground.faces)
+        last = replace(base.rounds[-1], cells=len(compared.mesh.cells), value=recomputed.kc)
+        by_full_rule = with_other_flow(recomputed, self.section, compared.mesh, full)
         return ordered(
-            replace(base, result=again, mesh=compared.mesh, rounds=[*base.rounds[:-1], last]),
-            replace(compared, result=same),
+            replace(base, result=recomputed, mesh=compared.mesh, rounds=[*base.rounds[:-1], last]),
+            replace(compared, result=by_full_rule),
         )
 
     def with_davis(
@@ -275,9 +280,9 @@ class AdaptiveSearch:
         similar = adapted_to(like, faces) if like is not None else None
         guess = self._rough_safety(settings, kh) if similar is None else factor_like(similar, kh)
         remade = partial(self._next, faces=faces, settings=settings)
-        wish = Wish(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
+        request = Wish(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
         first, fits = (self.first, None) if similar is None else (similar.mesh, similar.is_as_fine_along)
-        sequence = MeshSequence[SafetyFactor](first, wish, fits)
+        sequence = MeshSequence[SafetyFactor](first, request, fits)
         while (mesh := sequence.mesh) is not None:
             self.tell(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")
             answer: SafetyFactor | NoAnswerError
@@ -318,18 +323,24 @@ class AdaptiveSearch:
         """Return the cohesionless faces to strengthen on a first mesh of many cells, determined on a coarse mesh.
         Return None if they have to be determined on the first mesh, by one more limit load.
         """
-        rough = self._rough_mesh()
+        rough_mesh = self._rough_mesh()
         try:
-            return critical_limit_load(self.section, rough, settings, self.comm).ground.faces if rough else None
+            return (
+                critical_limit_load(self.section, rough_mesh, settings, self.comm).ground.faces if rough_mesh else None
+            )
         except NoAnswerError:
             return None
 
     def _rough_safety(self, settings: FemSettings, kh: float) -> float:
         """Return the initial guess of the factor of safety: 1, or the factor on a coarse mesh if the first mesh is
         fine."""
-        rough = self._rough_mesh()
+        rough_mesh = self._rough_mesh()
         try:
-            return limit_load_safety_factor(self.section, rough, settings, kh, self.comm).factor if rough else 1.0
+            return (
+                limit_load_safety_factor(self.section, rough_mesh, settings, kh, self.comm).factor
+                if rough_mesh
+                else 1.0
+            )
         except NoAnswerError:
             return 1.0
 

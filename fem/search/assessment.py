@@ -99,7 +99,9 @@ def assess(
                 assessment = search.with_limit_loads(adapted, settings, safety)
         except UnstableError as error:
             raise search.fails(settings, error) from error
-        below_one = [each for each in assessment.safety if each.result.kh == 0.0 and _is_unsafe(each.result.factor)]
+        below_one = [
+            factor for factor in assessment.safety if factor.result.kh == 0.0 and _is_unsafe(factor.result.factor)
+        ]
         if adapted is not None and below_one:  # what little Kh there is, is the error of its mesh
             unstable = UnstableError("the section fails under its own weight on some meshes")
             raise search.fails(settings, unstable, below_one[0])
@@ -144,13 +146,13 @@ def _collected(
     ``compared`` is the critical Kh for the same direction by the flow rule that ``critical`` does not have: Davis's
     estimate if ``critical`` has ψ = φ, otherwise ψ = φ.
     """
-    outcomes = [each.result() for each in safety]
-    factors = [each for each in outcomes if not isinstance(each, ResultWarning)]
+    outcomes = [future.result() for future in safety]
+    factors = [future for future in outcomes if not isinstance(future, ResultWarning)]
     associated, davis = (None, compared) if critical.flow == "associated" else (compared, None)
     if davis is not None and any(f.result.kh == 0.0 and _is_unsafe(f.result.by_other_flow) for f in factors):
         davis = failing_by_itself(davis)
     warnings = warnings_of(critical, mesh, associated.result if associated else None)
-    warnings += [each for each in outcomes if isinstance(each, ResultWarning)]
+    warnings += [future for future in outcomes if isinstance(future, ResultWarning)]
     return Assessment(critical, mesh, adapted, opposite, associated, davis, factors, warnings)
 
 
@@ -332,15 +334,15 @@ class _Search:
                 error if self.section.uplift.words in error.reason else uplift_error(self.section.uplift, error.reason)
             )
         weakened = known or self.safety(settings, 0.0)
-        factor, where = weakened.result, _place_of(weakened) if weakened.result.factor <= 1.0 else ""
+        factor, place = weakened.result, _place_of(weakened) if weakened.result.factor <= 1.0 else ""
         message, remedy = f"{error.reason}; its factor of safety is {factor.factor:.2f}", error.remedy
-        loose = excess_pressure_advice(self.section.strata)
-        if factor.factor > 1.0 and loose:  # the factor is that before shaking
+        advice = excess_pressure_advice(self.section.strata)
+        if factor.factor > 1.0 and advice:  # the factor is that before shaking
             message = (
                 "the section fails at any Kh by excess pore pressure, and stands without this pressure, with "
                 f"a factor of safety of {factor.factor:.2f}"
             )
-            remedy = loose
+            remedy = advice
         elif factor.factor > 1.0 and settings.sides == "free-field":  # the factor is that between held sides
             message = (
                 f"{error.reason} with the K0 stress on its free-field sides, and stands with its sides held "
@@ -348,16 +350,16 @@ class _Search:
             )
             remedy = 'make the section longer, or take fem.sides = "smooth"'
         if is_dilating_fully(self.section.strata):
-            return UnstableError(message + where, remedy)
+            return UnstableError(message + place, remedy)
         if not self.is_substituted(settings):
             low = "" if factor.by_other_flow is None else f", and {factor.by_other_flow:.2f} {self.by('davis')}"
-            return UnstableError(f"{message} {self.by('associated')}{low}{where}", remedy)
+            return UnstableError(f"{message} {self.by('associated')}{low}{place}", remedy)
         full = factor.by_other_flow
         if full is None:
             full = self.safety(settings.changed(flow="associated"), 0.0).result.factor
         rule = f" {self.by('davis')}" if settings.flow == "davis" else ""
         remedy = 'with fem.flow = "associated" the ground stands, and has a critical Kh' if full > 1.0 else remedy
-        return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}{where}", remedy)
+        return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}{place}", remedy)
 
     def or_warning(
         self, settings: FemSettings, kh: float, like: AdaptiveResult[LimitLoadResult] | None = None
@@ -367,8 +369,8 @@ class _Search:
         try:
             return self.safety(settings, kh, like)
         except NoAnswerError as error:
-            why = f"There is no factor of safety at Kh = {kh:g}: {error}."
-            return ResultWarning(why, "use a smaller Kh", False)
+            warning = f"There is no factor of safety at Kh = {kh:g}: {error}."
+            return ResultWarning(warning, "use a smaller Kh", False)
 
     def by(self, flow: FlowSetting) -> str:
         """Return the name of a flow rule, such as "by Davis's estimate"."""

@@ -158,12 +158,12 @@ def critical_coefficient(
         If no state on the path is in equilibrium.
     """
 
-    towards = partial(_critical_in_direction, section, mesh, comm=comm, listener=listener, ground=ground)
+    critical_in = partial(_critical_in_direction, section, mesh, comm=comm, listener=listener, ground=ground)
     if settings.direction != "both":
-        return towards(settings=settings)
-    first = towards(settings=settings.changed(direction="downhill"))
-    most = min(settings.kh_limit, OTHER_DIRECTION_RATIO * max(first.kc, settings.first_step))
-    second = towards(settings=settings.changed(direction="uphill", kh_limit=most))
+        return critical_in(settings=settings)
+    first = critical_in(settings=settings.changed(direction="downhill"))
+    largest_kh = min(settings.kh_limit, OTHER_DIRECTION_RATIO * max(first.kc, settings.first_step))
+    second = critical_in(settings=settings.changed(direction="uphill", kh_limit=largest_kh))
     sides = (touched_sides(mesh, result.mechanism) for result in (first, second))
     counting = counting_directions(section, dict(zip(get_args(Direction), sides, strict=True)))
     if "downhill" not in counting or ("uphill" in counting and second.kc < first.kc):

@@ -32,19 +32,19 @@ def non_associated_path(
     Raises InputError, UnstableError and NoEquilibriumError.
     """
     # fields are asked for beyond the path alone, so that it is not taken once more for some on its way
-    wish = settings.changed(flow="non-associated", kh=(LARGEST,))
-    way: list[tuple[float, np.ndarray]] = []  # Kh and displacements (points, 2) in m
+    path_settings = settings.changed(flow="non-associated", kh=(LARGEST,))
+    recorded_path: list[tuple[float, np.ndarray]] = []  # Kh and displacements (points, 2) in m
 
     def step(path: EquilibriumPath) -> None:
-        way.append((path.factor, state_of(path.problem, mesh, "", path.factor).displacement))
+        recorded_path.append((path.factor, state_of(path.problem, mesh, "", path.factor).displacement))
         if listener is not None:
             listener(path)
 
-    result = critical_coefficient(section, mesh, wish, listener=step)
+    result = critical_coefficient(section, mesh, path_settings, listener=step)
     line = np.zeros((0, 2))
     if result.verdict != "no failure":
         last = next(state for state in reversed(result.states) if not state.past_equilibrium)
-        yielding = next((moved for kh, moved in way if kh >= YIELDED * result.kc), way[-1][1])
+        yielding = next((moved for kh, moved in recorded_path if kh >= YIELDED * result.kc), recorded_path[-1][1])
         line = slip_surface(mesh, replace(last, displacement=last.displacement - yielding))
     return result, line
 
@@ -59,9 +59,9 @@ def associated_kc(
     ``section``, ``mesh``, ``settings``, ``listener``: as in ``non_associated_path``. Raises InputError,
     UnstableError and NoEquilibriumError.
     """
-    wish = settings.changed(flow="associated", kh=())
-    if wish.direction != "both" and is_unique(section, wish):
-        ground = loaded_ground(section, mesh, wish)
+    associated_settings = settings.changed(flow="associated", kh=())
+    if associated_settings.direction != "both" and is_unique(section, associated_settings):
+        ground = loaded_ground(section, mesh, associated_settings)
         if ground.limit is not None:
-            return min(ground.limit.multiplier, wish.kh_limit)
-    return critical_coefficient(section, mesh, wish, listener=listener).upper
+            return min(ground.limit.multiplier, associated_settings.kh_limit)
+    return critical_coefficient(section, mesh, associated_settings, listener=listener).upper

@@ -214,15 +214,18 @@ class MeshSequence(Generic[F]):
             self._fits is not None and mechanism is not None and self._fits(mechanism)
         )
         cells = len(mesh.cells)
-        more = CELL_RATIO if len(self._rounds) > 1 else SMALLEST_CELL_RATIO if self._is_adapted else 1.0
-        wanted = max(math.ceil(more * cells), FEWEST_CELLS)
-        if wanted > self._wish.max_cells >= SMALLEST_CELL_RATIO * cells and self._largest < MOST_LARGEST_MESHES:
-            wanted, self._largest = self._wish.max_cells, self._largest + 1
-        self._reason = _reason_to_stop(self._rounds, answer, wanted, self._wish)
+        cell_ratio = CELL_RATIO if len(self._rounds) > 1 else SMALLEST_CELL_RATIO if self._is_adapted else 1.0
+        requested_cells = max(math.ceil(cell_ratio * cells), FEWEST_CELLS)
+        if (
+            requested_cells > self._wish.max_cells >= SMALLEST_CELL_RATIO * cells
+            and self._largest < MOST_LARGEST_MESHES
+        ):
+            requested_cells, self._largest = self._wish.max_cells, self._largest + 1
+        self._reason = _reason_to_stop(self._rounds, answer, requested_cells, self._wish)
         if not self._reason:
             assert answer.mechanism is not None
             try:
-                self.mesh = remade(mesh, answer.mechanism.plastic_shear_strain, wanted)
+                self.mesh = remade(mesh, answer.mechanism.plastic_shear_strain, requested_cells)
             except NoAnswerError as error:
                 self._end(error)
         return None
@@ -244,14 +247,14 @@ class MeshSequence(Generic[F]):
         """Return the value on a mesh of the sequence, its difference from the mesh before, and its remaining error."""
         if not self._rounds:
             return MeshRound(cells, value, math.inf, math.inf)
-        before, size = self._rounds[-1], max(abs(value), SMALLEST_KH)
-        left = remaining_error(before, cells, value)
-        rest = (left if left >= 0.0 else -RISE_RATIO * left) / size
-        if value > min(mesh.value for mesh in self._rounds) and math.isfinite(before.rest):
+        previous, size = self._rounds[-1], max(abs(value), SMALLEST_KH)
+        error = remaining_error(previous, cells, value)
+        rest = (error if error >= 0.0 else -RISE_RATIO * error) / size
+        if value > min(mesh.value for mesh in self._rounds) and math.isfinite(previous.rest):
             # After a rise, an answer that stays above an earlier one has at least the error of before, on more cells.
-            rest = max(rest, before.rest * before.cells / cells)
-        tells = left >= 0.0 or cells >= (1.0 + SMALLEST_CELL_GAIN) * before.cells
-        return MeshRound(cells, value, abs(value - before.value) / size, rest, tells)
+            rest = max(rest, previous.rest * previous.cells / cells)
+        tells = error >= 0.0 or cells >= (1.0 + SMALLEST_CELL_GAIN) * previous.cells
+        return MeshRound(cells, value, abs(value - previous.value) / size, rest, tells)
 
 
 def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wish: Wish) -> str:

@@ -76,7 +76,7 @@ class UniformSlope:
         water: float | None = None,
     ) -> None:
         self.angle, self.radius = angle, radius
-        columns, rows = (round(way / (2.0 * radius)) for way in (length, sum(thickness)))
+        columns, rows = (round(size / (2.0 * radius)) for size in (length, sum(thickness)))
         bare = tied_packing(columns, rows, radius, porosity=POROSITY, seed=seed).without_upper_plate()
         layers = list(layers_of(VOID_RATIO))
         if len(layers) != len(thickness):
