@@ -127,8 +127,8 @@ def _match_sides() -> None:
         curves = [int(curve) for curve in gmsh.model.getEntitiesForPhysicalGroup(1, tag)]
         sides.append(sorted(curves, key=lambda curve: float(gmsh.model.getBoundingBox(1, curve)[1])))
     for left, right in zip(*sides, strict=True):
-        low, there = (np.array(gmsh.model.getBoundingBox(1, curve)[:2]) for curve in (left, right))
-        x, z = there - low
+        low, target = (np.array(gmsh.model.getBoundingBox(1, curve)[:2]) for curve in (left, right))
+        x, z = target - low
         gmsh.model.mesh.setPeriodic(1, [right], [left], [1, 0, 0, x, 0, 1, 0, z, 0, 0, 1, 0, 0, 0, 0, 1])
 
 

@@ -20,8 +20,8 @@ def build_mapped(section: Section, settings: MeshSettings) -> None:
     """
     blocks = blocks_of(section)
     if isinstance(blocks, str):
-        wish = 'expected the same layers all along, or method = "free"'
-        raise InputError(section.name, [f'mesh, method = "mapped": not possible, {blocks}; {wish}'])
+        expected = 'expected the same layers all along, or method = "free"'
+        raise InputError(section.name, [f'mesh, method = "mapped": not possible, {blocks}; {expected}'])
     widths, thickness = np.diff(blocks.x), band_thickness(blocks)
     columns, rows = divisions(blocks, settings.columns, settings.rows, settings.size, settings.max_cells)
     problems = [

@@ -65,7 +65,7 @@ def edge_jumps(mesh: TriMesh, pressure: np.ndarray) -> EdgeJumps:
     ends = mesh.edges[interior]
     first, second = (at_ends(mesh, pressure, mesh.edge_cells[interior, side], ends) for side in (0, 1))
     jump = first - second
-    there = np.abs(jump).max(axis=1) > SAME_PRESSURE * np.abs(pressure).max(initial=0.0)
-    normal = outward_normals(mesh, mesh.edge_cells[interior[there], 0], ends[there])
-    traction = jump[there][:, :, None] * normal[:, None, :]
-    return EdgeJumps(interior[there], ends[there], traction, np.zeros_like(traction))
+    jumping = np.abs(jump).max(axis=1) > SAME_PRESSURE * np.abs(pressure).max(initial=0.0)
+    normal = outward_normals(mesh, mesh.edge_cells[interior[jumping], 0], ends[jumping])
+    traction = jump[jumping][:, :, None] * normal[:, None, :]
+    return EdgeJumps(interior[jumping], ends[jumping], traction, np.zeros_like(traction))

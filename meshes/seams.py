@@ -108,11 +108,11 @@ def seam_ends(layers: Layering, k: int, size: Callable[[np.ndarray], np.ndarray]
     top, bottom = (np.column_stack([layers.left[:, j], layers.right[:, j]]) for j in (k, k + 1))
     thick, wanted = top - bottom, size(np.column_stack([at.ravel(), top.ravel()])).reshape(at.shape)
     thin = (thick.max(axis=1) > 0.0) & (thick < wanted).all(axis=1)
-    there = np.minimum(thick[:-1, 1], thick[1:, 0])
+    thickness = np.minimum(thick[:-1, 1], thick[1:, 0])
     moved = np.maximum(np.abs(top[1:, 0] - top[:-1, 1]), np.abs(bottom[1:, 0] - bottom[:-1, 1]))
     divided = np.where(moved > layers.tolerance, thin[:-1] | thin[1:], thin[:-1] != thin[1:])
     room = LOWEST * np.minimum(wanted[:-1, 1], wanted[1:, 0])
-    return layers.x[1:-1][divided & (there > np.maximum(room, layers.tolerance))]
+    return layers.x[1:-1][divided & (thickness > np.maximum(room, layers.tolerance))]
 
 
 def _touch(first: Seam, second: Seam, tolerance: float) -> bool:
@@ -128,8 +128,8 @@ def _common(first: Seam, second: Seam, tolerance: float) -> np.ndarray:
 
 def _fit(first: Seam, second: Seam, tolerance: float) -> bool:
     """Return whether two seams that touch have exactly the same points there, and as many rows at a common end."""
-    here, there = _common(first, second, tolerance), _common(second, first, tolerance)
-    same = np.array_equal(here, there)
+    own_part, other_part = _common(first, second, tolerance), _common(second, first, tolerance)
+    same = np.array_equal(own_part, other_part)
     ends = [{tuple(seam.top[end]), tuple(seam.bottom[end])} for seam in (first, second) for end in (0, -1)]
     return same and (first.rows == second.rows or not any(a == b for a in ends[:2] for b in ends[2:]))
 
@@ -250,10 +250,10 @@ def along_and_above(start: np.ndarray, end: np.ndarray, points: np.ndarray) -> t
     Lines of a section that are nearer to each other than the tolerance at one x count as one line. If the distance were
     measured perpendicular to a steep face, lines below the face would count as one with it much earlier.
     """
-    way, offset = end - start, points - start
-    cross = np.abs(offset[:, 0] * way[1] - offset[:, 1] * way[0])
-    length = float(np.hypot(*way))
-    return offset @ way / length, cross / (abs(float(way[0])) or length)
+    direction, offset = end - start, points - start
+    cross = np.abs(offset[:, 0] * direction[1] - offset[:, 1] * direction[0])
+    length = float(np.hypot(*direction))
+    return offset @ direction / length, cross / (abs(float(direction[0])) or length)
 
 
 def _paired(top: np.ndarray, bottom: np.ndarray, length: Callable[[float], float]) -> np.ndarray:

@@ -55,8 +55,8 @@ def with_finer_strips(mesh: QuadMesh, indicator: np.ndarray, cells: int) -> Quad
     worth = np.bincount(strips_of_cell.ravel(), ((indicator * size)[:, None] * width).ravel(), minlength=count)
     added = np.bincount(strips_of_cell.ravel(), minlength=count)
     order = np.argsort(-worth / np.maximum(added, 1), kind="stable")
-    cut = order[: 1 + int(np.searchsorted(np.cumsum(added[order]), cells - len(mesh.cells)))]
-    return _halved(mesh, strips, np.isin(strips.of_edge, cut))
+    selected = order[: 1 + int(np.searchsorted(np.cumsum(added[order]), cells - len(mesh.cells)))]
+    return _halved(mesh, strips, np.isin(strips.of_edge, selected))
 
 
 def _halved(mesh: QuadMesh, strips: Strips, marked: np.ndarray) -> QuadMesh:

@@ -84,10 +84,10 @@ def _stepped_once(
 
     for k in (None, *range(layers.strata)):
         for tip in _tips(layers, k):
-            cut = _step_of(layers, k, *tip, least)
-            if cut is None:
+            step = _step_of(layers, k, *tip, least)
+            if step is None:
                 continue
-            x_tip, (thick, at, area) = tip[0], cut
+            x_tip, (thick, at, area) = tip[0], step
             if (near := _near_breakpoint(layers, k, *tip, at, thick)) is not None:
                 at, (thick, area) = near, _step_at(layers, k, *tip, near)
             layers = _with_breakpoint(layers, at)
@@ -96,7 +96,7 @@ def _stepped_once(
                 at = float(layers.x[joined[0]] if tip[1] < 0 else layers.x[joined[-1] + 1])
                 thick, area = _step_at(layers, k, *tip, at)
             stretch = min(at, x_tip), max(at, x_tip)
-            what, soil = ("the section", "") if k is None else (_part(names, k), shown_name(soils[k]))
+            subject, soil = ("the section", "") if k is None else (_part(names, k), shown_name(soils[k]))
             if (
                 k is not None
                 and _is_outcrop(layers, k, x_tip, soils, least)
@@ -104,10 +104,10 @@ def _stepped_once(
             ):
                 more = thicker.areas()[k] - layers.areas()[k]
                 layers = thicker
-                notices.append(TipChange(what, soil, x_tip, thick, x_tip, more))
+                notices.append(TipChange(subject, soil, x_tip, thick, x_tip, more))
                 continue
             layers = _without(layers, k, *stretch, joined)
-            notices.append(TipChange(what, soil, x_tip, thick, at, -area))
+            notices.append(TipChange(subject, soil, x_tip, thick, at, -area))
         for start, end in [] if k is None else _crumbs(layers, k, least):
             area = layers.areas()[k]
             layers = _without(layers, k, start, end, _of_seam(layers, k, start, end, soils, least))
@@ -206,9 +206,9 @@ def _step_of(layers: Layering, k: int | None, tip: float, way: int, least: float
     None without a step."""
     whole = layers.areas().sum() if k is None else layers.areas()[k]
     for thick in (share * least for share in SMALLER):
-        cut = _cut_of(layers, k, tip, way, thick)
-        if cut is not None and cut[1] <= MOST * whole:
-            return thick, *cut
+        removed = _cut_of(layers, k, tip, way, thick)
+        if removed is not None and removed[1] <= MOST * whole:
+            return thick, *removed
     return None
 
 
@@ -378,10 +378,10 @@ def without_needless(layers: Layering, cell: float) -> Layering:
     near = 0.5 * cell
     gaps = np.diff(layers.x)
     before, after = layers.right[:-1], layers.left[1:]
-    there = layers.present()
+    present = layers.present()
     fixed = np.ones(len(layers.x), dtype=bool)
     fixed[1:-1] = (gaps[:-1] >= near) & (gaps[1:] >= near)
-    fixed[1:-1] |= (there[:-1] != there[1:]).any(axis=1) | (np.abs(before - after) > layers.tolerance).any(axis=1)
+    fixed[1:-1] |= (present[:-1] != present[1:]).any(axis=1) | (np.abs(before - after) > layers.tolerance).any(axis=1)
     weights = np.ones(layers.strata + 1)
     weights[[0, -1]] = OUTLINE
     left = np.vstack([layers.left[:1], before, layers.right[-1:]]) * weights

@@ -49,12 +49,12 @@ def _sentence(tips: Sequence[TipChange]) -> str:
     """Return a sentence on the tips of one soil."""
     if len(tips) == 1:
         return tips[0].words
-    what = f"stratum {tips[0].soil}" if tips[0].soil else "the section"
+    subject = f"stratum {tips[0].soil}" if tips[0].soil else "the section"
     places = ", ".join(sorted({f"{tip.x:.4g}" for tip in tips}, key=float))
     steps = " to ".join(sorted({f"{end([tip.step for tip in tips]):.2g}" for end in (min, max)}, key=float))
     lost, gained = (sum(max(sign * tip.gain, 0.0) for tip in tips) for sign in (-1.0, 1.0))
     areas = [f"lose {lost:.2g} m²"] * bool(lost > 0.0) + [f"gain {gained:.2g} m²"] * bool(gained > 0.0)
     return (
-        f"mesh: {what} thins out to nothing at {len(tips)} tips, x = {places} m; in the mesh the tips end in steps of "
-        f"{steps} m and {' and '.join(areas) or 'keep their area'}"
+        f"mesh: {subject} thins out to nothing at {len(tips)} tips, x = {places} m; in the mesh the tips end in steps "
+        f"of {steps} m and {' and '.join(areas) or 'keep their area'}"
     )

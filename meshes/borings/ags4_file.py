@@ -222,21 +222,21 @@ def _samples(name: str, groups: Groups) -> tuple[Sample, ...]:
         if not row.get("ISPT_TOP"):
             groups.problems.append(f"boring {name}: a blow count N = {count or report} without a depth, ISPT_TOP")
             continue
-        where = f"boring {name}, SPT at {row['ISPT_TOP']} {groups.units['ISPT_TOP']}"
+        place_words = f"boring {name}, SPT at {row['ISPT_TOP']} {groups.units['ISPT_TOP']}"
         driven = _driven(row)
         if not count and not report and not driven:
-            groups.notices.append(f"{where}: has neither ISPT_NVAL nor ISPT_REP, and is not used")
+            groups.notices.append(f"{place_words}: has neither ISPT_NVAL nor ISPT_REP, and is not used")
             continue
         depth = _number(row, "ISPT_TOP", name, groups) + MIDDLE
         if math.isnan(depth):
             continue
-        sample = _sample(row, f"{where}, ", depth, _count_of(count, report, driven), groups)
+        sample = _sample(row, f"{place_words}, ", depth, _count_of(count, report, driven), groups)
         if sample is None:
             continue
         other = samples.setdefault(depth, sample)
         if other is not sample:
             samples[depth] = min(sample, other, key=lambda candidate: candidate.N)
-            groups.notices.append(f"{where}: N = {other.N:g} and {sample.N:g}; the smaller value is used")
+            groups.notices.append(f"{place_words}: N = {other.N:g} and {sample.N:g}; the smaller value is used")
     return tuple(samples[depth] for depth in sorted(samples))
 
 

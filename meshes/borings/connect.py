@@ -79,8 +79,8 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
         first, last = sorted(np.unravel_index(int(apart.argmax()), apart.shape))
         if apart[first, last] == 0.0:
             raise InputError("borings", ["all borings are at the same place"])
-        way = (points[last] - points[first]) / apart[first, last]
-        x, offsets = (points - points[first]) @ way, (points - points[first]) @ [-way[1], way[0]]
+        direction = (points[last] - points[first]) / apart[first, last]
+        x, offsets = (points - points[first]) @ direction, (points - points[first]) @ [-direction[1], direction[0]]
         problems = [f"boring {log.name}: {abs(away):.1f} m off the line of the section; {REMEDY}, --off allows more "
                     f"than {off_line:g} m"
                     for log, away in zip(logs, offsets, strict=True) if abs(away) > off_line]  # fmt: skip
@@ -156,14 +156,14 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
     bottoms = np.empty((len(names), len(x)))
     for k in range(len(names)):
         above = ground if k == 0 else bottoms[k - 1]
-        here = [_estimated_bottom(known, k, i, at, borings[i].log) for i in range(len(borings))]
+        bottoms_here = [_estimated_bottom(known, k, i, at, borings[i].log) for i in range(len(borings))]
         for place in range(len(x)):
             left, odd = divmod(place, 2)
-            values = (here[left], here[left + 1]) if odd else (here[left],)
-            there = [value for value in values if value is not None]
-            level = float(np.mean(there)) if len(there) == len(values) else float(above[place])
-            if len(there) < len(values) == 2 and there and above[place] == ground[place]:
-                level = _end_at_the_ground(there[0], levels[left if values[0] is None else left + 1], level)
+            values = (bottoms_here[left], bottoms_here[left + 1]) if odd else (bottoms_here[left],)
+            known_values = [value for value in values if value is not None]
+            level = float(np.mean(known_values)) if len(known_values) == len(values) else float(above[place])
+            if len(known_values) < len(values) == 2 and known_values and above[place] == ground[place]:
+                level = _end_at_the_ground(known_values[0], levels[left if values[0] is None else left + 1], level)
             bottoms[k, place] = min(level, float(above[place]))
     notices = [*alike, *notices, *_water_above(borings)]
     return Connected(borings, names, x, ground, bottoms, soundings, tuple(notices))

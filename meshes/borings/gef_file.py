@@ -51,8 +51,8 @@ def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
         header.setdefault(key.upper(), []).append([value.strip() for value in values.split(",")])
     kinds = [line[0] for key in ("REPORTCODE", "PROCEDURECODE") for line in header.get(key, [])]
     if not mark or "COLUMNINFO" not in header or any("CPT" not in kind.upper() for kind in kinds):
-        what = f", not {kinds[0]}" if kinds else ""
-        raise InputError(str(path), [f"expected a cone penetration test in GEF, GEF-CPT-Report{what}"])
+        kind_words = f", not {kinds[0]}" if kinds else ""
+        raise InputError(str(path), [f"expected a cone penetration test in GEF, GEF-CPT-Report{kind_words}"])
     try:
         log = _log(path, header, data.partition("\n")[2])
     except InputError:
@@ -67,8 +67,8 @@ def _log(path: Path, header: Header, data: str) -> Log:
     problems."""
     columns = {int(line[3]): (int(line[0]) - 1, line[1]) for line in header["COLUMNINFO"]}
     if RESISTANCE not in columns or not {FRICTION, RATIO} & columns.keys() or not {LENGTH, DEPTH} & columns.keys():
-        wish = "depth (quantity 1 or 11), cone resistance (2) and sleeve friction (3) or friction ratio (4)"
-        raise InputError(str(path), [f"expected columns of {wish}"])
+        expected = "depth (quantity 1 or 11), cone resistance (2) and sleeve friction (3) or friction ratio (4)"
+        raise InputError(str(path), [f"expected columns of {expected}"])
     factors = {number: _factor(number, *columns[number]) for number in (LENGTH, DEPTH, *STRESSES) if number in columns}
     factors[RATIO] = 0.01
     area = [float(line[1]) for line in header.get("MEASUREMENTVAR", []) if line[0] == AREA_RATIO]

@@ -23,10 +23,10 @@ def implausible_tests(borings: Sequence[Boring]) -> list[str]:
     """Return one sentence for each impossible number of borings in [triggering]."""
     problems: list[str] = []
     for number, boring in enumerate(borings, start=1):
-        where = f'triggering, borings {number} "{boring.name}"'
+        key = f'triggering, borings {number} "{boring.name}"'
         for place, sample in enumerate(boring.spt, start=1):
-            problems += implausible_sample(f"{where}, spt {place}, ", sample, UNUSUAL)
-        problems += implausible_cones(f"{where}, cpt, ", boring.cpt, UNUSUAL)
+            problems += implausible_sample(f"{key}, spt {place}, ", sample, UNUSUAL)
+        problems += implausible_cones(f"{key}, cpt, ", boring.cpt, UNUSUAL)
     problems = folded(problems)
     samples = [sample for boring in borings for sample in boring.spt]
     return problems + [f"triggering, borings: {text}{UNUSUAL}" for text in shares_for_percent(samples)]

@@ -224,8 +224,8 @@ def _in_plane(drawn: Sequence[Shape], unused: Counter[str]) -> list[Shape]:
     shapes = []
     for shape in drawn:
         if upright is not None:
-            (origin, way) = upright
-            plane = np.column_stack([(shape.points[:, :2] - origin) @ way, shape.points[:, 2]])
+            (origin, direction) = upright
+            plane = np.column_stack([(shape.points[:, :2] - origin) @ direction, shape.points[:, 2]])
         elif np.ptp(shape.points[:, 2]) > JOINED:
             unused[f"{shape.kind} on layer {shape.layer}, which does not lie in the plane of the drawing"] += 1
             continue
@@ -248,14 +248,14 @@ def _upright(points: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     if np.ptp(points[:, 2]) <= JOINED:
         return None
     plan = points[:, :2]
-    for axis, way in ((1, [1.0, 0.0]), (0, [0.0, 1.0])):
+    for axis, direction in ((1, [1.0, 0.0]), (0, [0.0, 1.0])):
         if np.ptp(plan[:, axis]) <= JOINED:
-            return np.zeros(2), np.array(way)
+            return np.zeros(2), np.array(direction)
     first = plan[np.lexsort((plan[:, 1], plan[:, 0]))[0]]
     far = plan[int(np.argmax(np.hypot(*(plan - first).T)))] - first
-    way = far / np.hypot(*far)
-    across = np.abs((plan - first) @ np.array([-way[1], way[0]]))
-    return (first, way) if across.max() <= JOINED else None
+    direction = far / np.hypot(*far)
+    across = np.abs((plan - first) @ np.array([-direction[1], direction[0]]))
+    return (first, direction) if across.max() <= JOINED else None
 
 
 def _once(shapes: Sequence[Shape], unused: Counter[str]) -> list[Shape]:

@@ -91,8 +91,10 @@ def as_input_errors(path: Path, expected: str) -> Iterator[None]:
     except KeyError as error:
         raise InputError(str(path), [f'{expected}; it has no "{error.args[0]}"']) from error
     except (LookupError, TypeError, ValueError, AttributeError, StopIteration) as error:
-        why = f" ({error})" if type(error) in (LookupError, ValueError) else ""
-        raise InputError(str(path), [f"{expected}; required parts are missing, or have another form{why}"]) from error
+        reason = f" ({error})" if type(error) in (LookupError, ValueError) else ""
+        raise InputError(
+            str(path), [f"{expected}; required parts are missing, or have another form{reason}"]
+        ) from error
 
 
 def within_reason(entries: Sequence[zipfile.ZipInfo]) -> Sequence[zipfile.ZipInfo]:

@@ -75,8 +75,8 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
         (of["Label"], part("states", "StateId", of), part("geometries", "GeometryId", of)["Layers"])
         for of in reversed(scenario["Stages"])
     ]
-    where = f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"'
-    notices = [where, *others]
+    stage_words = f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"'
+    notices = [stage_words, *others]
     if len(scenario["Stages"]) > 1:
         notices.append(
             "not read: earlier stages, except preconsolidation, which is stored as the difference to the stress in "
@@ -85,7 +85,7 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
     table = _table(water)
     outlines = part("geometries", "GeometryId")["Layers"]
     if not outlines:
-        raise InputError(str(path), [f"{where}: the stage has no layers; expected at least one"])
+        raise InputError(str(path), [f"{stage_words}: the stage has no layers; expected at least one"])
     layers = [_layer(corners(_pairs(item["Points"])), of_layer[item["Id"]], water, table, states, notices)
               for item in outlines]  # fmt: skip
     loads = part("loads", "LoadsId")

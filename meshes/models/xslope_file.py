@@ -105,8 +105,8 @@ def _tables(rows: Rows, title: str, *heads: str) -> Iterator[Points]:
     """Yield the numbers below every row of ``heads`` that has a ``title`` above it, a list of tuples for each; nothing
     if there is none."""
     for i, j in ((i, j) for i, row in enumerate(rows[1:], start=1) for j in range(len(row) - len(heads) + 1)):
-        here = tuple(str(cell or "").strip().lower() for cell in rows[i][j : j + len(heads)])
-        if here != heads or title not in str(rows[i - 1][j] or "").lower():
+        row_of_heads = tuple(str(cell or "").strip().lower() for cell in rows[i][j : j + len(heads)])
+        if row_of_heads != heads or title not in str(rows[i - 1][j] or "").lower():
             continue
         numbers: list[Any] = []
         for row in rows[i + 1 :]:

@@ -94,8 +94,8 @@ class CohesionField:
         """Return the thickness (m) and middle (n, 2) of a stratum on the vertical lines that cross it."""
         x, levels = self._verticals
         top, bottom = levels[:, stratum : stratum + 2].T
-        there = top > bottom
-        return (top - bottom)[there], np.column_stack([x, 0.5 * (top + bottom)])[there]
+        present = top > bottom
+        return (top - bottom)[present], np.column_stack([x, 0.5 * (top + bottom)])[present]
 
     @property
     def notices(self) -> list[tuple[int, str]]:
@@ -225,17 +225,17 @@ class CohesionField:
         stresses (Pa)."""
         cohesion = np.empty(len(points))
         for k in np.unique(stratum):
-            here, soil = stratum == k, self.water.strata[k]
-            cohesion[here] = soil.cohesion
+            in_stratum, soil = stratum == k, self.water.strata[k]
+            cohesion[in_stratum] = soil.cohesion
             if not soil.cohesion_varies:
                 continue
-            place, nearby, start = points[here], near[here], self.starts[k]
+            place, nearby, start = points[in_stratum], near[in_stratum], self.starts[k]
             depth = np.zeros(len(place)) if start is None else level_at(start, place[:, 0], nearby[:, 0]) - place[:, 1]
             stress = np.zeros(len(place))
             if soil.strength_ratio:
-                pore = None if pressure is None else pressure[here]
+                pore = None if pressure is None else pressure[in_stratum]
                 stress = self.effective_stress(place, nearby, np.full(len(place), k), self.consolidated[k], pore)
-            cohesion[here] = law(soil, depth, stress)
+            cohesion[in_stratum] = law(soil, depth, stress)
         return cohesion
 
 

@@ -118,8 +118,8 @@ class Tally:
 
         ``above``, ``below``: names of the strata; ``height``: height of the gap (m); ``column``: number of the column.
         """
-        here = self.gaps.setdefault((above, below), [0.0, self.x[column], self.x[column + 1]])
-        here[0], here[2] = max(here[0], height), self.x[column + 1]
+        gap_entry = self.gaps.setdefault((above, below), [0.0, self.x[column], self.x[column + 1]])
+        gap_entry[0], gap_entry[2] = max(gap_entry[0], height), self.x[column + 1]
 
     def sentences(self) -> list[str]:
         sentences = [
@@ -211,16 +211,16 @@ class _Cell:
 
 def _cells(edges: _Edges, x: np.ndarray, column: int, rank: Sequence[float], tally: Tally) -> list[_Cell]:
     """Return the cells of a column, from the top down."""
-    here = np.flatnonzero((edges.first <= column) & (edges.last > column))
-    start, end = x[edges.first[here]], x[edges.last[here]]
+    crossing = np.flatnonzero((edges.first <= column) & (edges.last > column))
+    start, end = x[edges.first[crossing]], x[edges.last[crossing]]
     share = (x[[column, column + 1]][:, None] - start) / (end - start)
-    lines = (edges.z_first[here] + share * (edges.z_last[here] - edges.z_first[here])).T
+    lines = (edges.z_first[crossing] + share * (edges.z_last[crossing] - edges.z_first[crossing])).T
     order = np.argsort(-lines.sum(axis=1), kind="stable")
     inside: set[int] = set()
     cells = []
     width = float(x[column + 1] - x[column])
     for upper, lower in pairwise(order):
-        inside ^= {int(edges.outline[here[upper]])}
+        inside ^= {int(edges.outline[crossing[upper]])}
         top, bottom = lines[upper], lines[lower]
         thick = float((top - bottom).mean())
         if thick <= SNAP:

@@ -167,13 +167,13 @@ def without_pockets(parts: DividedStratum, cell: float) -> DividedStratum:
     whole = thickness.sum(axis=0)
     for part in (0, 1):
         for first, last in _runs(thickness[part]):
-            here = slice(first, last)
+            span = slice(first, last)
             short = parts.x[last] - parts.x[first] <= LONGEST_POCKET * cell
-            thin = thickness[part, here].max() <= (THICKEST_POCKET if short else FILM) * cell
+            thin = thickness[part, span].max() <= (THICKEST_POCKET if short else FILM) * cell
             sharp = min(thickness[part, first, 0], thickness[part, last - 1, 1]) <= 0.0
-            if thin and sharp and np.all(2.0 * thickness[part, here] <= whole[here]):
-                level[here] += thickness[0, here] if part == 0 else -thickness[1, here]
-                thickness[1 - part, here], thickness[part, here] = whole[here], 0.0
+            if thin and sharp and np.all(2.0 * thickness[part, span] <= whole[span]):
+                level[span] += thickness[0, span] if part == 0 else -thickness[1, span]
+                thickness[1 - part, span], thickness[part, span] = whole[span], 0.0
     return DividedStratum(parts.x, level, thickness)
 
 

@@ -236,8 +236,8 @@ def _is_straight(x: np.ndarray, left: np.ndarray, right: np.ndarray, three: list
 
 def _rebuilt(x: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return a line (n, 2) from its elevations left and right of each x, which are NaN beyond its ends."""
-    there = np.flatnonzero(np.isfinite(left) | np.isfinite(right))
-    x, left, right = x[there], left[there], right[there]
+    known = np.flatnonzero(np.isfinite(left) | np.isfinite(right))
+    x, left, right = x[known], left[known], right[known]
     left[0], right[-1] = right[0], left[-1]
     chain = np.column_stack([np.repeat(x, 2), np.column_stack([left, right]).ravel()])
     chain = without_repeats(chain)

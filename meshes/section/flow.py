@@ -96,7 +96,7 @@ def _without_islands(grid: FlowGrid, heads: np.ndarray) -> np.ndarray:
     _, part = connected_components(coo_array((np.ones(len(ends)), ends.T), shape=(size, size)), directed=False)
     heads = heads.copy()
     for number in np.setdiff1d(part, part[np.isfinite(heads)]):
-        here = np.flatnonzero(part == number)
-        lowest = here[np.argmin(grid.points[here, 1])]
+        members = np.flatnonzero(part == number)
+        lowest = members[np.argmin(grid.points[members, 1])]
         heads[lowest] = grid.points[lowest, 1]
     return heads

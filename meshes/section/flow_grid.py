@@ -82,18 +82,18 @@ class FlowGrid:
             rungs = self.rungs[j]
             if not len(rungs):
                 continue
-            here = np.flatnonzero(strip == j)
-            share = ((points[here, 0] - self.x[j]) / (self.x[j + 1] - self.x[j]))[:, None]
+            in_strip = np.flatnonzero(strip == j)
+            share = ((points[in_strip, 0] - self.x[j]) / (self.x[j + 1] - self.x[j]))[:, None]
             heights, there = (
                 (1.0 - share) * field[rungs[:, 0]] + share * field[rungs[:, 1]] for field in (self.points[:, 1], values)
             )
-            z = points[here, 1]
+            z = points[in_strip, 1]
             below = np.clip((heights <= z[:, None]).sum(axis=1) - 1, 0, len(rungs) - 2)
-            row = np.arange(len(here))
+            row = np.arange(len(in_strip))
             low, high = heights[row, below], heights[row, below + 1]
             # Beside its strip, by less than the tolerance, the upper one of two edges that cross counts: the ground.
             part = np.clip(np.divide(z - low, high - low, out=np.ones(len(z)), where=high > low), 0.0, 1.0)
-            result[here] = (1.0 - part) * there[row, below] + part * there[row, below + 1]
+            result[in_strip] = (1.0 - part) * there[row, below] + part * there[row, below + 1]
         return result
 
 

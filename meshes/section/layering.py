@@ -98,9 +98,9 @@ class Layering:
         """Return the outlines (n, 2) of a stratum, counter-clockwise, one for each connected piece; pieces also end at
         breakpoints that are ``cuts``."""
         pieces: list[list[int]] = []
-        cut = np.isin(self.x, cuts)
+        at_cuts = np.isin(self.x, cuts)
         for i in np.flatnonzero(self.present()[:, stratum]):
-            if pieces and pieces[-1][-1] == i - 1 and not cut[i] and self._joined(i, stratum):
+            if pieces and pieces[-1][-1] == i - 1 and not at_cuts[i] and self._joined(i, stratum):
                 pieces[-1].append(i)
             else:
                 pieces.append([i])

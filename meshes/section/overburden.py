@@ -51,24 +51,24 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
     side.
     """
     levels = section.layering.interfaces(np.array([x]))[0]
-    here = float(levels[0]) - depth
+    elevation = float(levels[0]) - depth
     water = water_level(section, x)
     unit_weight = FRESH * GRAVITY if section.water is None else float(section.water.unit_weight)
-    thickness = np.clip(levels[:-1], here, None) - np.clip(levels[1:], here, None)
+    thickness = np.clip(levels[:-1], elevation, None) - np.clip(levels[1:], elevation, None)
     total = GRAVITY * float(thickness @ [stratum.density_seismic for stratum in section.strata])
     pressure = free_water = 0.0
     if water is not None:
         free_water = unit_weight * max(0.0, water - float(levels[0]))
-        pressure = unit_weight * max(0.0, water - here)
-    stratum = int(section.stratum_at(np.array([x]), np.array([here]))[0])
+        pressure = unit_weight * max(0.0, water - elevation)
+    stratum = int(section.stratum_at(np.array([x]), np.array([elevation]))[0])
     level = water_level(section, x, stratum)
-    below_water = level is not None and level > here
+    below_water = level is not None and level > elevation
     if section.water_pressure.still:  # levels and ratios of the strata and a drawdown are in it
-        place, field = np.array([[x, here]]), section.water_pressure
+        place, field = np.array([[x, elevation]]), section.water_pressure
         pressure = float(field.at_rest(place, place, np.array([stratum]))[0])
         free_water = float(field.ponded(field.after, place, place)[0])
         below_water = below_water and pressure > 0.0
-    added, drained = loads = _loads(section, x, here)
+    added, drained = loads = _loads(section, x, elevation)
     return Overburden(stratum, total + added, total + free_water - pressure + drained, below_water, loads)
 
 
@@ -111,5 +111,5 @@ def reaches_water(section: Section, stratum: int) -> bool:
     points = _level(section, stratum)
     if points is None:
         return False
-    there = levels[:, stratum] > levels[:, stratum + 1]
-    return bool(np.any(there & (levels[:, stratum + 1] < np.interp(x, *points.T) - 1e-9)))
+    present = levels[:, stratum] > levels[:, stratum + 1]
+    return bool(np.any(present & (levels[:, stratum + 1] < np.interp(x, *points.T) - 1e-9)))

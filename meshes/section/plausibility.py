@@ -158,22 +158,22 @@ def against_the_water(
     for k, s in enumerate(strata):
         parts = divided_by_water(layers, k, level)
         above, below = (float(0.5 * np.diff(parts.x) @ thick.sum(axis=1)) for thick in parts.thickness)
-        where = key_in_file(strata, k)
+        key = key_in_file(strata, k)
         whole = max(above + below, 1e-300)
         if drawn is not None and s.buoyant and above > WRONG_SIDE * whole:
             yield (
-                f"{where}: its ordinary density is buoyant, and {100 * above / whole:.0f} % of it lies above the water "
+                f"{key}: its ordinary density is buoyant, and {100 * above / whole:.0f} % of it lies above the water "
                 "table; [water] with density and density_saturated cuts it there"
             )
         if drawn is not None and not s.buoyant and below > WRONG_SIDE * whole:
             yield (
-                f"{where}: its ordinary density is not buoyant, and {100 * below / whole:.0f} % of it lies below the "
+                f"{key}: its ordinary density is not buoyant, and {100 * below / whole:.0f} % of it lies below the "
                 "water table; [water] with density and density_saturated cuts it there"
             )
         if s.liquefiable and s.piezometric_level is None and below <= WRONG_SIDE * whole:
-            yield f"{where}: it liquefies in {list(s.liquefies_in)}, and lies above the water table"
+            yield f"{key}: it liquefies in {list(s.liquefies_in)}, and lies above the water table"
         if table is not None and s.density_saturated is None and s.name.endswith(BELOW_WATER):
-            yield f"{where}: it has no density_saturated, so that density is used below the water, too"
+            yield f"{key}: it has no density_saturated, so that density is used below the water, too"
 
 
 def not_lower(before: np.ndarray | None, after: np.ndarray) -> Iterator[str]:
@@ -197,10 +197,10 @@ def _away_from_the_ground(layers: Layering, level: np.ndarray) -> Iterator[str]:
     """Yield a sentence if the water (n, 2) stands above all of the ground, or lies below all of it."""
     x = np.concatenate([layers.x[:-1], layers.x[1:]])
     top, base = (np.concatenate([layers.left[:, k], layers.right[:, k]]) for k in (0, -1))
-    here = np.interp(x, *level.T)
-    if (here > top).all():
-        yield f"water: all of the ground lies below water, at most {float((here - top).max()):.4g} m deep"
-    elif (here < base).all():
+    level_at_x = np.interp(x, *level.T)
+    if (level_at_x > top).all():
+        yield f"water: all of the ground lies below water, at most {float((level_at_x - top).max()):.4g} m deep"
+    elif (level_at_x < base).all():
         yield "water: the water table lies below the base of the section, so that all of the ground is dry"
 
 
@@ -232,7 +232,9 @@ def nothing_flows(water: WaterPressure) -> Iterator[str]:
         return
     low, high = float(table[:, 1].min()), float(table[:, 1].max())
     if high - low <= LEVEL:
-        why = f"the water table has one level, {high:g} m; expected levels that differ at the sides or in free water"
+        reason = f"the water table has one level, {high:g} m; expected levels that differ at the sides or in free water"
     else:
-        why = "a wall closes the section, or the levels at the sides and of free water are equal where water could flow"
-    yield f"water, flow = true: no water flows, because {why}"
+        reason = (
+            "a wall closes the section, or the levels at the sides and of free water are equal where water could flow"
+        )
+    yield f"water, flow = true: no water flows, because {reason}"

@@ -192,16 +192,16 @@ def _key(location: tuple[int | str, ...], data: Any) -> str:
 
 def model_at(location: tuple[int | str, ...], model: type[BaseModel]) -> type[BaseModel] | None:
     """Return the model that has the field at this location."""
-    here: type[BaseModel] | None = model
+    owner: type[BaseModel] | None = model
     for step in location[:-1]:
         if isinstance(step, int):
             continue
-        if here is None:
+        if owner is None:
             return None
-        field = here.model_fields.get(step)
-        others = here.__annotations__.get("__pydantic_extra__")  # of keys that a user makes up
-        here = next(_models_in(others if field is None else field.annotation), None)
-    return here
+        field = owner.model_fields.get(step)
+        others = owner.__annotations__.get("__pydantic_extra__")  # of keys that a user makes up
+        owner = next(_models_in(others if field is None else field.annotation), None)
+    return owner
 
 
 def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
@@ -212,13 +212,13 @@ def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def _known_keys(location: tuple[int | str, ...], model: type[BaseModel]) -> list[str]:
-    here = model_at(location, model)
-    return [field.alias or name for name, field in here.model_fields.items()] if here else []
+    owner = model_at(location, model)
+    return [field.alias or name for name, field in owner.model_fields.items()] if owner else []
 
 
 def _description(location: tuple[int | str, ...], model: type[BaseModel]) -> str:
-    here = model_at(location, model)
-    fields = {field.alias or name: field for name, field in here.model_fields.items()} if here else {}
+    owner = model_at(location, model)
+    fields = {field.alias or name: field for name, field in owner.model_fields.items()} if owner else {}
     field = fields.get(str(location[-1]))
     return (field.description or "") if field else ""
 

@@ -29,11 +29,11 @@ def structure_problems(structures: Sequence[Structure], extent: tuple[float, flo
     left, right = extent
     problems = []
     for k, structure in enumerate(structures, start=1):
-        where = f'structures {k} "{structure.name}", from = {structure.start:g} m, to = {structure.end:g} m'
+        key = f'structures {k} "{structure.name}", from = {structure.start:g} m, to = {structure.end:g} m'
         if not structure.end > structure.start:
-            problems.append(f"{where}: expected the left foot, then the right foot")
+            problems.append(f"{key}: expected the left foot, then the right foot")
         elif structure.start < left or structure.end > right:
-            problems.append(f"{where}: lies off the section, which reaches from {left:g} to {right:g} m")
+            problems.append(f"{key}: lies off the section, which reaches from {left:g} to {right:g} m")
     names = [structure.name for structure in structures]
     return problems + [
         f'structures: {names.count(name)} structures are called "{name}"; expected different names'

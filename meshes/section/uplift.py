@@ -115,8 +115,8 @@ def _along(
     pressure = water.at_rest(points, near, np.full(len(ends), k))
     weight = water.overburden(points, near) + water.ponded(water.after, points, near)
     weight = weight - loads.dead(points, near, np.repeat(UPWARDS, len(points), axis=0))[:, 1]
-    there = (elevations[:, k] > elevations[:, k + 1]).reshape(-1, 2).any(axis=1, keepdims=True)
-    pressure, weight = (np.where(there, stress.reshape(-1, 2), 0.0) for stress in (pressure, weight))
+    present = (elevations[:, k] > elevations[:, k + 1]).reshape(-1, 2).any(axis=1, keepdims=True)
+    pressure, weight = (np.where(present, stress.reshape(-1, 2), 0.0) for stress in (pressure, weight))
     return points.reshape(-1, 2, 2), pressure, weight
 
 

@@ -63,8 +63,8 @@ class WaterPressure:
         """Return the static pore pressure (n,), without shaking."""
         pressure = np.zeros(len(points))
         for k in np.unique(stratum):
-            here = stratum == k
-            pressure[here] = self._of_stratum(int(k), points[here], near[here])
+            in_stratum = stratum == k
+            pressure[in_stratum] = self._of_stratum(int(k), points[in_stratum], near[in_stratum])
         return pressure
 
     def _of_stratum(self, k: int, points: np.ndarray, near: np.ndarray) -> np.ndarray:
@@ -110,8 +110,8 @@ class WaterPressure:
         """
         ground = self._top(points, near, top)
         if top is not None:
-            cut = self._top(near, near, top)[:, 1] < self._top(near, near)[:, 1] - self.layers.tolerance
-            load = np.where(cut, 0.0, load)
+            lowered = self._top(near, near, top)[:, 1] < self._top(near, near)[:, 1] - self.layers.tolerance
+            load = np.where(lowered, 0.0, load)
         free = 0.0 if self.after is None else self.hydrostatic(self.after, ground, near)
         total = self.overburden(points, near, top) + free + load
         pressure = self.at_rest(points, near, stratum) if pressure is None else pressure

@@ -47,10 +47,10 @@ def _crossing(points: np.ndarray) -> np.ndarray | None:
         others = np.array([j for j in range(i + 2, count) if (j + 1) % count != i], dtype=int)
         between, across = start[others] - start[i], _cross(run[i], run[others])
         with np.errstate(divide="ignore", invalid="ignore"):
-            here, there = _cross(between, run[others]) / across, _cross(between, run[i]) / across
-        met = (across != 0.0) & (here >= 0.0) & (here <= 1.0) & (there >= 0.0) & (there <= 1.0)
+            own_share, other_share = _cross(between, run[others]) / across, _cross(between, run[i]) / across
+        met = (across != 0.0) & (own_share >= 0.0) & (own_share <= 1.0) & (other_share >= 0.0) & (other_share <= 1.0)
         if met.any():
-            return np.asarray(start[i] + here[np.argmax(met)] * run[i])
+            return np.asarray(start[i] + own_share[np.argmax(met)] * run[i])
     return None
 
 

@@ -363,8 +363,8 @@ def slide(
 
     invocation, cases = Invocation.of(section, folder, {}, settings), tuple(case) if case else None
     invocation.refuse_unknown(cases or ())
-    both = model is None and "mpm" in invocation.config.slide.methods
-    stage, also = "mpm" if model == "mpm" else "slide", ("mpm",) if both else ()
+    with_points = model is None and "mpm" in invocation.config.slide.methods
+    stage, also = "mpm" if model == "mpm" else "slide", ("mpm",) if with_points else ()
     execute(*_up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), also, cases=cases))
 
 

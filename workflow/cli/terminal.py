@@ -157,10 +157,10 @@ def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[s
     from workflow.run.display import Display
 
     shown = [stage for stage in job.stages if stage.name in choice.chosen]
-    what = "noshiro " + shlex.join(sys.argv[1:])
+    command_line = "noshiro " + shlex.join(sys.argv[1:])
     try:
         with Display(err, shown, verbosity) as display:
-            pipeline.execute(replace(job, executor=Processes(job.config.dem.workers)), choice, display, what)
+            pipeline.execute(replace(job, executor=Processes(job.config.dem.workers)), choice, display, command_line)
     except InputError as error:
         raise error.of_file(job.config.section.name, job.section_file) from None
     except NoAnswerError:

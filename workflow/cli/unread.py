@@ -45,9 +45,9 @@ def unread(settings: Sequence[str], job: Job, chosen: Sequence[str], without: Ca
     stages = [stage for stage in job.stages if stage.name in chosen]
     reads = reads_of(stages)
     computing = [stage for stage in stages if not stage.of_all]
-    alone = {key for key, stage in WHETHER.items() if [*chosen] == [stage]}
+    switches = {key for key, stage in WHETHER.items() if [*chosen] == [stage]}
     return [key for key in settings
-            if key in alone or (not is_read(key, reads) and not _changes(computing, job, key, without))]  # fmt: skip
+            if key in switches or (not is_read(key, reads) and not _changes(computing, job, key, without))]  # fmt: skip
 
 
 def _changes(stages: Sequence[Stage], job: Job, key: str, without: Callable[[str], Job]) -> bool:

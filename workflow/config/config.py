@@ -345,8 +345,8 @@ def _find_files(data: Mapping[str, Any], folder: Path) -> None:
 def merged(lower: Mapping[str, Any], upper: Mapping[str, Any]) -> dict[str, Any]:
     """Return two nested tables merged into one. Values of the upper table replace values of the lower table with the
     same key."""
-    both = {**lower, **upper}
+    tables = {**lower, **upper}
     for key in lower.keys() & upper.keys():
         if isinstance(lower[key], Mapping) and isinstance(upper[key], Mapping):
-            both[key] = merged(lower[key], upper[key])
-    return both
+            tables[key] = merged(lower[key], upper[key])
+    return tables

@@ -71,9 +71,9 @@ def _row(lines: Lines, place: int) -> np.ndarray:
 
 def _recorded(values: np.ndarray) -> np.ndarray:
     """Return the values without missing samples at either end. Raises ValueError for missing samples in between."""
-    there = ~np.isin(values, NOT_RECORDED)
-    known = np.flatnonzero(there)
-    if not len(known) or not there[known[0] : known[-1] + 1].all():
+    recorded = ~np.isin(values, NOT_RECORDED)
+    known = np.flatnonzero(recorded)
+    if not len(known) or not recorded[known[0] : known[-1] + 1].all():
         raise ValueError("samples are missing within the record")
     return values[known[0] : known[-1] + 1]
 

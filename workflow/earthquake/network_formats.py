@@ -89,8 +89,8 @@ def peer(lines: Lines) -> list[RecordedSeries]:
     quantity, unit = word_of(line), unit_in(line)
     values = free_numbers(lines, place + 1)
     if len(values) != int(match[1]):
-        what = " ".join(word for word in (quantity.lower(), unit and f"in {unit}") if word)
-        raise ValueError(_wrong_number(len(values), int(match[1]), f"line {place + 1} (NPTS)", what))
+        series = " ".join(word for word in (quantity.lower(), unit and f"in {unit}") if word)
+        raise ValueError(_wrong_number(len(values), int(match[1]), f"line {place + 1} (NPTS)", series))
     time = steps(len(values), float(match[2]) * second, f"line {place + 1}")
     return [RecordedSeries("PEER", "", time, values, unit, quantity)]
 
@@ -103,13 +103,13 @@ def knet(lines: Lines) -> list[RecordedSeries]:
         key = "Scale Factor" if scale is None else "Sampling Freq(Hz)"
         raise ValueError(f'is a K-NET file whose heading has no "{key}"')
     counts = free_numbers(lines, KNET_LINES)
-    peak, way = KNET_PEAK.search(head), KNET_WAY.search(head)
+    peak, direction = KNET_PEAK.search(head), KNET_WAY.search(head)
     length, stated = len(counts) / float(rate[1]), KNET_DURATION.search(head)
     if stated is not None and length < float(stated[1]) - 1.0:
         raise ValueError(f"is cut off: it holds {length:g} s; Duration Time(s) is {stated[1]}; expected the whole file")
     values = counts * float(scale[1]) / float(scale[2])
     time = steps(len(counts), 1.0 / float(rate[1]), "Sampling Freq(Hz)")
-    return [RecordedSeries("K-NET", way[1] if way else "", time, values, "gal", "acceleration",
+    return [RecordedSeries("K-NET", direction[1] if direction else "", time, values, "gal", "acceleration",
                            float(peak[1]) if peak else None, counts=True)]  # fmt: skip
 
 

@@ -228,11 +228,11 @@ def _times(values: np.ndarray, column: TableColumn) -> np.ndarray:
         raise ValueError(
             f"the time falls from {values[back[0]]:g} {shown} to {values[back[0] + 1]:g} {shown}; expected it to rise"
         )
-    same = np.flatnonzero(np.diff(values) == 0.0)
-    if len(values) >= VALUES_IN_A_ROW and len(same) > SAME_TIMES * len(values):
+    repeated = np.flatnonzero(np.diff(values) == 0.0)
+    if len(values) >= VALUES_IN_A_ROW and len(repeated) > SAME_TIMES * len(values):
         raise ValueError(
-            f"{len(same)} of its {len(values)} times are equal to the time before, such as {values[same[0]]:g}: they "
-            "have too few digits; expected rising times"
+            f"{len(repeated)} of its {len(values)} times are equal to the time before, such as "
+            f"{values[repeated[0]]:g}: they have too few digits; expected rising times"
         )
     typical = float(np.median(np.diff(values))) * second
     if len(values) >= 50 and typical > LONGEST_STEP:

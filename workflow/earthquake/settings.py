@@ -165,12 +165,12 @@ class EarthquakeSettings(Model):
             notices.append(f"slide, kh = {cycles.kh:g} follows from [earthquake]: {cycles.words}")
         elif slide is not None and self.is_assumed(slide):
             magnitude = REFERENCE_MAGNITUDE if self.magnitude is None else self.magnitude
-            why, remedy = "no shaking of the slides is given", "give [earthquake], a record"
+            reason, remedy = "no shaking of the slides is given", "give [earthquake], a record"
             if self != EarthquakeSettings():
-                why = "[earthquake] has no peak acceleration"
+                reason = "[earthquake] has no peak acceleration"
                 remedy = "give the peak, or magnitude and distance, or a record"
             notices.append(
-                f"{why}; {slide.shaking} is assumed, with the cycles of magnitude {magnitude:g}: {remedy}, or kh "
+                f"{reason}; {slide.shaking} is assumed, with the cycles of magnitude {magnitude:g}: {remedy}, or kh "
                 "(0 for a slide by its weight alone)"
             )
         elif slide is not None:

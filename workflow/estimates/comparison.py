@@ -124,8 +124,8 @@ def block_slide(settings: Tables, kc: float) -> BlockSlide | None:
         slide = drive.slide(kc, kh)
         return None if math.isinf(slide) else BlockSlide(slide, slide, f"Kh = {kh:g} {drive.words}")
     record = settings.sliding_block.in_use()
-    both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
-    return BlockSlide(min(both), max(both), f"{record.name}, in both directions")
+    slides = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
+    return BlockSlide(min(slides), max(slides), f"{record.name}, in both directions")
 
 
 def _constant(settings: Tables, kc: float, resisted: str) -> Iterator[Estimate]:
@@ -140,11 +140,13 @@ def _constant(settings: Tables, kc: float, resisted: str) -> Iterator[Estimate]:
 
 def _newmark(settings: Tables, kc: float, resisted: str) -> Iterator[Estimate]:
     record = settings.sliding_block.in_use()
-    both = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
-    named = zip(("positive", "negative", "mean"), (*both, sum(both) / 2.0), strict=True)
+    slides = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
+    named = zip(("positive", "negative", "mean"), (*slides, sum(slides) / 2.0), strict=True)
     peak = f"{record.name} ({record.kind}), peak {record.peak:.2f} m/s², {resisted}"
-    for way, slide in named:
-        yield Estimate("block", f"rigid block under the accelerogram, {way}", slide, peak, NEWMARK, NEWMARK_VALIDITY)
+    for direction, slide in named:
+        yield Estimate(
+            "block", f"rigid block under the accelerogram, {direction}", slide, peak, NEWMARK, NEWMARK_VALIDITY
+        )
 
 
 def _smooth(section: Section) -> Estimate:

@@ -144,14 +144,14 @@ def _block_under_average(section: Section, settings: Tables, kc: float, slip_sur
         return
     average = column.average_above(depth)
     time = column.step * np.arange(len(average))
-    both = [newmark(time, sign * average, kc).permanent for sign in (1.0, -1.0)]
+    slides = [newmark(time, sign * average, kc).permanent for sign in (1.0, -1.0)]
     flow = flow_words(section, settings.fem.flow)
     words = (
         f"{column.record} through the layers at x = {column.x:g} m: k_max = {column.k_max(depth):.3f} "
-        f"above {depth:g} m, resisted by kc = {kc:.3f} {flow}; {both[0]:.2g} and {both[1]:.2g} m either way"
+        f"above {depth:g} m, resisted by kc = {kc:.3f} {flow}; {slides[0]:.2g} and {slides[1]:.2g} m either way"
     )
     validity = f"{BLOCK}; one-dimensional, equivalent linear site response"
-    yield Estimate("block", "rigid block under the average acceleration", sum(both) / 2.0, words, MAKDISI, validity)
+    yield Estimate("block", "rigid block under the average acceleration", sum(slides) / 2.0, words, MAKDISI, validity)
 
 
 def _depth_of(slip_surface: np.ndarray, section: Section, x: float) -> float | None:

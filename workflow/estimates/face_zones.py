@@ -62,24 +62,24 @@ def zones_against(
     """
     first, last = section.extent
     crest, middle = structure.crest, 0.5 * (surface[0][0] + surface[-1][0])
-    near, far = (crest.left, crest.right) if towards == LEFT else (crest.right, crest.left)
-    if _slides(surface) != towards or (middle - far) * towards < 0.0:
-        new = StrongZone(far, last) if towards == LEFT else StrongZone(first, far)
+    near_edge, far_edge = (crest.left, crest.right) if towards == LEFT else (crest.right, crest.left)
+    if _slides(surface) != towards or (middle - far_edge) * towards < 0.0:
+        zone = StrongZone(far_edge, last) if towards == LEFT else StrongZone(first, far_edge)
     else:
         end = 0 if towards == LEFT else -1
         exit_x = _snapped(section, surface[end][0], least_depth)
         if len(circle) and (circle[end][0] - exit_x) * towards >= -least_depth:
-            low, high = np.interp([exit_x, near], *section.ground.T)
-            ends = sorted((exit_x, near))
-            new = StrongZone(ends[0], ends[1], max(least_depth, FACE_THICKNESS * float(high - low)))
+            low, high = np.interp([exit_x, near_edge], *section.ground.T)
+            ends = sorted((exit_x, near_edge))
+            zone = StrongZone(ends[0], ends[1], max(least_depth, FACE_THICKNESS * float(high - low)))
         else:
             top = _top_of_slope(section.ground, towards, surface)
-            if top is None or (top - near) * towards <= 0.0:
+            if top is None or (top - near_edge) * towards <= 0.0:
                 return None
-            new = StrongZone(first, top) if towards == LEFT else StrongZone(top, last)
-    if new.end - new.start <= 0.0 or any(new.start < other.end and other.start < new.end for other in zones):
+            zone = StrongZone(first, top) if towards == LEFT else StrongZone(top, last)
+    if zone.end - zone.start <= 0.0 or any(zone.start < other.end and other.start < zone.end for other in zones):
         return None
-    return (*zones, new)
+    return (*zones, zone)
 
 
 def _snapped(section: Section, x: float, near: float) -> float:

@@ -57,9 +57,9 @@ def liquefied(section: Section, case: int, columns: int = 400) -> LiquefiedLayer
     if not which:
         return None
     total = layers[:, which].sum(axis=1)
-    here = total > 0.0
-    if here.sum() < 2:
+    liquefies = total > 0.0
+    if liquefies.sum() < 2:
         return None
     lowest = np.min([np.where(layers[:, k] > 0.0, levels[:, k + 1], np.inf) for k in which], axis=0)
-    gradients = [abs(float(np.polyfit(x[here], line[here], 1)[0])) for line in (levels[:, 0], lowest)]
-    return LiquefiedLayers(float(total[here].mean()), 100.0 * max(gradients), float(total.max()))
+    gradients = [abs(float(np.polyfit(x[liquefies], line[liquefies], 1)[0])) for line in (levels[:, 0], lowest)]
+    return LiquefiedLayers(float(total[liquefies].mean()), 100.0 * max(gradients), float(total.max()))

@@ -57,10 +57,13 @@ def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.
     slices, x, z, radius : as for `bishop_factor`; pore pressures are those during shaking
     """
     ones = np.ones(len(x))
-    still, m_alpha = _shear(slices, slices.vertical, ones)
-    more = _shear(slices, slices.inertia_vertical, ones)[0] - _shear(slices, 0.0 * slices.vertical, ones)[0]
+    static_part, m_alpha = _shear(slices, slices.vertical, ones)
+    seismic_part = _shear(slices, slices.inertia_vertical, ones)[0] - _shear(slices, 0.0 * slices.vertical, ones)[0]
     moments = _moments(slices, x, z)
-    resisting, added = radius * still.sum(axis=1) + moments[:, 0], radius * more.sum(axis=1) + moments[:, 1]
+    resisting, added = (
+        radius * static_part.sum(axis=1) + moments[:, 0],
+        radius * seismic_part.sum(axis=1) + moments[:, 1],
+    )
     sound = (m_alpha.min(axis=1) >= LEAST_M_ALPHA) & (added < 0.0)
     return np.where(sound, -resisting / np.where(sound, added, 1.0), np.nan)
 
@@ -69,9 +72,9 @@ def _moments(slices: Slices, x: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Return moments (surfaces, 2) about the centres, counter-clockwise: the moments of the known forces, and the
     moments of the forces by Kh = 1."""
     right, up = slices.x - x[:, None], slices.z - z[:, None]
-    still = slices.moment + right * slices.vertical - up * slices.horizontal
+    static_part = slices.moment + right * slices.vertical - up * slices.horizontal
     added = slices.inertia_moment + right * slices.inertia_vertical - up * slices.inertia
-    return np.stack([still.sum(axis=1), added.sum(axis=1)], axis=1)
+    return np.stack([static_part.sum(axis=1), added.sum(axis=1)], axis=1)
 
 
 def _shear(slices: Slices, vertical: np.ndarray, factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -142,8 +145,8 @@ def spencer_critical_kh(slices: Slices) -> Balance | None:
     ones = np.ones(1)
 
     def force_balance(theta: float) -> float:
-        still, seismic = (_residuals(slices, ones, kh, theta)[0][0] for kh in (0.0, 1.0))
-        kh = still / (still - seismic)  # linear in Kh
+        static_part, seismic = (_residuals(slices, ones, kh, theta)[0][0] for kh in (0.0, 1.0))
+        kh = static_part / (static_part - seismic)  # linear in Kh
         return float(kh) if abs(kh) <= LARGEST_KH else np.nan
 
     balance = _moment_balance(force_balance, lambda kh, theta: float(_residuals(slices, ones, kh, theta)[1][0]))

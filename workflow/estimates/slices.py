@@ -153,8 +153,8 @@ def _ground_forces(section: Section, x: np.ndarray, towards: int) -> tuple[np.nd
     stretch = np.hypot(1.0, slope)[:, None]
     normal = np.column_stack([-slope, np.ones_like(slope)]) / stretch
     loads = section.surface_loads
-    still = -section.water_pressure.on_ground(points, points)[:, None] * normal
-    force = (still + loads.dead(points, points, normal)) * stretch
+    hydrostatic = -section.water_pressure.on_ground(points, points)[:, None] * normal
+    force = (hydrostatic + loads.dead(points, points, normal)) * stretch
     added = loads.seismic(towards, points, points, normal) * stretch
     return force.reshape(*height.shape, 2), added.reshape(*height.shape, 2), height
 

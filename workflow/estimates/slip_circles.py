@@ -123,8 +123,8 @@ def least_balance(section: Section, line: np.ndarray, kh: float | None = 0.0, ve
     """
     if len(line) < FEWEST_POINTS:
         return None
-    both = (surface_balance(section, line, side, kh, vertical) for side in (LEFT, RIGHT))
-    return min((value for value in both if value is not None), default=None)
+    balances = (surface_balance(section, line, side, kh, vertical) for side in (LEFT, RIGHT))
+    return min((value for value in balances if value is not None), default=None)
 
 
 def _by_spencer(slices: Slices, kh: float | None) -> float | None:

@@ -58,18 +58,18 @@ def truss_of(section: Section, case: int) -> Truss | None:
     x = middles(left, right, COLUMNS)
     levels = section.layering.interfaces(x)
     thick = levels[:, :-1] - levels[:, 1:]
-    here = (thick[:, which] > 0.0).any(axis=1) if which else np.zeros(COLUMNS, dtype=bool)
-    if here.sum() < 2:
+    liquefies = (thick[:, which] > 0.0).any(axis=1) if which else np.zeros(COLUMNS, dtype=bool)
+    if liquefies.sum() < 2:
         return None
-    first = np.array([next(k for k in which if row[k] > 0.0) for row in thick[here]])
-    above = np.where(np.arange(thick.shape[1]) < first[:, None], thick[here], 0.0)
+    first = np.array([next(k for k in which if row[k] > 0.0) for row in thick[liquefies]])
+    above = np.where(np.arange(thick.shape[1]) < first[:, None], thick[liquefies], 0.0)
     area = above.sum(axis=0)
     if area.sum() <= 0.0:
         return None
     density = np.array([stratum.density_seismic for stratum in section.strata])
     modulus = np.array([s.youngs_modulus / (1.0 - s.poissons_ratio**2) for s in section.strata])
-    bottom = levels[here, first]
-    slope = abs(float(np.polyfit(x[here], bottom, 1)[0]))
-    length = float(np.count_nonzero(here)) * (right - left) / COLUMNS
+    bottom = levels[liquefies, first]
+    slope = abs(float(np.polyfit(x[liquefies], bottom, 1)[0]))
+    length = float(np.count_nonzero(liquefies)) * (right - left) / COLUMNS
     share = area / area.sum()
     return Truss(length * math.hypot(1.0, slope), math.atan(slope), float(share @ density), float(share @ modulus))

@@ -120,7 +120,10 @@ class Window:
         flat."""
         if self.proportion >= FLATTEST:
             return [1]
-        return [1, next((much for much in EXAGGERATIONS if much * self.proportion >= FLATTEST), EXAGGERATIONS[-1])]
+        return [
+            1,
+            next((factor for factor in EXAGGERATIONS if factor * self.proportion >= FLATTEST), EXAGGERATIONS[-1]),
+        ]
 
 
 def render(

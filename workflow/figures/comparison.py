@@ -61,13 +61,13 @@ def _curves(results: Results) -> Sheet | None:
     axes.plot(x, [0.0, *(step.factor for step in path)], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.3)
     handles = [_handle(CONTINUUM, "o", f"FEM, {answer.settings.sides} sides")]
     widest = x[-1]
-    like = results.dem_counterpart
-    if like is not None and discs is not None:
-        curve = [(0.0, 0.0), *((step.displacement, step.factor) for step in like.curve if not step.at_rest)]
+    counterpart = results.dem_counterpart
+    if counterpart is not None and discs is not None:
+        curve = [(0.0, 0.0), *((step.displacement, step.factor) for step in counterpart.curve if not step.at_rest)]
         axes.plot(*np.array(curve).T, color=CONTINUUM, linestyle=DASHED, linewidth=1.1)
         widest = max(widest, curve[-1][0])
-        handles.append(Line2D([], [], color=CONTINUUM, linestyle=DASHED, label=f"FEM, {like.terms}"))
-        rest = [(step.displacement, step.factor) for step in like.curve if step.at_rest and step.balanced]
+        handles.append(Line2D([], [], color=CONTINUUM, linestyle=DASHED, label=f"FEM, {counterpart.terms}"))
+        rest = [(step.displacement, step.factor) for step in counterpart.curve if step.at_rest and step.balanced]
         if rest:  # the path itself carries overstress
             look: dict[str, Any] = {"color": CONTINUUM, "marker": "o", "markerfacecolor": "white", "linestyle": ""}
             label = "in equilibrium without overstress"
@@ -81,13 +81,15 @@ def _curves(results: Results) -> Sheet | None:
     if discs is not None:
         farthest, of_discs = _disc_curves(axes, discs)
         widest, handles = max(widest, farthest), handles + of_discs
-        if discs.model.discs == "soil" and like is not None:
-            far = results.config.dem.ductility * like.yielding_m
-            widest = max(widest, far)
+        if discs.model.discs == "soil" and counterpart is not None:
+            largest_displacement = results.config.dem.ductility * counterpart.yielding_m
+            widest = max(widest, largest_displacement)
             label = (
                 f"{results.config.dem.ductility:g} times the yield displacement of the FEM (dashed): end of the test"
             )
-            handles.append(axes.axvline(far, color=CRITICAL, linestyle=DASHED, linewidth=0.9, label=label))
+            handles.append(
+                axes.axvline(largest_displacement, color=CRITICAL, linestyle=DASHED, linewidth=0.9, label=label)
+            )
     axes.set_xlim(0.0, 1.05 * widest)
     axes.set_ylim(bottom=0.0)
     axes.set_title(_brackets(results), fontsize=9, loc="left", color=INK, pad=4)
@@ -135,8 +137,8 @@ def _brackets(results: Results) -> str:
     if after is not None and after.kc is not None:
         alike = results.dem_counterpart
         most = "" if alike is None or alike.kc_upper < alike.kc + VISIBLE_INTERVAL else f" to {alike.kc_upper:.3f}"
-        like = f" for {alike.kc:.3f}{most} of the FEM (dashed)" if alike is not None else ""
-        phrases.append(f"discs {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f}){like}")
+        target_words = f" for {alike.kc:.3f}{most} of the FEM (dashed)" if alike is not None else ""
+        phrases.append(f"discs {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f}){target_words}")
     return f"critical Kh: {'; '.join(phrases)}" if phrases else ""
 
 
@@ -148,26 +150,26 @@ def _surfaces(results: Results) -> Sheet | None:
     """Draw the slip surfaces of the continuum and of the discs on the section; return None without any slip
     surface."""
     lines = []
-    both = results.dem.slip_surface if results.dem is not None else None
-    if both is not None and both.fem:
+    surfaces = results.dem.slip_surface if results.dem is not None else None
+    if surfaces is not None and surfaces.fem:
         terms = f", {results.dem_counterpart.terms}" if results.dem_counterpart is not None else ""
         label = f"FEM{terms}: slip surface"
-        lines.append(Overlay(np.array(both.fem), CONTINUUM, SOLID, label))
+        lines.append(Overlay(np.array(surfaces.fem), CONTINUUM, SOLID, label))
     elif results.fem is not None:
         end = results.fem.last_in_equilibrium()
         if end is not None and end.slip_surface:
             label = f"FEM: slip surface, {end.label}"
             lines.append(Overlay(np.array(end.slip_surface), CONTINUUM, SOLID, label))
-    if both is not None and both.dem:
+    if surfaces is not None and surfaces.dem:
         label = "discs: slip surface at failure"
-        lines.append(Overlay(np.array(both.dem), DISCS, DASHED, label))
+        lines.append(Overlay(np.array(surfaces.dem), DISCS, DASHED, label))
     if not lines:
         return None
     title = "slip surfaces"
-    if both is not None and both.mean_distance_m is not None and both.same_stratum_share is not None:
+    if surfaces is not None and surfaces.mean_distance_m is not None and surfaces.same_stratum_share is not None:
         title += (
-            f", discs and FEM {both.mean_distance_m:.1f} m apart on average, in the same layer along "
-            f"{100 * both.same_stratum_share:.0f} % of the length"
+            f", discs and FEM {surfaces.mean_distance_m:.1f} m apart on average, in the same layer along "
+            f"{100 * surfaces.same_stratum_share:.0f} % of the length"
         )
     return section_sheet(results.config.section, title, lines)
 
@@ -246,10 +248,10 @@ def _block(results: Results) -> Sheet | None:
     speed = sheet.plot(1, "time (s)", "velocity (m/s)")
     path = sheet.plot(2, "time (s)", "displacement (m)")
     handles = []
-    for sign, colour, way, line in ((1.0, CONTINUUM, "positive", SOLID), (-1.0, DISCS, "negative", DASHED)):
+    for sign, colour, sense, line in ((1.0, CONTINUUM, "positive", SOLID), (-1.0, DISCS, "negative", DASHED)):
         slide = newmark(record.time, sign * record.acceleration, results.kc)
         speed.plot(slide.time, slide.velocity, color=colour, linewidth=1.0, linestyle=line)
-        label = f"{way}: {slide.permanent:.3f} m"
+        label = f"{sense}: {slide.permanent:.3f} m"
         handles += path.plot(slide.time, slide.displacement, color=colour, linewidth=1.3, linestyle=line, label=label)
     handles.append(
         Line2D([], [], color=INK, linewidth=0.9, linestyle=DOTTED, label=f"resistance kc g, kc = {results.kc:.3f}")

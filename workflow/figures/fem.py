@@ -72,8 +72,8 @@ def conditions(config: Config, element: str) -> str:
     flow = _flow_in_words(config)
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
     direction = config.fem.direction
-    way = "downslope and upslope; the smaller Kh counts" if direction == "both" else FORCE[direction]
-    return f"{config.fem.sides} sides, {flow}, {element} element, seismic force {way}{kv}"
+    direction_words = "downslope and upslope; the smaller Kh counts" if direction == "both" else FORCE[direction]
+    return f"{config.fem.sides} sides, {flow}, {element} element, seismic force {direction_words}{kv}"
 
 
 def _flow_in_words(config: Config) -> str:

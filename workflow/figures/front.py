@@ -44,8 +44,8 @@ def front(results: Results) -> Sheet | None:
         lines.append(Overlay(after, DISCS, (0, ()), label))
     if not lines and results.fem is None:
         return None
-    what = "failure" if case is None else "failure and slide"
-    return section_sheet(results.config.section, what, lines, lambda axes: _marks(axes, results), ROOM_ABOVE)
+    subject = "failure" if case is None else "failure and slide"
+    return section_sheet(results.config.section, subject, lines, lambda axes: _marks(axes, results), ROOM_ABOVE)
 
 
 def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:

@@ -105,8 +105,8 @@ def section_sheet(
     ]
     sheet = _sheet(section, f"{section.heading}: {title}", window, handles)
     line_width = float(np.clip(30.0 / len(section.strata), 0.05, 0.6))  # many lines would hide the colours
-    for view, much in enumerate(window.exaggerations()):
-        axes = sheet.frame(view, window, heights_in_words(much), much)
+    for view, exaggeration in enumerate(window.exaggerations()):
+        axes = sheet.frame(view, window, heights_in_words(exaggeration), exaggeration)
         for k, (stratum, colour) in enumerate(zip(section.strata, _colours(section), strict=True)):
             hatch = HATCH if stratum.liquefiable else None
             for polygon in section.layering.polygons(k):
@@ -155,16 +155,16 @@ def mesh_sheet(section: Section, mesh: QuadMesh) -> Sheet:
         )  # fmt: skip
 
     sheet = _sheet(section, title, window, _legend_of(section, water=False))
-    for view, much in enumerate(window.exaggerations()):
-        text = f"{heights_in_words(much)}; {subtitle}" if view == 0 else heights_in_words(much)
-        sheet.show(view, render(window, draw, exaggeration=much), window, text, much)
+    for view, exaggeration in enumerate(window.exaggerations()):
+        text = f"{heights_in_words(exaggeration)}; {subtitle}" if view == 0 else heights_in_words(exaggeration)
+        sheet.show(view, render(window, draw, exaggeration=exaggeration), window, text, exaggeration)
     return sheet
 
 
 def _sheet(section: Section, title: str, window: Window, handles: list[Artist]) -> Sheet:
     """Return a sheet with a view for every exaggeration of the window, its legend and the note on a reconstruction."""
     columns = legend_columns(handles)
-    heights = [much * window.proportion for much in window.exaggerations()]
+    heights = [exaggeration * window.proportion for exaggeration in window.exaggerations()]
     sheet = Sheet(title, heights, foot(section), -(-len(handles) // columns))
     sheet.legend(handles, columns)
     return sheet
@@ -289,8 +289,8 @@ def _legend_of(section: Section, water: bool = True) -> list[Artist]:
         handles.append(Patch(facecolor=colours[k], edgecolor=INK, linewidth=0.6, hatch=hatch, label=label))
     room = LEGEND_ROWS * legend_columns(handles)
     if len(handles) > room:
-        more = f"and {len(handles) - room + 1} more, down to {soil_of(section.strata[-1].name)}"
-        handles = [*handles[: room - 1], Patch(facecolor="none", label=more)]
+        remainder = f"and {len(handles) - room + 1} more, down to {soil_of(section.strata[-1].name)}"
+        handles = [*handles[: room - 1], Patch(facecolor="none", label=remainder)]
     if water and section.water_points() is not None:
         handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"))
     if water and section.water is not None and section.water.cutoffs:

@@ -85,14 +85,14 @@ def _draw_discs(job: Job, field: str, at: float | None) -> list[Path]:
     """Draw a field of the discs, before calibration and after it; raises InputError if there are none of this input."""
     results = Results.of(job)
     if results.dem is None:
-        why = results.missing.get("calibrate", "the stage calibrate ended without an answer")
-        raise InputError(str(job.store.folder), [f"has no discs: {why}"])
+        reason = results.missing.get("calibrate", "the stage calibrate ended without an answer")
+        raise InputError(str(job.store.folder), [f"has no discs: {reason}"])
     stored = results.dem.states
     states = [state for state in stored if at is None or abs(state.kh - at) < SAME_KH]
     if not states:
-        there = ", ".join(f"{kh:g}" for kh in sorted({state.kh for state in stored})) or "none"
+        stored_kh = ", ".join(f"{kh:g}" for kh in sorted({state.kh for state in stored})) or "none"
         raise InputError(
-            "--at", [f"{at:g}: no state of the discs is stored at this Kh; expected one of {there}, or set dem.kh"]
+            "--at", [f"{at:g}: no state of the discs is stored at this Kh; expected one of {stored_kh}, or set dem.kh"]
         )
     ground = ground_of(job.config.section, job.config.dem)
     paths = []
@@ -155,8 +155,8 @@ def _results(job: Job) -> FemResults:
     """Return the FEM results of the folder; raise InputError if there are none of this input."""
     results = Results.of(job)
     if results.fem is None:
-        why = results.missing.get("fem", "the stage fem ended without an answer")
-        raise InputError(str(job.store.folder), [f"holds no FEM results: {why}"])
+        reason = results.missing.get("fem", "the stage fem ended without an answer")
+        raise InputError(str(job.store.folder), [f"holds no FEM results: {reason}"])
     return FemResults.load(job.config.section, job.store)
 
 
@@ -171,8 +171,8 @@ def _states(results: FemResults, at: float | None) -> list[FieldState]:
         return results.states
     states = [state for state in results.states if abs(state.kh - at) < SAME_KH]
     if not states:
-        there = ", ".join(f"{state.kh:.3f}" for state in results.states)
-        raise InputError("--at", [f"{at:g}: no state is stored at this Kh; expected one of {there}, or set fem.kh"])
+        stored_kh = ", ".join(f"{state.kh:.3f}" for state in results.states)
+        raise InputError("--at", [f"{at:g}: no state is stored at this Kh; expected one of {stored_kh}, or set fem.kh"])
     return states
 
 
@@ -198,10 +198,13 @@ def _sheet(job: Job, mesh: QuadMesh, state: FieldState, field: Field) -> Sheet:
 
     title = f"{job.config.section.heading}: {field.label}"
     sheet = Sheet(
-        title, [much * view.proportion for much in view.exaggerations()], foot(job.config.section), legend_rows=3
+        title,
+        [exaggeration * view.proportion for exaggeration in view.exaggerations()],
+        foot(job.config.section),
+        legend_rows=3,
     )
-    for number, much in enumerate(view.exaggerations()):
-        title = f"FEM, {state.label}; {heights_in_words(much)}"
-        sheet.show(number, render(view, paint, exaggeration=much), view, title, much)
+    for number, exaggeration in enumerate(view.exaggerations()):
+        title = f"FEM, {state.label}; {heights_in_words(exaggeration)}"
+        sheet.show(number, render(view, paint, exaggeration=exaggeration), view, title, exaggeration)
     sheet.colour_bar(ScalarMappable(Normalize(low, high), field.colours), field.label)
     return sheet

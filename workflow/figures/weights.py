@@ -37,7 +37,7 @@ def weights_sheet(section: Section) -> Sheet:
     grid["pressure"] = corner_pressure(mesh, section.water_pressure.at_rest).ravel() / 1e3
     views = ["weight", *(["pressure"] if section.water_pressure.present else [])]
     title = f"{section.heading}: unit weight" + (" and pore pressure" if len(views) > 1 else "")
-    heights = [SHARE * much * window.proportion for much in window.exaggerations()[-1:]] * len(views)
+    heights = [SHARE * exaggeration * window.proportion for exaggeration in window.exaggerations()[-1:]] * len(views)
     sheet = Sheet(title, heights, "\n".join(text for text in (_said(section), foot(section)) if text))
     for number, name in enumerate(views):
         _show(sheet, number, section, window, grid, name)
@@ -61,10 +61,12 @@ def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.Po
         plotter.add_mesh(grid, scalars=name, cmap=colours, clim=limits, lighting=False, show_scalar_bar=False)
 
     words = "unit weight on which gravity acts (kN/m³)" if name == "weight" else "pore pressure at rest (kPa)"
-    much = "" if exaggeration == 1 else f", heights exaggerated {exaggeration} times"
+    exaggeration_words = "" if exaggeration == 1 else f", heights exaggerated {exaggeration} times"
     left, low, wide, high = sheet.views[view].get_position().bounds
     sheet.views[view].set_position((left, low, SHARE * wide, high))
-    axes = sheet.show(view, render(window, draw, exaggeration=exaggeration), window, words + much, exaggeration)
+    axes = sheet.show(
+        view, render(window, draw, exaggeration=exaggeration), window, words + exaggeration_words, exaggeration
+    )
     axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=0.5))
     if (water := section.water_points()) is not None:
         axes.plot(*water.T, color=WATER, linewidth=1.2, linestyle=(0, (6, 3)))

@@ -53,22 +53,22 @@ def of_circles(results: Results) -> Iterator[str]:
     for part in bounds.safety:
         if (circle := factors.get(part.kh)) is None:
             continue
-        what = f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = {part.kh:g}"
+        statement = f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = {part.kh:g}"
         if part.upper is not None and circle.bishop > RATIO_ABOVE_BOUND * part.upper:
-            yield f"{what}, above the strict upper bound of {part.upper:.2f}: {CIRCLE_REMEDY}"
+            yield f"{statement}, above the strict upper bound of {part.upper:.2f}: {CIRCLE_REMEDY}"
         if part.lower is not None and circle.bishop < RATIO_BELOW_BOUND * part.lower:
-            yield f"{what}, below the strict lower bound of {part.lower:.2f}{_assumed(section, circle)}"
+            yield f"{statement}, below the strict lower bound of {part.lower:.2f}{_assumed(section, circle)}"
     if not circles.critical:
         return
     circle = min(circles.critical, key=_value)
-    what = f"slip circles have a critical Kh of {coefficient(circle.bishop)}"
+    statement = f"slip circles have a critical Kh of {coefficient(circle.bishop)}"
     if bounds.upper is not None and circle.bishop > RATIO_ABOVE_BOUND * bounds.upper + KH_ABOVE_BOUND:
         remedy = _slides_out(bounds) or CIRCLE_REMEDY
-        yield f"{what}, above the strict upper bound of {coefficient(bounds.upper)}: {remedy}"
+        yield f"{statement}, above the strict upper bound of {coefficient(bounds.upper)}: {remedy}"
     if bounds.lower is not None and circle.bishop < min(
         RATIO_BELOW_BOUND * bounds.lower, bounds.lower - KH_BELOW_BOUND
     ):
-        yield f"{what}, below the strict lower bound of {coefficient(bounds.lower)}{_assumed(section, circle)}"
+        yield f"{statement}, below the strict lower bound of {coefficient(bounds.lower)}{_assumed(section, circle)}"
 
 
 def against_elements(results: Results) -> Iterator[str]:
@@ -84,11 +84,11 @@ def against_elements(results: Results) -> Iterator[str]:
         if circle is None or _contradicted(circle.bishop, *strict.get(factor.kh, (None, None))):
             continue
         if abs(math.log(max(circle.bishop, 1e-9) / factor.factor)) > math.log(FAR_RATIO):
-            both = (
+            statement = (
                 f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = {factor.kh:g}, while "
                 f"finite elements have {factor.factor:.2f}"
             )
-            yield both + _why_far(results, circle, factor.factor, np.array(factor.slip_surface), factor.kh)
+            yield statement + _why_far(results, circle, factor.factor, np.array(factor.slip_surface), factor.kh)
     if not circles.critical or not fem.has_kc:
         return
     circle, kh = min(circles.critical, key=_value), (None, None) if bounds is None else (bounds.lower, bounds.upper)
@@ -96,8 +96,8 @@ def against_elements(results: Results) -> Iterator[str]:
     if apart > max(FAR_KH, (FAR_RATIO - 1.0) * fem.kc) and not _contradicted(circle.bishop, *kh):
         state = fem.last_in_equilibrium()
         line = np.array(state.slip_surface if state is not None else ())
-        both = f"slip circles have a critical Kh of {coefficient(circle.bishop)}, while finite elements have "
-        yield f"{both}{coefficient(fem.kc)}{_why_far(results, circle, fem.kc, line, None)}"
+        statement = f"slip circles have a critical Kh of {coefficient(circle.bishop)}, while finite elements have "
+        yield f"{statement}{coefficient(fem.kc)}{_why_far(results, circle, fem.kc, line, None)}"
 
 
 def _contradicted(value: float, lower: float | None, upper: float | None) -> bool:
@@ -112,23 +112,26 @@ def _why_far(results: Results, circle: CirclePart, elements: float, line: np.nda
     """Return the reason why the factor of safety or critical Kh of a circle is far from the result of the finite
     ``elements``, whose slip surface is ``line`` (m), and advice."""
     section, fem = results.config.section, results.fem
-    where = ""
+    place_words = ""
     if len(line):
-        where = f", which slip from x = {line[0, 0]:.1f} to {line[-1, 0]:.1f} m, down to z = {line[:, 1].min():.1f} m"
+        place_words = (
+            f", which slip from x = {line[0, 0]:.1f} to {line[-1, 0]:.1f} m, down to z = {line[:, 1].min():.1f} m"
+        )
     if circle.bishop < elements:
         strata = listed([shown_name(name) for name in _cut_steeply(section, circle)])
         steeply = STEEPLY.format(strata=strata) if strata else ""
-        return f"{where}{steeply}: find strict bounds (bounds.run), and report the circles as the more cautious result"
+        remedy = "find strict bounds (bounds.run), and report the circles as the more cautious result"
+        return f"{place_words}{steeply}: {remedy}"
     if fem is not None and fem.at_sides and kh is None:
         return (
-            f"{where}: this failure reaches the {listed(list(fem.at_sides))} side, where the section was cut off; take "
-            "a longer section"
+            f"{place_words}: this failure reaches the {listed(list(fem.at_sides))} side, where the section was cut "
+            "off; take a longer section"
         )
     spencer = least_balance(section, line, kh, results.config.fem.vertical)
     if spencer is not None and abs(spencer - elements) <= AGREEMENT * elements:
         value = coefficient(spencer) if kh is None else f"{spencer:.2f}"
-        where += f", while Spencer's method has {value}"
-    return f"{where}: rely on the finite elements, whose slip surface is no circle"
+        place_words += f", while Spencer's method has {value}"
+    return f"{place_words}: rely on the finite elements, whose slip surface is no circle"
 
 
 def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:

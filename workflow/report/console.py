@@ -131,8 +131,8 @@ def safety_sentence(
     if factor.shallow_failure is not None and factor.shallow_failure < factor.factor:
         depth, faces = answer.settings.least_depth, answer.shallow_failures
         edges = bool(faces) and all(face.is_edge(depth) for face in faces)
-        what = "The edge of a layer without cohesion" if edges else "A cohesionless face"
-        phrase += f" {what} fails in a shallow failure at a smaller factor, {factor.shallow_failure:.3f}."
+        face_words = "The edge of a layer without cohesion" if edges else "A cohesionless face"
+        phrase += f" {face_words} fails in a shallow failure at a smaller factor, {factor.shallow_failure:.3f}."
     return phrase
 
 
@@ -205,16 +205,16 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     if answer.shallow is not None:
         when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
         water = "water seeps out of bare ground or stands close below"
-        where = "two cohesionless faces meet" if answer.shallow_failures else water
+        place_words = "two cohesionless faces meet" if answer.shallow_failures else water
         yield (
-            f"Where {where}, ground less than {answer.least_depth:g} m deep slips {when}: this ground requires "
+            f"Where {place_words}, ground less than {answer.least_depth:g} m deep slips {when}: this ground requires "
             "cohesion, or protection."
         )
     ends = bool(answer.load_ends)
     if ends:
-        where = ", ".join(f"{x:g}" for x in answer.load_ends)
+        place_words = ", ".join(f"{x:g}" for x in answer.load_ends)
         yield (
-            f"Sand without cohesion has no bearing capacity below the end of a load next to bare ground (x = {where} "
+            f"Sand without cohesion has no bearing capacity below the end of a load next to bare ground (x = {place_words} "
             f"m). In elements and bounds, this sand has a cohesion of half the pressure of the load, down to "
             f"{answer.least_depth:g} m."
         )

@@ -120,10 +120,10 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
             f"a longer section (setting beyond)"
         )
     ends = {number: case.slide_along[_uphill_end(case)][1] for number, case in points.items() if case.slide_along}
-    far = {number: end for number, end in ends.items() if points[number].slide_max_m >= LEAST_END}
+    moving_ends = {number: end for number, end in ends.items() if points[number].slide_max_m >= LEAST_END}
     along = [
         number
-        for number, end in far.items()
+        for number, end in moving_ends.items()
         if END_SLIDE_SHARES[0] < end / points[number].slide_max_m < END_SLIDE_SHARES[1]
     ]
     if along:
@@ -153,7 +153,7 @@ def of_order(
     ``strata``: names of the strata that liquefy in each case.
     """
     packings = "" if by != "discs" else ", or the random packing of the discs,"
-    more = "finer cells (slide.mpm_cells)" if by != "discs" else "more packings (slide.seeds)"
+    remedy = "finer cells (slide.mpm_cells)" if by != "discs" else "more packings (slide.seeds)"
     for number, other in combinations(sorted(set(cases) & set(slides)), 2):
         for weak, strong in ((number, other), (other, number)):
             short = slides[strong] - slides[weak]
@@ -165,7 +165,7 @@ def of_order(
                     f"and slides less by {by}, {metres(slides[weak])} and {metres(slides[strong])}: a side of the "
                     f"model{packings} limits the slides, and not their strength; take a longer section (setting "
                     "beyond) if a "
-                    f"side stops the slides, {more} otherwise, and rely on the longer slide until then"
+                    f"side stops the slides, {remedy} otherwise, and rely on the longer slide until then"
                 )
 
 
@@ -197,12 +197,12 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
     point for material points.
     """
     falls = {number: surface.largest_fall for number, (surface, _) in cases.items()}
-    far = {k: fall for k, fall in falls.items() if fall[0] > max(SURFACE_FALL, FALL_RATIO * abs(cases[k][1]))}
-    if not far:
+    large_falls = {k: fall for k, fall in falls.items() if fall[0] > max(SURFACE_FALL, FALL_RATIO * abs(cases[k][1]))}
+    if not large_falls:
         return
-    lengths, places = zip(*far.values(), strict=True)
-    fall, at, of = span(lengths), _range_words(places), of_cases(list(far))
-    sides = {_side(cases[number][0], place) for number, (_, place) in far.items()}
+    lengths, places = zip(*large_falls.values(), strict=True)
+    fall, at, of = span(lengths), _range_words(places), of_cases(list(large_falls))
+    sides = {_side(cases[number][0], place) for number, (_, place) in large_falls.items()}
     side = sides.pop() if len(sides) == 1 else ""
     if by == "discs" and side:
         yield (

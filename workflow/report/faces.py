@@ -231,8 +231,8 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
     circles = [c for group in slices.factors if group.kh == 0.0 for c in group.circles if _meets(c, surface)]
     safety = MethodValues(circles=circles[0].bishop if circles else None)
     if factor is not None:
-        both = _by_both_rules(fem.flow, factor.factor, factor.davis, factor.associated)
-        safety = MethodValues(*both, *_of_safety(results), safety.circles)
+        results_of_rules = _by_both_rules(fem.flow, factor.factor, factor.davis, factor.associated)
+        safety = MethodValues(*results_of_rules, *_of_safety(results), safety.circles)
     yield FaceLine(
         name=f"x = {surface[0][0]:.0f} to {surface[-1][0]:.0f} m, no crest is part of this failure",
         side=fem.towards,
@@ -308,11 +308,11 @@ def note_sentences(results: Results) -> Iterator[str]:
 def _above_bounds(lines: list[FaceLine]) -> Iterator[str]:
     """Yield a sentence on every value by finite elements whose strict upper bound is smaller, and counts."""
     for line in lines:
-        for what, values, digits in (("Critical Kh", line.critical, 3), ("Factor of safety", line.safety, 2)):
+        for quantity, values, digits in (("Critical Kh", line.critical, 3), ("Factor of safety", line.safety, 2)):
             if values.elements is not None and values.elements != values.governing:
                 yield (
-                    f"{what} of {line.name}, {line.side}: the finite elements give {values.elements:.{digits}f}, above "
-                    "the strict upper bound, which counts."
+                    f"{quantity} of {line.name}, {line.side}: the finite elements give {values.elements:.{digits}f}, "
+                    "above the strict upper bound, which counts."
                 )
 
 
@@ -332,10 +332,10 @@ def faces_sentences(answer: FacesAnswer, results: Results | None = None) -> Iter
             bounds = "" if value.lower is None or value.upper is None else (
                 f", strict bounds {value.lower:.{digits}f} to {value.upper:.{digits}f}"
             )  # fmt: skip
-            kh, more = governing_value(value.value, value.upper), ""
+            kh, bound_words = governing_value(value.value, value.upper), ""
             if kh != value.value:
-                more = f" (the upper bound counts: the finite elements give {value.value:.{digits}f})"
-            phrases.append(f"{name} {kh:.{digits}f} with ψ = φ{low}{bounds}{more}")
+                bound_words = f" (the upper bound counts: the finite elements give {value.value:.{digits}f})"
+            phrases.append(f"{name} {kh:.{digits}f} with ψ = φ{low}{bounds}{bound_words}")
         reasons = [reason.rstrip(".") for reason in face.reasons]
         words = "; ".join([*phrases, *reasons]) or "no failure includes the crest"
         yield f"{face.structure}, towards the {face.towards}: {words}."

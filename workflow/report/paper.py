@@ -82,8 +82,8 @@ def _fem(results: Results) -> Iterator[PaperRow]:
     end = results.fem.last_in_equilibrium()
     if end is not None:
         share = share_of_surface(results.config.section, end.slip_surface, ASD)
-        why = f"{SECTION}; the slip surface is drawn where the shear strain is largest along x"
-        yield replace(surface, ours=f"{100 * share:.0f} % of its length", agrees=share >= 0.5, why=why)
+        reason = f"{SECTION}; the slip surface is drawn where the shear strain is largest along x"
+        yield replace(surface, ours=f"{100 * share:.0f} % of its length", agrees=share >= 0.5, why=reason)
     state = results.fem.state_at(0.3)
     yield at_03 if state is None else _past(at_03, state)
 
@@ -92,16 +92,16 @@ def _stands(row: PaperRow, state: StoredState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ASD_BELOW_WATER}
     stands = not state.past_equilibrium
     phrase = ("stands; " if stands else "does not stand; ") + _shares(shares) + " at failure"
-    why = f"{SECTION}; a layer counts as at failure from {100 * FAILED_CELL_SHARE:.0f} % of its cells on"
-    return replace(row, ours=phrase, agrees=stands and max(shares.values()) >= FAILED_CELL_SHARE, why=why)
+    reason = f"{SECTION}; a layer counts as at failure from {100 * FAILED_CELL_SHARE:.0f} % of its cells on"
+    return replace(row, ours=phrase, agrees=stands and max(shares.values()) >= FAILED_CELL_SHARE, why=reason)
 
 
 def _past(row: PaperRow, state: StoredState) -> PaperRow:
     shares = {name: state.failed_share_by_stratum.get(name, 0.0) for name in ("1 Ts", *ASD)}
     phrase = ("past equilibrium; " if state.past_equilibrium else "stands; ") + _shares(shares) + " at failure"
     reaches = shares["1 Ts"] > 0.0 and max(shares[name] for name in ASD) > 0.0
-    why = f"{SECTION}; the failure zone counts as continuous if cells of 1 Ts and of an Asd layer are at failure"
-    return replace(row, ours=phrase, agrees=state.past_equilibrium and reaches, why=why)
+    reason = f"{SECTION}; the failure zone counts as continuous if cells of 1 Ts and of an Asd layer are at failure"
+    return replace(row, ours=phrase, agrees=state.past_equilibrium and reaches, why=reason)
 
 
 def _shares(shares: dict[str, float]) -> str:
@@ -136,8 +136,8 @@ def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
     broken = PaperRow(f"DEM: pore springs broken along the Asd layers at Kh = 0.3{springs}", "yes", "Fig. 13", result)
     states = results.dem.states_of(which) if results.dem is not None else {}
     if 0.2 in states:
-        verdict, why = states[0.2].verdict, f"{states[0.2].reason}; {SECTION}"
-        stands = replace(stands, ours=verdict, agrees=verdict == "stands", why=why)
+        verdict, reason = states[0.2].verdict, f"{states[0.2].reason}; {SECTION}"
+        stands = replace(stands, ours=verdict, agrees=verdict == "stands", why=reason)
     if 0.3 in states:
         broken = _broken(broken, states[0.3].cracked_share_by_stratum)
     yield stands
@@ -151,11 +151,11 @@ def _broken(row: PaperRow, cracked: dict[str, float]) -> PaperRow:
     shares = {name: cracked.get(name, 0.0) for name in ASD}
     most = max(shares.values())
     others = {name: share for name, share in cracked.items() if name not in ASD and share > most}
-    why = (
+    reason = (
         f"more break elsewhere: {_shares(others)}" if others else f"fewer than {100 * FAILED_CELL_SHARE:.0f} % in each"
     )
     agrees = most >= FAILED_CELL_SHARE and not others
-    return replace(row, ours=_shares(shares) + " broken", agrees=agrees, why=f"{why}; {SECTION}")
+    return replace(row, ours=_shares(shares) + " broken", agrees=agrees, why=f"{reason}; {SECTION}")
 
 
 def _slides(results: Results, name: str) -> Iterator[PaperRow]:
@@ -163,7 +163,7 @@ def _slides(results: Results, name: str) -> Iterator[PaperRow]:
     springs = {"table2": ", springs of Table 2", "calibrated": ", calibrated springs"}.get(name, "")
     open_points = "the text of the paper leaves open how contacts are averaged and how fast layers liquefy"
     loading = "" if name == "table2" else _other_loading(results)
-    why = f"{SECTION}; {loading}{open_points} (see docs/theory/paper.md)"
+    reason = f"{SECTION}; {loading}{open_points} (see docs/theory/paper.md)"
 
     def row(number: int, what: str, paper: str, where: str, compare: Comparison) -> PaperRow:
         quantity = f"{what}, case {number}{springs}"
@@ -172,7 +172,7 @@ def _slides(results: Results, name: str) -> Iterator[PaperRow]:
             return PaperRow(quantity, paper, where, _absent(results, "slide"))
         result, agrees = compare(case)
         moving = "" if case.settled else f"; {case.reason}"
-        return PaperRow(quantity, paper, where, result, agrees, why + moving)
+        return PaperRow(quantity, paper, where, result, agrees, reason + moving)
 
     for number, metres in SETTLEMENT.items():
         near_settlement = partial(_near, "settlement_uphill_m", metres)

@@ -46,11 +46,11 @@ def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
     flow."""
     _, cases = results.case_set()
     discs = {number: cases[number] for number in case.cases if number in cases and not cases[number].flows}
-    far = {number: slide for number, each in discs.items() if (slide := each.slide_by_weight_m) is not None}
-    if not far:
+    slides = {number: slide for number, answer in discs.items() if (slide := answer.slide_by_weight_m) is not None}
+    if not slides:
         return
-    phrase = f"by their weight alone the discs slide {span(list(far.values()))} in {of_cases(list(far))}"
-    if max(far.values()) > FLOW_SHARE * _relief(results):
+    phrase = f"by their weight alone the discs slide {span(list(slides.values()))} in {of_cases(list(slides))}"
+    if max(slides.values()) > FLOW_SHARE * _relief(results):
         yield f"The discs agree: {phrase}, until the remaining face is flat enough."
     else:
         yield f"The discs are stronger than the continuum: {phrase}."
@@ -59,12 +59,12 @@ def _by_weight(results: Results, case: LiquefiedCase) -> Iterator[str]:
 def _slides_though_it_stands(results: Results, case: LiquefiedCase) -> Iterator[str]:
     """Yield the contradiction that discs slide by their weight alone although the continuum stands."""
     _, cases = results.case_set()
-    far = max((cases[number].slide_max_m for number in case.cases if number in cases), default=0.0)
+    largest_slide = max((cases[number].slide_max_m for number in case.cases if number in cases), default=0.0)
     slide = results.config.slide
-    if slide.kh == 0.0 and not slide.accelerogram and far > FLOW_SHARE * _relief(results):
+    if slide.kh == 0.0 and not slide.accelerogram and largest_slide > FLOW_SHARE * _relief(results):
         yield (
-            f"The discs contradict this result: they slide {metres(far)} by their weight alone. The discs are "
-            "too coarse for the layers that liquefy, or get denser as they slide; "
+            f"The discs contradict this result: they slide {metres(largest_slide)} by their weight alone. The discs "
+            "are too coarse for the layers that liquefy, or get denser as they slide; "
             "noshiro converge repeats the slides with smaller discs."
         )
 
@@ -94,10 +94,10 @@ class Enough:
             "stress)"
             for s in self.strata
         ]
-        more = (
+        addition = (
             "; add a case with more residual strength to find the required strength" if self.how == "more than" else ""
         )
-        return f"The residual strength required to stand without shaking is {self.how} {listed(phrases)}{more}"
+        return f"The residual strength required to stand without shaking is {self.how} {listed(phrases)}{addition}"
 
 
 def just_enough(cases: Sequence[LiquefiedCase], required: Strata = ()) -> Enough | None:

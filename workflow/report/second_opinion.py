@@ -47,18 +47,20 @@ class SecondOpinion:
 
     def sentence(self) -> str:
         """Return a sentence that compares both slides."""
-        both = f"discs slide {metres(self.discs)} and material points {metres(self.points)}"
+        slides = f"discs slide {metres(self.discs)} and material points {metres(self.points)}"
         if self.agreed and all(self.limits):
-            return f"{both}, and both reach a side of the model, which limits both slides"
+            return f"{slides}, and both reach a side of the model, which limits both slides"
         if self.agreed and any(self.limits) and any(self.resting):
             stopped = "discs" if self.limits[0] else "material points"
-            return f"{both}, and both agree, since a side of the model limits the slide of the {stopped}"
+            return f"{slides}, and both agree, since a side of the model limits the slide of the {stopped}"
         if self.agreed:
-            return f"{both}, and both agree" + ("" if any(self.resting) else " that the slide does not come to rest")
+            return f"{slides}, and both agree" + ("" if any(self.resting) else " that the slide does not come to rest")
         if self.resting[0] != self.resting[1] and not any(self.limits):
-            return f"{both}, and only {'discs' if self.resting[0] else 'material points'} come to rest{self._nearer()}"
+            return (
+                f"{slides}, and only {'discs' if self.resting[0] else 'material points'} come to rest{self._nearer()}"
+            )
         intervals = f"{rough_range(*self.discs_span)} and {rough_range(*self.points_span)}"
-        return f"{both}, which differ by more than the intervals of {intervals}{self._nearer()}"
+        return f"{slides}, which differ by more than the intervals of {intervals}{self._nearer()}"
 
     def _nearer(self) -> str:
         """Return a clause that states which method predicted known slides of this kind better."""
@@ -118,8 +120,8 @@ def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:
     for warning in merged_notes(
         {number: [opinion.sentence()] for number, opinion in opinions.items() if not opinion.agreed}
     ):
-        what, remedy = split_warning(warning)
-        yield WarningPart(weight=1, what=what, remedy=remedy)
+        observation, remedy = split_warning(warning)
+        yield WarningPart(weight=1, what=observation, remedy=remedy)
 
 
 def agreeing(opinions: dict[int, SecondOpinion]) -> Iterator[str]:

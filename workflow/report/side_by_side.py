@@ -98,11 +98,11 @@ def _all_rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
     for name, tell in columns.items():
         yield name, [tell(run.summary) for run in runs]
     for case in sorted({case for run in runs for case in run.summary.cases or {}}):
-        here = [(run.summary.cases or {}).get(case) for run in runs]
-        yield f"case {case}: largest slide", [_slide(summary) for summary in here]
+        cases_of_runs = [(run.summary.cases or {}).get(case) for run in runs]
+        yield f"case {case}: largest slide", [_slide(summary) for summary in cases_of_runs]
         yield (
             f"case {case}: settlement uphill",
-            [metres(summary.settlement_uphill_m) if summary else "–" for summary in here],
+            [metres(summary.settlement_uphill_m) if summary else "–" for summary in cases_of_runs],
         )
     yield "computing time", [f"{sum(run.summary.seconds.values()):.0f} s" for run in runs]
 

@@ -25,8 +25,8 @@ def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
         fails = ": the ground fails without shaking" if min(circle.bishop for circle in answer.critical) < 0.0 else ""
         yield f"Critical Kh by slip circles: {_circle_list(answer.critical, 3)}{fails}."
     for text in of_longer_sections(answer.critical):
-        what, _, remedy = text.partition(": ")
-        yield f"Warning: {what[0].upper()}{what[1:]}. To do: {remedy}."
+        observation, _, remedy = text.partition(": ")
+        yield f"Warning: {observation[0].upper()}{observation[1:]}. To do: {remedy}."
     if answer.weak_layers and (answer.critical or any(factors.circles for factors in answer.factors)):
         layers = " and ".join(map(shown_name, answer.weak_layers))
         yield (

@@ -88,10 +88,12 @@ def _block(results: Results, _: Texts) -> HeadlinePart:
     if not slides:
         phrase = _("No layer of the section liquefies, so no slide was computed.")
         return HeadlinePart(name=_("slide after liquefaction"), value="–", interval="", conclusion=phrase)
-    each = [_("{slide} by {method}", slide=metres(slide), method=method) for method, slide in slides.items()]
+    slides_by_method = [
+        _("{slide} by {method}", slide=metres(slide), method=method) for method, slide in slides.items()
+    ]
     phrase = _(
         "No layer of the section liquefies. In the earthquake the ground that fails slides as a rigid block: {each}.",
-        each=_.listed(each),
+        each=_.listed(slides_by_method),
     )
     interval = _("by {number} methods for a rigid block without loss of strength", number=len(slides))
     name = _("displacement in the earthquake")

@@ -61,19 +61,19 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
     if other is not None:
         value = f"> {coefficient(other.kc)}" if other.verdict == "no failure" else coefficient(other.kc)
         value = _("about {kc}", kc=rough_coefficient(other.kc)) if fem.is_rough(other) else value
-        cut = _("; the failing ground reaches the side of the section") if other.at_sides else ""
+        side_words = _("; the failing ground reaches the side of the section") if other.at_sides else ""
         if structures_of(results.config.section):
             force = _("seismic force to the {side}", side=_("left" if fem.towards == "right" else "right"))
         else:
             force = _("seismic force upslope") if other.direction == "uphill" else _("seismic force downslope")
         above = _bound_words(other.kc, strict_kh(results, fem, fem.flow, other.direction), _)
-        yield StabilityRow(name, value, "", force + cut + above)
+        yield StabilityRow(name, value, "", force + side_words + above)
     for shallow_failure in fem.shallow_failures:
         if shallow_failure.is_edge(fem.settings.least_depth):
             continue
-        where = _("shallow failure of the face from x = {start} to {end} m",
+        face_words = _("shallow failure of the face from x = {start} to {end} m",
                   start=f"{shallow_failure.start_x_m:g}", end=f"{shallow_failure.end_x_m:g}")  # fmt: skip
-        yield StabilityRow(name, coefficient(max(shallow_failure.kh, 0.0)), "", f"{where}, {_(FLOW[fem.flow])}")
+        yield StabilityRow(name, coefficient(max(shallow_failure.kh, 0.0)), "", f"{face_words}, {_(FLOW[fem.flow])}")
     yield from _shallow_by_davis(results, fem, name, _)
     yield from _factors(results, fem, _)
 
@@ -118,8 +118,8 @@ def _shallow_by_davis(results: Results, fem: FemAnswer, name: str, _: Texts) -> 
         if face.kh >= fem.davis.kc or face.end - face.start < settings.least_depth:
             continue
         ends = {"start": f"{face.start:g}", "end": f"{face.end:g}"}
-        where = _("shallow failure of the face from x = {start} to {end} m", **ends)
-        yield StabilityRow(name, coefficient(max(face.kh, 0.0)), "", f"{where}, {_(FLOW['davis'])}")
+        face_words = _("shallow failure of the face from x = {start} to {end} m", **ends)
+        yield StabilityRow(name, coefficient(max(face.kh, 0.0)), "", f"{face_words}, {_(FLOW['davis'])}")
 
 
 def _bounds(results: Results, _: Texts) -> Iterator[StabilityRow]:
@@ -168,19 +168,20 @@ def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts
 
 def _discs(results: Results, _: Texts) -> Iterator[StabilityRow]:
     """Yield the rows of the discs and of the FEM model with the boundary conditions of the discs."""
-    like, calibration, discs = results.dem_counterpart, results.calibration, results.dem
-    if like is not None:
-        most = _("to {kc}", kc=coefficient(like.kc_upper)) if _more(like.kc_upper, like.kc) else ""
+    counterpart, calibration, discs = results.dem_counterpart, results.calibration, results.dem
+    if counterpart is not None:
+        most = _("to {kc}", kc=coefficient(counterpart.kc_upper)) if _more(counterpart.kc_upper, counterpart.kc) else ""
         conditions = _(
-            "boundary conditions of the disc box: {terms}", terms=f"{_(SIDES[like.sides])}, {_(FLOW[like.flow])}"
+            "boundary conditions of the disc box: {terms}",
+            terms=f"{_(SIDES[counterpart.sides])}, {_(FLOW[counterpart.flow])}",
         )
         yield StabilityRow(
             _("critical Kh, finite elements with the boundary conditions of the discs"),
-            coefficient(like.kc),
+            coefficient(counterpart.kc),
             most,
             conditions,
         )
-    compared = _("compare with the row above, not with the first row") if like is not None else ""
+    compared = _("compare with the row above, not with the first row") if counterpart is not None else ""
     if calibration is not None and calibration.predicted_kc is not None:
         yield StabilityRow(_("critical Kh, discs, uncalibrated"), coefficient(calibration.predicted_kc), "", compared)
         compared = ""

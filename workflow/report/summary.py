@@ -155,13 +155,13 @@ def _dem(results: Results) -> DemSummary | None:
     if discs is None:
         return None
     calibrated = None if calibration is None else Factor(parameter=calibration.parameter, value=calibration.value)
-    like = results.dem_counterpart if discs.model.discs == "soil" else None
+    counterpart = results.dem_counterpart if discs.model.discs == "soil" else None
     strength = calibration is not None and calibration.parameter == "strength"
     fem = results.fem
     return DemSummary.taken(
         discs.after,
         model=discs.model.discs,
-        sides="" if fem is None else like.sides if like else fem.settings.sides,
+        sides="" if fem is None else counterpart.sides if counterpart else fem.settings.sides,
         kc_uncalibrated=discs.before.kc,
         kc_target=None if calibration is None else calibration.target_kc,
         strength_factor=calibration.value if strength and calibration is not None else None,

@@ -164,12 +164,16 @@ def _prediction(results: Results) -> Iterator[str]:
 def _alike(results: Results) -> str:
     """Return in words the boundary conditions and flow rule of the FEM model that the discs are compared with, and its
     critical Kh."""
-    like = results.dem_counterpart
-    if like is None:
+    counterpart = results.dem_counterpart
+    if counterpart is None:
         return ""
-    why = f" ({like.instead})" if like.instead else ""
-    most = f" (at most {coefficient(like.kc_upper)})" if coefficient(like.kc_upper) != coefficient(like.kc) else ""
-    return f" with {like.terms}{why}, which is {coefficient(like.kc)}{most}"
+    instead = f" ({counterpart.instead})" if counterpart.instead else ""
+    most = (
+        f" (at most {coefficient(counterpart.kc_upper)})"
+        if coefficient(counterpart.kc_upper) != coefficient(counterpart.kc)
+        else ""
+    )
+    return f" with {counterpart.terms}{instead}, which is {coefficient(counterpart.kc)}{most}"
 
 
 def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
@@ -209,8 +213,8 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
 
 def lies_still(case: CaseNumbers) -> bool:
     """Return whether a slide that did not come to rest hardly moved in its last 10 s."""
-    still = max(REST_MOVEMENT, REST_MOVEMENT_SHARE * abs(case.slide_max_m))
-    return case.moved_lately_m is not None and case.moved_lately_m < still
+    limit = max(REST_MOVEMENT, REST_MOVEMENT_SHARE * abs(case.slide_max_m))
+    return case.moved_lately_m is not None and case.moved_lately_m < limit
 
 
 def rests_at_side(case: CaseAnswer) -> bool:
@@ -343,8 +347,8 @@ def _measured(results: Results) -> Iterator[str]:
     _, cases = results.case_set()
     for observation in results.config.report.observed if cases else ():
         phrase = f"The measured displacement is {observation.displacement:.3g} m ({observation.name})"
-        there = results.slides_at(observation.x)
-        where = "at most" if there is None else f"there, at x = {observation.x:g} m,"
-        slides = [case.slide_max_m for case in cases.values()] if there is None else there.values()
+        computed = results.slides_at(observation.x)
+        place_words = "at most" if computed is None else f"there, at x = {observation.x:g} m,"
+        slides = [case.slide_max_m for case in cases.values()] if computed is None else computed.values()
         numbers = listed(list(dict.fromkeys(metres(max(slide, 0.0)) for slide in slides)))
-        yield f"{phrase}; the discs slide {where} {numbers} in {of_cases(list(cases))}."
+        yield f"{phrase}; the discs slide {place_words} {numbers} in {of_cases(list(cases))}."

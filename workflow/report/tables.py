@@ -48,9 +48,9 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
     layers = section.layering
     at_left, at_right = layers.thickness()
     for k, (stratum, area) in enumerate(zip(section.strata, layers.areas(), strict=True)):
-        here = layers.present()[:, k]
-        ends = [*at_left[here, k], *at_right[here, k]]
-        start, end = layers.x[:-1][here].min(), layers.x[1:][here].max()
+        present = layers.present()[:, k]
+        ends = [*at_left[present, k], *at_right[present, k]]
+        start, end = layers.x[:-1][present].min(), layers.x[1:][present].max()
         yield [
             stratum.name,
             f"{area:.1f}",

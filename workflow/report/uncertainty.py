@@ -65,8 +65,9 @@ def _seen(variant: Variant, kc: float | None) -> str:
     without = variant.kc_without or kc
     comparison = f" instead of {coefficient(without)}" if variant.kc_without is not None else ""
     by = 100.0 * (variant.kc / without - 1.0)
-    much = f"{by:+.1f} %" if abs(by) >= 0.05 else "no change"
-    return f"In this run, with {variant.change}, the critical Kh is {coefficient(variant.kc)}{comparison} ({much})."
+    change_words = f"{by:+.1f} %" if abs(by) >= 0.05 else "no change"
+    kh_words = f"{coefficient(variant.kc)}{comparison} ({change_words})"
+    return f"In this run, with {variant.change}, the critical Kh is {kh_words}."
 
 
 def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str]]:

@@ -125,8 +125,8 @@ def _by_slices(of: str, circles: Sequence[CirclePart]) -> Iterator[Interval]:
         yield f"{of}, by slices", None, None, "no circle slides"
         return
     least = min(circles, key=lambda circle: circle.bishop)
-    both = [least.bishop, *([] if least.spencer is None else [least.spencer])]
-    yield f"{of}, by slices", min(both), max(both), ""
+    factors = [least.bishop, *([] if least.spencer is None else [least.spencer])]
+    yield f"{of}, by slices", min(factors), max(factors), ""
 
 
 def _by_elements(results: Results, of: str, face: FacePart | SlicesAnswer, criterion: Criterion) -> Iterator[Interval]:
@@ -167,9 +167,14 @@ def _displacements(results: Results) -> Iterator[Interval]:
     ]
     for structure in structures_of(config.section):
         for by, along, rests, (least, most) in slides:
-            far = _largest(along, structure.crest.start, structure.crest.end)
-            if far is not None:
-                yield f"{structure.name}, {by}", least * far, most * far if rests else OPEN_END, _unrest_reason(rests)
+            slide = _largest(along, structure.crest.start, structure.crest.end)
+            if slide is not None:
+                yield (
+                    f"{structure.name}, {by}",
+                    least * slide,
+                    most * slide if rests else OPEN_END,
+                    _unrest_reason(rests),
+                )
     yield from _not_computed(results)
 
 
@@ -258,14 +263,14 @@ def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None) -> I
         deciding = [part for part in parts_of_criterion if part.verdict == verdict]
         worst = deciding[:3] if verdict != "satisfied" else []
         reasons = [f"{_.sentence(part.of)}: {_.sentence(part.reason) or interval_words(part)}" for part in worst]
-        why = f" ({_.listed(reasons)})" if reasons else ""
+        reason_words = f" ({_.listed(reasons)})" if reasons else ""
         limit = _number(criterion, parts_of_criterion[0].limit)
         limit = _("at least {limit}", limit=limit) if criterion in AT_LEAST else _("at most {limit}", limit=limit)
         limit += _kh_words(parts_of_criterion[0], _)
         by_section = criterion not in OF_FACES or any(part.of.startswith("the section") for part in parts_of_criterion)
         name = criterion if by_section else f"{criterion} of the faces of structures"
         source = f" [{parts_of_criterion[0].source}]" if parts_of_criterion[0].source else ""
-        phrases.append(f"{_.sentence(name)} {limit}{source}: {_.sentence(verdict)}{why}")
+        phrases.append(f"{_.sentence(name)} {limit}{source}: {_.sentence(verdict)}{reason_words}")
     if phrases:
         yield _("Criteria: {each}.").format(each="; ".join(phrases))
 

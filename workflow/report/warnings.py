@@ -32,15 +32,15 @@ def warnings(results: Results) -> list[WarningPart]:
     """Find every warning, the most important first: contradictions, then what changes an answer, then notes."""
     merged: dict[tuple[str, str], WarningPart] = {}
     for weight, text in _warnings(results):
-        what, remedy = split_warning(text)
-        merged.setdefault((what, remedy), WarningPart(weight=weight, what=what, remedy=remedy))
+        observation, remedy = split_warning(text)
+        merged.setdefault((observation, remedy), WarningPart(weight=weight, what=observation, remedy=remedy))
     return sorted(merged.values(), key=lambda part: part.weight)
 
 
 def split_warning(text: str) -> tuple[str, str]:
     """Split a warning at its first colon into two sentences: the observation, and the remedy."""
-    what, _, remedy = text.partition(": ")
-    return _sentence(what), _sentence(remedy)
+    observation, _, remedy = text.partition(": ")
+    return _sentence(observation), _sentence(remedy)
 
 
 def _sentence(text: str) -> str:
@@ -166,12 +166,12 @@ def _at_the_limit(results: Results) -> Iterator[str]:
 
 def _target_range(results: Results) -> Iterator[str]:
     """Yield a warning if the critical Kh of the calibration is only known as a range."""
-    like = results.dem_counterpart
-    if like is not None and results.dem is not None and like.kc_upper > OPEN_KH_RATIO * like.kc:
+    counterpart = results.dem_counterpart
+    if counterpart is not None and results.dem is not None and counterpart.kc_upper > OPEN_KH_RATIO * counterpart.kc:
         yield (
-            f"the finite elements with the boundary conditions of the discs ({like.terms}) fail between Kh = "
-            f"{coefficient(like.kc)} and {coefficient(like.kc_upper)}: discs that fail within this range are taken as "
-            "calibrated"
+            f"the finite elements with the boundary conditions of the discs ({counterpart.terms}) fail between Kh = "
+            f"{coefficient(counterpart.kc)} and {coefficient(counterpart.kc_upper)}: discs that fail within this range "
+            "are taken as calibrated"
         )
 
 
@@ -193,12 +193,12 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
                 f"{remedy}",
             )
     elif not 1.0 / SIDE_EFFECT_RATIO <= other / fem.kc <= SIDE_EFFECT_RATIO:
-        much = f"{abs(100.0 * (other / fem.kc - 1.0)):.0f} % {'larger' if other > fem.kc else 'smaller'}"
+        change_words = f"{abs(100.0 * (other / fem.kc - 1.0)):.0f} % {'larger' if other > fem.kc else 'smaller'}"
         yield (
             2,
             (
-                f"with {change.change} the critical Kh is {much}, so that the boundary condition at the sides governs: "
-                f"{remedy}"
+                f"with {change.change} the critical Kh is {change_words}, so that the boundary condition at the sides "
+                f"governs: {remedy}"
             ),
         )
 
@@ -274,8 +274,8 @@ def _calibration(results: Results) -> Iterator[str]:
         )
     elif not 1.0 / CALIBRATION_RATIO <= calibration.value <= CALIBRATION_RATIO:
         name = calibration.parameter.replace("_", " ")
-        what = {"all": "all constants", "strength": "the strength"}.get(name, f"the {name}")
+        parameters = {"all": "all constants", "strength": "the strength"}.get(name, f"the {name}")
         yield (
-            f"the discs fail at the critical Kh of the finite elements only with {what} of the contacts multiplied by "
-            f"{calibration.value:.2g}: compare the element tests of the layers"
+            f"the discs fail at the critical Kh of the finite elements only with {parameters} of the contacts "
+            f"multiplied by {calibration.value:.2g}: compare the element tests of the layers"
         )

@@ -76,8 +76,8 @@ def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety, flow
     bounds = results.bounds
     if bounds is None or bounds.sides != fem.settings.sides or flow != "associated":
         return None
-    both = (part for part in bounds.safety if part.lower is not None and part.upper is not None)
-    return next((part for part in both if part.kh == factor.kh), None)
+    complete = (part for part in bounds.safety if part.lower is not None and part.upper is not None)
+    return next((part for part in complete if part.kh == factor.kh), None)
 
 
 def remaining_error(factor: FactorOfSafety, strict: SafetyPart | None) -> float | None:

@@ -66,8 +66,10 @@ class Part(BaseModel):
         **more
             Fields that ``source`` does not have, or that have another meaning there.
         """
-        same = {name: getattr(source, name) for name in cls.model_fields if name not in more and hasattr(source, name)}
-        return cls.model_validate({**same, **more})
+        common_fields = {
+            name: getattr(source, name) for name in cls.model_fields if name not in more and hasattr(source, name)
+        }
+        return cls.model_validate({**common_fields, **more})
 
 
 class Answer(Part):

@@ -71,14 +71,14 @@ class Results:
         stages = tuple(stage for stage in job.stages if not stage.of_all)
         for stage in stages:
             prints = made_from(stage, job, record)
-            entry, why = record[stage.name], changes(stage, prints, record)
-            if entry is not None and (not why or (entry.outcome == "part" and entry.inputs == prints)):
+            entry, change_words = record[stage.name], changes(stage, prints, record)
+            if entry is not None and (not change_words or (entry.outcome == "part" and entry.inputs == prints)):
                 ends[stage.name] = entry
             elif entry is not None and is_of_this_input(stage, job, record):
                 ends[stage.name] = entry
                 older.append(stage.name)
             else:
-                missing[stage.name] = why
+                missing[stage.name] = change_words
 
         def left(stage: str, kind: type[AnswerOf]) -> AnswerOf | None:
             """Return the stored answer of a stage, if it ran for this input."""
@@ -165,14 +165,14 @@ class Results:
         fem, bounds = self.fem, self.bounds
         if fem is None or bounds is None or self.kc is None:
             return []
-        same = bounds.sides == fem.settings.sides
-        if not same and (bounds.sides != "fixed" or fem.settings.sides == "periodic"):
+        same_sides = bounds.sides == fem.settings.sides
+        if not same_sides and (bounds.sides != "fixed" or fem.settings.sides == "periodic"):
             return []
-        judged = [*self._judged_by(bounds), *(self._safety_judged_by(bounds) if same else ())]
+        judged = [*self._judged_by(bounds), *(self._safety_judged_by(bounds) if same_sides else ())]
         return [
             warning
-            for what, value, low, high, same_flow in judged
-            for warning in of_bounds(value, low if same else None, high, same_flow, what)
+            for quantity, value, low, high, same_flow in judged
+            for warning in of_bounds(value, low if same_sides else None, high, same_flow, quantity)
         ]
 
     def _judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:

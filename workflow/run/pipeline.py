@@ -86,8 +86,8 @@ class Run:
     pending: list[Future[None]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        alone = self.job.ranks is None or self.job.ranks.comm.size == 1  # else MPI started several processes
-        self.executor = self.job.executor if alone and self.job.executor.count > 1 else SERIAL
+        single_process = self.job.ranks is None or self.job.ranks.comm.size == 1  # else MPI started several processes
+        self.executor = self.job.executor if single_process and self.job.executor.count > 1 else SERIAL
         self.one_at_a_time = RLock()  # who writes the record, the log and the input: stages beside others do so, too
 
     def do_all(self, decisions: Sequence[Decision]) -> None:

@@ -127,15 +127,15 @@ def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
 
 def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool) -> Decision:
     """Decide whether a stage runs; ``news``: whether results of a stage before it will change."""
-    why = changes(stage, made_from(stage, job, record), record)
+    reason = changes(stage, made_from(stage, job, record), record)
     if stage.name not in choice.chosen:
-        return Decision(stage, "off" if why else "reuse", why)
+        return Decision(stage, "off" if reason else "reuse", reason)
     if (unwanted := stage.unwanted(job.config)) and stage.name not in choice.requested:
-        return Decision(stage, "off" if why else "reuse", unwanted)
+        return Decision(stage, "off" if reason else "reuse", unwanted)
     if stage.name in choice.forced:
         return Decision(stage, "run", "asked for")
-    if why or (stage.of_all and news):
-        return Decision(stage, "run", why or "there are new results")
+    if reason or (stage.of_all and news):
+        return Decision(stage, "run", reason or "there are new results")
     if not record.pictures_left(stage.name):
         return Decision(stage, "redraw", "pictures are missing")
     left = record.entries[stage.name]

@@ -139,8 +139,10 @@ def _requested_borings(logs: Sequence[Log], names: Sequence[str]) -> list[Log]:
     """Return the named borings, or all. Raises InputError for an unknown name."""
     unknown = [name for name in names if name not in {log.name for log in logs}]
     if unknown:
-        there = ", ".join(log.name for log in logs)
-        raise InputError("--borings", [f"there is no boring {', '.join(unknown)} that can be used; there are {there}"])
+        known_names = ", ".join(log.name for log in logs)
+        raise InputError(
+            "--borings", [f"there is no boring {', '.join(unknown)} that can be used; there are {known_names}"]
+        )
     return [log for log in logs if not names or log.name in names]
 
 
@@ -184,8 +186,11 @@ def _by_stratum(problems: Sequence[str]) -> list[str]:
 
 def _summary(connection: Connected) -> list[str]:
     everything = (*connection.borings, *connection.soundings)
-    far = [f"{item.log.name} {abs(item.off_line):.1f} m" for item in everything if abs(item.off_line) > 0.05]
-    notice = [f"Not on the line of the section: {', '.join(far)}."] if far else []
+    distant = [f"{item.log.name} {abs(item.off_line):.1f} m" for item in everything if abs(item.off_line) > 0.05]
+    notice = [f"Not on the line of the section: {', '.join(distant)}."] if distant else []
     cones = sum(bool(item.log.cones) for item in everything)
-    more = f", cones in {cones} of {len(everything)}" if cones else ""
-    return [f"{len(connection.borings)} borings with layers{more}, strata {', '.join(connection.names)}.", *notice]
+    cone_words = f", cones in {cones} of {len(everything)}" if cones else ""
+    return [
+        f"{len(connection.borings)} borings with layers{cone_words}, strata {', '.join(connection.names)}.",
+        *notice,
+    ]

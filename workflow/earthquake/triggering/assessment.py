@@ -117,16 +117,16 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
     for boring in borings:
         samples: tuple[Sample | Cone, ...] = getattr(boring, relation.kind)
         pieces = _ranges_of_tests(section, boring, [float(sample.depth) for sample in samples])
-        for sample, (top, bottom, where) in zip(samples, pieces, strict=True):
-            point = point_of(sample, where)
-            reason = _why_not(section, sample, where) or relation.why_not(point)
+        for sample, (top, bottom, place_in_ground) in zip(samples, pieces, strict=True):
+            point = point_of(sample, place_in_ground)
+            reason = _why_not(section, sample, place_in_ground) or relation.why_not(point)
             try:
                 resistance = None if reason else _resistance_of(relation, point, shaking, settings)
             except ValueError as error:
                 problems.append(f"triggering, boring {boring.name}, test at {sample.depth:g} m: {error}")
                 continue
             x = float(boring.x)
-            tests.append(Judged(boring.name, x, sample, top, bottom, lengths[x], where, resistance, reason))
+            tests.append(Judged(boring.name, x, sample, top, bottom, lengths[x], place_in_ground, resistance, reason))
     if problems:
         raise InputError(section.name, problems)
     strata = tuple(_of_stratum(section, k, tests, settings.share) for k in range(len(section.strata)))
@@ -288,20 +288,30 @@ def judged_in_stratum(names: Sequence[str], number: int, tests: Sequence[Judged]
 
     ``names`` are the names of all strata, ``number`` is the index of the stratum.
     """
-    here = [test for test in tests if test.where.stratum == number]
-    return here or [test for test in tests if soil_of(names[test.where.stratum]) == soil_of(names[number])]
+    tests_in_stratum = [test for test in tests if test.where.stratum == number]
+    return tests_in_stratum or [test for test in tests if soil_of(names[test.where.stratum]) == soil_of(names[number])]
 
 
 def _of_stratum(section: Section, number: int, tests: list[Judged], wanted: float) -> OfStratum:
-    here = judged_in_stratum([stratum.name for stratum in section.strata], number, tests)
-    share = sum(test.area for test in here if test.liquefies) / sum(test.area for test in here) if here else None
-    factors = [test.factor for test in here if test.factor is not None]
+    tests_in_stratum = judged_in_stratum([stratum.name for stratum in section.strata], number, tests)
+    share = (
+        sum(test.area for test in tests_in_stratum if test.liquefies) / sum(test.area for test in tests_in_stratum)
+        if tests_in_stratum
+        else None
+    )
+    factors = [test.factor for test in tests_in_stratum if test.factor is not None]
     enough = share is not None and share >= wanted
-    reason = "; ".join(dict.fromkeys(test.reason for test in here if test.reason))
-    if not here:
+    reason = "; ".join(dict.fromkeys(test.reason for test in tests_in_stratum if test.reason))
+    if not tests_in_stratum:
         reason = "no test lies in it" if reaches_water(section, number) else ABOVE_WATER
     return OfStratum(
-        section.strata[number].name, len(here), len(factors), share, min(factors, default=None), enough, reason
+        section.strata[number].name,
+        len(tests_in_stratum),
+        len(factors),
+        share,
+        min(factors, default=None),
+        enough,
+        reason,
     )
 
 

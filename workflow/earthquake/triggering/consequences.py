@@ -119,9 +119,9 @@ def pore_pressures(assessment: TriggeringAssessment, strata: int) -> list[float]
     of a test is 1 if F_L is at most 1."""
     ratios = []
     for k in range(strata):
-        here = judged_in_stratum([stratum.name for stratum in assessment.strata], k, assessment.tests)
-        pressures = [0.0 if test.factor is None else pore_pressure_ratio(test.factor) for test in here]
-        ratios.append(mean_of_tests(here, pressures))
+        tests_in_stratum = judged_in_stratum([stratum.name for stratum in assessment.strata], k, assessment.tests)
+        pressures = [0.0 if test.factor is None else pore_pressure_ratio(test.factor) for test in tests_in_stratum]
+        ratios.append(mean_of_tests(tests_in_stratum, pressures))
     return ratios
 
 
