@@ -45,25 +45,25 @@ PACKAGES = ("meshes", "fem", "dem", "workflow")
 
 
 def sources() -> dict[Path, str]:
-    """The written pages: each file with its place in the site."""
+    """Return the written pages: each file with its place in the site."""
     files = sorted(path for path in HERE.rglob("*.md") if "build" not in path.relative_to(HERE).parts)
     return {TOP / "README.md": "index.md"} | {path: str(path.relative_to(HERE)) for path in files}
 
 
 def links(path: Path) -> Iterator[tuple[str, Path, str]]:
-    """The links of a page to files: as written, where they lead, and the anchor."""
+    """Yield the links of a page to files: the text of the link, the file, and the anchor."""
     for target, anchor in LINK.findall(path.read_text(encoding="utf-8")):
         if "://" not in target:
             yield target, Path(os.path.normpath(path.parent / target)), anchor.removeprefix("#")
 
 
 def module_of(path: Path) -> str:
-    """The module that a source file is."""
+    """Return the module of a source file."""
     return ".".join(path.relative_to(TOP).with_suffix("").parts)
 
 
 def gather() -> None:
-    """Write all pages anew."""
+    """Write all pages into the build folder."""
     shutil.rmtree(HERE / "build", ignore_errors=True)
     PAGES.mkdir(parents=True)
     modules = set()
@@ -97,7 +97,7 @@ def gather() -> None:
 
 
 def with_code(path: Path, text: str) -> str:
-    """A page of the gallery with the code of its scripts in place of the links to them."""
+    """Return a page of the gallery in which the code of the scripts replaces the links to them."""
     return re.sub(
         r"\[code\]\((\w+\.py)\)",
         lambda link: f"```python\n{(path.parent / link[1]).read_text(encoding='utf-8')}```",
@@ -113,7 +113,7 @@ def write(page: str, text: str) -> None:
 
 
 def moved(page: str, leads_to: Path, anchor: str) -> str | None:
-    """Where a link of a page leads in the site; None where it leads to a file that is no page."""
+    """Return the target of a link in the site; None if the file is not a page."""
     inside = leads_to.relative_to(TOP)
     collections = [name for name, folder in COLLECTIONS.items() if leads_to == folder / "README.md"]
     if leads_to == TOP / "README.md":
@@ -131,7 +131,7 @@ def moved(page: str, leads_to: Path, anchor: str) -> str | None:
 
 
 def build() -> int:
-    """The exit code of mkdocs, which fails at any link that leads nowhere."""
+    """Build the site and return the exit code of mkdocs, which fails at links without a target."""
     line = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--clean", "-f", str(HERE / "mkdocs.yml")]
     paths = os.pathsep.join([str(TOP), os.environ.get("PYTHONPATH", "")])
     return subprocess.run(
@@ -140,7 +140,7 @@ def build() -> int:
 
 
 def names_in(path: Path) -> set[str]:
-    """What a source file defines at its top level."""
+    """Return the names that a source file defines at its top level."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     return {node.name for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef)}
 

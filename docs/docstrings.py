@@ -29,20 +29,20 @@ THIRD_PERSON = re.compile(r"Warns of|(?!Kernels\b)[A-Z][a-z]*s (?!(of|for)\b)")
 
 
 def exported(package: str) -> Iterator[tuple[str, object]]:
-    """Name and object of everything that a package exports."""
+    """Yield name and object of everything that a package exports."""
     module = importlib.import_module(package)
     for name in module.__all__:
         yield name, getattr(module, name)
 
 
 def section(text: str, head: str) -> str:
-    """What stands under a head of numpydoc; empty without it."""
+    """Return the text below a heading of numpydoc; empty without the heading."""
     match = re.search(rf"^{head}\n-+\n(.*?)(?=^\w[\w ]*\n-+\n|\Z)", text, flags=re.MULTILINE | re.DOTALL)
     return match[1] if match else ""
 
 
 def faults(what: object) -> Iterator[str]:
-    """What the docstring of a function or a class lacks."""
+    """Yield the missing parts of the docstring of a function or a class."""
     text = inspect.getdoc(what) or ""
     first = text.partition("\n")[0]
     if not first.endswith("."):
@@ -69,7 +69,7 @@ def faults(what: object) -> Iterator[str]:
 
 
 def without_verb(source: str) -> Iterator[tuple[int, str]]:
-    """Yields line and beginning of every docstring that begins without a verb."""
+    """Yield line and beginning of every docstring that does not begin with a verb."""
     module = ast.parse(source)
     text = ast.get_docstring(module)
     if text is not None and not THIRD_PERSON.match(text):
@@ -82,7 +82,7 @@ def without_verb(source: str) -> Iterator[tuple[int, str]]:
 
 
 def main() -> int:
-    """Prints the faults; 1 if there are any."""
+    """Print the faults; return 1 if there are any."""
     messages = [
         f"{package}.{name}: {fault}"
         for package in PACKAGES

@@ -1,4 +1,4 @@
-"""Pages that follow from the program, computed from models, commands, docstrings and numbers."""
+"""Generates the pages that follow from the program: from its models, commands, docstrings and numbers."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -18,23 +18,23 @@ TOP = HERE.parent
 
 
 def numbers() -> dict[str, dict[str, Any]]:
-    """The numbers that README and pages quote, by table."""
+    """Return the numbers that README and pages quote, by table."""
     return tomllib.loads((HERE / "numbers.toml").read_text(encoding="utf-8"))
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """A table in Markdown."""
+    """Return a table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(map(cell, line)) + " |" for line in lines)
 
 
 def cell(value: object) -> str:
-    """A cell of a table: what Markdown or HTML would take for its own is escaped."""
+    """Return the text of a table cell, with the special characters of Markdown and HTML escaped."""
     return str(value).replace("|", "\\|").replace("<", "&lt;").replace("\n", " ")
 
 
 def commands() -> str:
-    """Every command with its arguments and options, from the program that reads them."""
+    """Return the page of all commands with their arguments and options."""
     group = typer.main.get_command(app)
     parts = [
         "# Commands",
@@ -65,7 +65,7 @@ def commands() -> str:
 
 
 def python_interface() -> str:
-    """The public interface of the packages, from the docstrings."""
+    """Return the page of the public interface of the packages, from the docstrings."""
     parts = [
         "# Python interface",
         "What `meshes`, `fem` and `dem` offer at their top. Lengths in m, stresses in Pa, angles in radians unless a "
@@ -81,14 +81,14 @@ def python_interface() -> str:
 
 
 def made(name: str) -> str:
-    """When the numbers of a table were found, and by which command they are found again."""
+    """Return a sentence on the date of a table of numbers and the command that computes it."""
     values = numbers()[name]
     by = f" by commit {values['commit']}" if values["commit"] else ""
     return f"Generated {values['date']}{by}. Again: `{values['command']}`."
 
 
 def closed_forms() -> str:
-    """Closed forms and published brackets beside strict bounds and elements."""
+    """Return the page that compares strict bounds and finite elements with closed forms and published brackets."""
     rows = [
         (
             row["problem"], row["answer"], row["source"], f"{row['lower']:g} to {row['upper']:g}",
@@ -102,7 +102,7 @@ def closed_forms() -> str:
 
 
 def s13() -> str:
-    """S-13 beside the paper."""
+    """Return the page that compares S-13 with the paper."""
     values: Mapping[str, Any] = numbers()["s13"]
     slides = dict.fromkeys((values["slide_least_m"], values["slide_most_m"]))
     lines = [
@@ -127,7 +127,8 @@ def s13() -> str:
 
 
 def speed() -> str:
-    """Times, beside LAMMPS where it has the same problem, and those of `noshiro fem` on twenty sections."""
+    """Return the page of computing times: compared with LAMMPS for equal problems, and of `noshiro fem` on twenty
+    sections."""
     values = numbers()
     slopes, discs, sections = values["published"], values["dem_throughput"], values["sections"]
     rows: list[Sequence[object]] = [

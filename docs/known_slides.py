@@ -1,4 +1,5 @@
-"""The page of known slides: a table of all cases, what was left out, and why: python -m docs.known_slides."""
+"""Generates the page of known slides, a table of all cases and of the omitted ones with reasons: python -m
+docs.known_slides."""
 
 import csv
 import io
@@ -61,7 +62,7 @@ grid hardly damps the motion that it resolves."""
 
 
 def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:
-    """Write the page and the pictures it shows into a folder of cases; returns where the page is."""
+    """Write the page and its pictures into a folder of cases; return the path of the page."""
     pictures = folder / PICTURES
     pictures.mkdir(exist_ok=True)
     for case in cases:
@@ -71,7 +72,7 @@ def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, S
 
 
 def text(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> str:
-    """The page."""
+    """Return the text of the page."""
     verdicts = {case.name: judge(case, answers.get(case.name)) for case in cases}
     parts = [HEAD, _summary(cases, answers, verdicts)]
     for group in GROUPS:
@@ -101,7 +102,8 @@ def _summary(
 
 
 def counts(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> dict[str, float | int | str]:
-    """The numbers that the documentation quotes: how many of each group were run, and how many are how near."""
+    """Return the numbers quoted in the documentation: how many cases of each group were run, and how many are within
+    each factor."""
     numbers: dict[str, float | int | str] = {}
     for group in GROUPS:
         chosen = [judge(case, answers.get(case.name)) for case in cases if case.known.group == group]
@@ -139,7 +141,7 @@ def _table(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer], verdi
 
 
 def _of_points(case: SlideCase, answer: SlideAnswer) -> str:
-    """The ratio of material points, on a line of its own."""
+    """Return the ratio of the prediction by material points on a new line."""
     verdict = judge_points(case, answer)
     return "" if verdict is None else f"<br>{sentence(verdict)} ({verdict.word})"
 
@@ -155,7 +157,7 @@ def _remarks(case: SlideCase, answer: SlideAnswer | None) -> Iterator[str]:
 
 
 def draw(case: SlideCase, answer: SlideAnswer, path: Path) -> None:
-    """Write the picture as a PNG of few colours: grey before, red after, a blue bar where the front was measured."""
+    """Write the picture as a PNG of few colours: grey before, red after the slide, a blue bar at the measured front."""
     figure = Figure(figsize=SIZE, dpi=DPI)
     axes = figure.add_axes((0.02, 0.04, 0.96, 0.92))
     before, after = np.array(answer.before).reshape(-1, 2), np.array(answer.after).reshape(-1, 2)
@@ -182,7 +184,7 @@ def draw(case: SlideCase, answer: SlideAnswer, path: Path) -> None:
 
 
 def errors(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> str:
-    """The table of errors on known slides for the report: every case that was run, as CSV."""
+    """Return the errors on known slides for the report: every case that was run, as CSV."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(["name", "group", "kind", "method", "ratio"])
@@ -200,12 +202,12 @@ def errors(cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> st
 
 
 def write_errors(package: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> Path:
-    """Write that table into the package, where reports find it."""
+    """Write this table into the package, where reports read it."""
     return Store(package).write_text(TABLE, errors(cases, answers))
 
 
 def main() -> None:
-    """Make the page of the checkout again, the numbers that the documentation quotes, and the errors for reports."""
+    """Write the page, the numbers quoted in the documentation, and the errors for reports."""
     cases, answers = read_cases(FOLDER), read_answers(FOLDER / FILE, SlideAnswer)
     commits = [answer.commit for answer in answers.values()]
     command = "python -m docs.verify --slides; python -m docs.known_slides"

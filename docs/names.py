@@ -46,7 +46,8 @@ WHOLE = {
 
 
 def bound(tree: ast.Module) -> Iterator[tuple[int, str]]:
-    """Line and name of everything that a module defines or assigns, except tests and fields of pydantic models."""
+    """Yield line and name of everything that a module defines or assigns, except tests and fields of pydantic
+    models."""
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             if not node.name.startswith("test_"):
@@ -63,7 +64,7 @@ def bound(tree: ast.Module) -> Iterator[tuple[int, str]]:
 
 
 def _annotated(tree: ast.Module, name: ast.Name) -> bool:
-    """Whether a name is an annotated field of a class."""
+    """Return whether a name is an annotated field of a class."""
     return name in {
         item.target
         for node in tree.body
@@ -74,7 +75,7 @@ def _annotated(tree: ast.Module, name: ast.Name) -> bool:
 
 
 def faults(source: str) -> Iterator[tuple[int, str, str]]:
-    """Line, identifier and better words of every identifier that is refused."""
+    """Yield line, identifier and better words of every refused identifier."""
     for line, name in bound(ast.parse(source)):
         words = [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", name)]
         if (whole := name.strip("_").lower()) in WHOLE and name != "ONE":  # the number 1 of kernels
@@ -83,7 +84,7 @@ def faults(source: str) -> Iterator[tuple[int, str, str]]:
 
 
 def messages() -> list[str]:
-    """One line for every identifier that is refused."""
+    """Yield one line for every refused identifier."""
     return [
         f'{path.relative_to(TOP)}:{line}: identifier "{name}": {better}'
         for folder in FOLDERS
@@ -94,7 +95,7 @@ def messages() -> list[str]:
 
 
 def main() -> int:
-    """Prints the faults; 1 if there are any."""
+    """Print the faults; return 1 if there are any."""
     refused = messages()
     print("\n".join(refused) or "names: every identifier has a noun")
     return 1 if refused else 0

@@ -1,4 +1,5 @@
-"""The numbers that README and documentation quote: `docs/numbers.toml` of a checkout, a table for each command."""
+"""Stores the numbers that README and documentation quote in `docs/numbers.toml` of a checkout, one table per
+command."""
 
 import tomllib
 from collections.abc import Collection, Mapping
@@ -22,21 +23,15 @@ def keep_numbers(
 
     Parameters
     ----------
-    folder : Path
-        The folder `docs` of a checkout. Where it is missing, as beside an installed package, nothing is written.
-    table : str
-        Name of the table.
-    command : str
-        The command that makes these numbers anew.
-    numbers : mapping
-        The numbers by their names, which end with the unit, and lists of rows of them.
-    commits : collection of str
-        The versions of the program that found the numbers; the present one where none is given.
+    folder : folder `docs` of a checkout; nothing is written if it does not exist, as beside an installed package
+    table : name of the table
+    command : command that computes these numbers
+    numbers : numbers by their names, which end with the unit, and lists of rows of numbers
+    commits : versions of the program that computed the numbers; by default the present version
 
     Returns
     -------
-    Path or None
-        The file, None where there is no such folder.
+    The file; None if there is no such folder.
     """
     if not folder.is_dir():
         return None

@@ -68,14 +68,14 @@ TEXT_WORDS = {
 
 
 def prose(text: str) -> str:
-    """A page without its code, with as many lines."""
+    """Return a page without its code, with the same number of lines."""
     text = re.sub(r"^```.*?^```", lambda block: "\n" * block[0].count("\n"), text, flags=re.DOTALL | re.MULTILINE)
     text = re.sub(r"^ {4,}\S.*$", "", text, flags=re.MULTILINE)
     return re.sub(r"`[^`\n]*`", "", text)
 
 
 def faults(text: str) -> Iterator[tuple[int, str, str]]:
-    """Line, word and its replacement of every word that is refused."""
+    """Yield line, word and replacement of every refused word."""
     yield from _refused(enumerate(prose(text).splitlines(), 1), WORDS)
 
 
@@ -87,7 +87,7 @@ def _refused(lines: Iterable[tuple[int, str]], words: Mapping[str, str]) -> Iter
 
 
 def strings(source: str) -> Iterator[tuple[int, str]]:
-    """Line and text of every string of several words in a module, but its docstrings; {} for what is filled in."""
+    """Yield line and text of every string of several words in a module, except docstrings; {} stands for values."""
     tree = ast.parse(source)
     left_out = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     left_out |= {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
@@ -104,27 +104,27 @@ def strings(source: str) -> Iterator[tuple[int, str]]:
 
 
 def docstrings(source: str) -> Iterator[tuple[int, str]]:
-    """First line and text of every docstring of a module."""
+    """Yield first line and text of every docstring of a module."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (text := ast.get_docstring(node)):
             yield node.body[0].lineno, text
 
 
 def texts(path: Path) -> Iterator[tuple[int, str]]:
-    """Line and text of all that a module or a template says."""
+    """Return line and text of all texts of a module or a template."""
     source = path.read_text(encoding="utf-8")
     return strings(source) if path.suffix == ".py" else iter(enumerate(source.splitlines(), 1))
 
 
 def pages() -> list[Path]:
-    """README, the READMEs of the packages, and every page of the documentation."""
+    """Return README, the READMEs of the packages, and every page of the documentation."""
     written = [path for path in (TOP / "docs").rglob("*.md") if "build" not in path.relative_to(TOP / "docs").parts]
     written_pages = [TOP / "README.md", *(TOP / package / "README.md" for package in PACKAGES)]
     return [path for path in (*written_pages, *sorted(written)) if str(path.relative_to(TOP)) not in LEFT_OUT]
 
 
 def main() -> int:
-    """Prints the faults; 1 if there are any."""
+    """Print the faults; return 1 if there are any."""
     messages = [
         f'{path.relative_to(TOP)}:{line}: "{word}": {better}'
         for path in pages()

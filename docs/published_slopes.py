@@ -1,4 +1,5 @@
-"""The page of published slopes: a table of all cases, what was left out, and why: python -m docs.published_slopes."""
+"""Generates the page of published slopes, a table of all cases and of the omitted ones with reasons: python -m
+docs.published_slopes."""
 
 import io
 from collections import Counter
@@ -48,7 +49,7 @@ about F cos φ, which is 0.76 for this slope.
 
 
 def write_page(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> Path:
-    """Write the page and the pictures it shows into a folder of cases; returns where the page is."""
+    """Write the page and its pictures into a folder of cases; return the path of the page."""
     pictures = folder / PICTURES
     pictures.mkdir(exist_ok=True)
     for case in cases:
@@ -57,7 +58,7 @@ def write_page(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer
 
 
 def text(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> str:
-    """The page."""
+    """Return the text of the page."""
     verdicts = {case.name: judge(case, answers.get(case.name)) for case in cases}
     parts = [_page_head(), _summary(verdicts, answers), "## Cases", _table(cases, answers, verdicts)]
     remarks = {
@@ -68,7 +69,8 @@ def text(folder: Path, cases: Sequence[Case], answers: Mapping[str, Answer]) -> 
 
 
 def with_remarks(parts: Sequence[str], remarks: Mapping[str, Sequence[str]], folder: Path) -> str:
-    """A page of these parts, then the remarks on each case, and what the folder says was left out."""
+    """Return a page of these parts, followed by the remarks on each case and the list of omitted cases of the
+    folder."""
     lines = [
         f"- **{name}**: " + " ".join(f"{remark.rstrip('.')}." for remark in texts)
         for name, texts in remarks.items()
@@ -94,7 +96,7 @@ def _summary(verdicts: Mapping[str, CaseVerdict], answers: Mapping[str, Answer])
 
 
 def _versions(answers: Collection[Answer]) -> str:
-    """Which version of the program the numbers are of; empty where none is known."""
+    """Return a sentence on the version of the program that computed the numbers; empty if it is unknown."""
     versions = Counter(answer.commit or "an unknown one" for answer in answers)
     if set(versions) <= {"an unknown one"}:
         return ""
@@ -105,7 +107,8 @@ def _versions(answers: Collection[Answer]) -> str:
 
 
 def _speed(answers: Collection[Answer]) -> str:
-    """How close the bounds are and what all of it took, at the median; empty where not all has been run."""
+    """Return a sentence on the medians of the gap of the bounds and of the computing time; empty unless all cases have
+    been run."""
     middle = medians(answers)
     if not middle:
         return ""
@@ -117,7 +120,8 @@ def _speed(answers: Collection[Answer]) -> str:
 
 
 def medians(answers: Collection[Answer]) -> dict[str, float]:
-    """Gap of the bounds (%) and processor seconds at the median; empty where not all has been run."""
+    """Return the medians of the gap of the bounds (%) and of the processor time (s); empty unless all cases have been
+    run."""
     pairs = [(answer.lower, answer.upper) for answer in answers]
     gaps = [2.0 * (high - low) / (high + low) for low, high in pairs if low is not None and high is not None]
     spent = [
@@ -132,7 +136,7 @@ def medians(answers: Collection[Answer]) -> dict[str, float]:
 
 
 def counts(cases: Sequence[Case], answers: Mapping[str, Answer]) -> dict[str, float | int | str]:
-    """The numbers that the documentation quotes: how many cases are right, and what they took."""
+    """Return the numbers quoted in the documentation: how many cases are right, and their computing time."""
     words = Counter(judge(case, answers.get(case.name)).word for case in cases)
     judged = {word: words.get(word, 0) for word in ("right", "explained", "wrong")}
     return {"cases": len(cases), **judged, **medians(answers.values())}
@@ -162,7 +166,7 @@ def _table(cases: Sequence[Case], answers: Mapping[str, Answer], verdicts: Mappi
 
 
 def seconds(answer: Answer) -> str:
-    """Seconds of processor time of bounds and both elements."""
+    """Return the processor time (s) of the bounds and both results of the finite elements."""
     spent = (answer.bounds_seconds, answer.associated_seconds, answer.davis_seconds)
     return " + ".join("-" if part is None else f"{part:.0f}" for part in spent)
 
@@ -199,7 +203,7 @@ def save_in_few_colours(figure: Figure, path: Path) -> None:
 
 
 def main() -> None:
-    """Make the page of the checkout again, and the numbers that the documentation quotes."""
+    """Write the page, and the numbers quoted in the documentation."""
     cases, answers = read_cases(FOLDER), read_answers(FOLDER / FILE, Answer)
     commits = [answer.commit for answer in answers.values()]
     command = "python -m docs.verify; python -m docs.published_slopes"

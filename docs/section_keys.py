@@ -1,4 +1,5 @@
-"""Every key of a section file, generated from the models that read it: default, unit, range, and what it is."""
+"""Generates the reference of all keys of a section file from the models that read it: default, unit, range and
+description."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ COMMON = "section"  # what stands at the head of the file, before any table
 
 @dataclass(frozen=True)
 class Key:
-    """One key of a section file: its table, name, default, unit, allowed values and description."""
+    """Holds one key of a section file: its table, name, default, unit, allowed values and description."""
 
     table: str
     name: str
@@ -34,7 +35,7 @@ class Key:
 
 
 def keys() -> list[Key]:
-    """All keys: those at the head of a file, those of a stratum, then the tables of settings."""
+    """Yield all keys: first those at the head of a file, then those of a stratum, then the tables of settings."""
     return [*_of_fields(Section.model_fields, ""), *_of_tables()]
 
 
@@ -45,7 +46,7 @@ def _of_tables() -> Iterator[Key]:
 
 
 def _of_fields(fields: dict[str, FieldInfo], table: str) -> Iterator[Key]:
-    """The keys of a table, then those of the tables within it."""
+    """Yield the keys of a table, then those of the tables within it."""
     inside = []
     for name, field in fields.items():
         key = field.alias or name
@@ -60,7 +61,7 @@ def _of_fields(fields: dict[str, FieldInfo], table: str) -> Iterator[Key]:
 
 
 def _tables_in(field: FieldInfo) -> list[type[BaseModel]]:
-    """The models of lists of tables within a field; a line is written in one piece, and is none."""
+    """Return the models of lists of tables within a field. A line is written in one piece and is not such a list."""
     models = [
         part for part in _annotation_parts(field.annotation) if isinstance(part, type) and issubclass(part, BaseModel)
     ]
@@ -68,7 +69,7 @@ def _tables_in(field: FieldInfo) -> list[type[BaseModel]]:
 
 
 def _annotation_parts(annotation: Any) -> Iterator[Any]:
-    """An annotation and all that it is made of."""
+    """Yield an annotation and all its parts."""
     yield annotation
     for part in get_args(annotation):
         yield from _annotation_parts(part)
@@ -81,7 +82,7 @@ def _field_annotations(field: FieldInfo) -> list[Any]:
 
 
 def _kind(field: FieldInfo) -> Kind | None:
-    """The physical quantity that a field is."""
+    """Return the physical quantity of a field."""
     readers = (getattr(getattr(piece, "func", None), "__self__", None) for piece in _field_annotations(field))
     return next((reader for reader in readers if isinstance(reader, Kind)), None)
 
@@ -105,7 +106,7 @@ def _default(field: FieldInfo) -> str:
 
 
 def _allowed_values(field: FieldInfo) -> str:
-    """Which values may be written, as the model checks them."""
+    """Return the allowed values in words, from the checks of the model."""
     kind = _kind(field)
     if kind is not None:
         return (kind.limits.strip() or "any") + f", such as {kind.example}"
@@ -140,7 +141,7 @@ def _allowed_values(field: FieldInfo) -> str:
 
 
 def _list_values(field: FieldInfo, entry: str) -> str:
-    """The allowed values of a key that may be a list, from those of one entry."""
+    """Return the allowed values in words of a key that may be a list, from those of one entry."""
     annotation = field.annotation
     choices = get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)
     lists = [choice for choice in choices if get_origin(choice) is tuple]
@@ -155,7 +156,7 @@ def _list_values(field: FieldInfo, entry: str) -> str:
 
 
 def markdown() -> str:
-    """The reference as a page."""
+    """Return the reference as a page."""
     lines = [
         "# Every key of a section file",
         "",

@@ -1,4 +1,4 @@
-"""Recompute the maps of `dem.laboratory.strength_map`: python -m docs.strength_map [FILE] [--workers N].
+"""Recomputes the maps of `dem.laboratory.strength_map`: python -m docs.strength_map [FILE] [--workers N].
 
 All patches are tested at one pressure, since only the two dimensionless numbers matter, and kappa = kn / p is 400.
 Rotating discs without cohesion are tested with more seeds than those with cohesion. The computation takes three
@@ -26,17 +26,15 @@ HEADS = ("turns", "friction", "cohesion_number", "after", "peak", "scatter", "mo
 
 
 def places() -> list[tuple[bool, float, float, int]]:
-    """Points of the map: whether discs rotate, friction, cohesion number, seeds."""
+    """Yield the points of the map: whether discs rotate, friction, cohesion number, seeds."""
     turning = [(True, mu, c, SEEDS if c > 0.0 else SAND_SEEDS) for mu in FRICTION for c in COHESION]
     clay = [(False, mu, c, CLAY_SEEDS) for mu in FRICTION if mu <= CLAY for c in COHESION if c > 0.0]
     return turning + clay
 
 
 def patch_strength(place: tuple[bool, float, float, int]) -> PatchStrength | None:
-    """Strength of one patch, given whether its discs rotate, friction, cohesion number and seed.
-
-    None if a disc slipped out of the frame or the patch did not stop rearranging, as frictionless patches may.
-    """
+    """Return the strength of one patch, given whether its discs rotate, friction, cohesion number and seed. Return None
+    if a disc leaves the frame or the patch does not come to rest, as frictionless patches may."""
     turns, friction, cohesion_number, seed = place
     if cohesion_number == 0.0:  # what holds nothing without any push cannot hold less with one
         friction = max(friction, 0.0)
@@ -47,7 +45,7 @@ def patch_strength(place: tuple[bool, float, float, int]) -> PatchStrength | Non
 
 
 def row_of(cohesion_number: float, patches: Sequence[PatchStrength]) -> list[str]:
-    """The values of the map at one of its points, from the patches tested there."""
+    """Return the values of the map at one of its points, from the patches tested there."""
     after = np.array([patch.after for patch in patches]) / PRESSURE
     peak = np.mean([patch.course for patch in patches], axis=0).max() / PRESSURE
     stiffness = ContactNumbers(True, 0.0, cohesion_number, strength_map.KAPPA).stiffness * PRESSURE

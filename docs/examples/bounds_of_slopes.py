@@ -1,4 +1,4 @@
-"""Strict bounds of the critical Kh of a slope 10 m high, over its inclination."""
+"""Computes strict bounds of the critical Kh of a slope 10 m high for several inclinations."""
 
 import matplotlib.pyplot as plt
 

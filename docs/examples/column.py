@@ -1,4 +1,4 @@
-"""A column of dry sand collapses: discs before and after, and how far they run."""
+"""Computes the collapse of a column of dry sand: the discs before and after, and the run-out."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,4 +1,4 @@
-"""Kh against displacement: the equilibrium path of a slope, with associated flow and by Davis's estimate."""
+"""Computes Kh against displacement: the equilibrium path of a slope with associated flow and by Davis's estimate."""
 
 import matplotlib.pyplot as plt
 

@@ -1,4 +1,4 @@
-"""Layers of a section, and the area of each: S-13."""
+"""Draws the layers of S-13, and prints the area of each."""
 
 import matplotlib.pyplot as plt
 

@@ -1,4 +1,4 @@
-"""Factor F_L against liquefaction over depth, from blow counts (Idriss & Boulanger 2008)."""
+"""Computes the factor against liquefaction F_L over depth from blow counts (Idriss & Boulanger 2008)."""
 
 import matplotlib.pyplot as plt
 

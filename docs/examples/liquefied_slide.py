@@ -1,4 +1,4 @@
-"""A few hundred discs of S-13 slide once layers 4 and 6 have liquefied."""
+"""Computes the slide of a few hundred discs of S-13 after layers 4 and 6 have liquefied."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,4 +1,4 @@
-"""A free mesh whose cells are smaller in one layer."""
+"""Makes a free mesh with smaller cells in one layer."""
 
 import matplotlib.pyplot as plt
 from matplotlib.collections import PolyCollection

@@ -1,4 +1,4 @@
-"""Newmark's sliding block under a decaying record, over its yield coefficient."""
+"""Computes the slide of Newmark's block under a decaying record for several yield coefficients."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,4 +1,4 @@
-"""Which contacts make discs as strong as a soil: contact friction over the friction angle of the soil."""
+"""Finds the contact friction with which discs have the friction angle of a soil."""
 
 import matplotlib.pyplot as plt
 import numpy as np

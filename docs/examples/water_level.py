@@ -1,4 +1,4 @@
-"""Factor of safety of a river bank over the level of the river, without shaking."""
+"""Computes the factor of safety of a river bank, without shaking, for several levels of the river."""
 
 import matplotlib.pyplot as plt
 

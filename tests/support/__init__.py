@@ -1,4 +1,5 @@
-"""What several tests share: places, sections, grounds and discs with known answers, the command line, a browser."""
+"""Provides what several tests share: places, sections, grounds and discs with known answers, the command line, a
+browser."""
 
 from pathlib import Path
 

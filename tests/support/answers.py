@@ -1,4 +1,4 @@
-"""Answers of the stages on the continuum, small and made by hand, for tests of what reads them."""
+"""Provides small hand-made answers of the stages of the continuum, for tests of the code that reads them."""
 
 from typing import Any
 
@@ -50,12 +50,12 @@ def bounds(run: Config, lower: float, upper: float, direction: Direction = "down
 
 
 def results(run: Config, **answers: Any) -> Results:
-    """Results as if the stages had left these answers."""
+    """Return results as if the stages had written these answers."""
     return Results(run, Store("nowhere"), {}, {}, **answers)
 
 
 def variant(name: str, change: str, kc: float | None) -> Variant:
-    """The critical Kh with one thing changed."""
+    """Return the critical Kh with one changed assumption."""
     return Variant(
         name=name,
         change=change,
@@ -68,18 +68,18 @@ def variant(name: str, change: str, kc: float | None) -> Variant:
 
 
 def warned(result: Results) -> list[str]:
-    """The warnings of a run, each with its remedy, the weightiest first."""
+    """Return the warnings of a run with their remedies, the most important first."""
     return [f"{warning.what} {warning.remedy}".strip() for warning in warnings(result)]
 
 
 def liquefying_config() -> Config:
-    """A slope whose upper stratum liquefies in three cases."""
+    """Return the config of a slope whose upper stratum liquefies in three cases."""
     data = slope()
     data["strata"][0]["liquefies_in"] = [1, 2, 3]
     return analysed(data)
 
 
 def report_text(outcome: Results) -> str:
-    """The conclusions and paragraphs of a report, one a line."""
+    """Return the conclusions and paragraphs of a report, one per line."""
     numbers = [headline.conclusion for headline in headlines(outcome, Texts())]
     return "\n".join([*numbers, *conclusions(outcome, Texts()), *findings(outcome)])

@@ -1,4 +1,4 @@
-"""A section of loose sand on dense sand with water, two borings and an earthquake."""
+"""Provides a section of loose sand on dense sand with water, two borings and an earthquake."""
 
 from typing import Any
 
@@ -8,7 +8,8 @@ SAND = {"density_ordinary": "0.9 t/m^3", "density_seismic": "1.9 t/m^3", "cohesi
 
 
 def bored() -> dict[str, Any]:
-    """As it stands in a file: level ground at 0 m, water at -1 m, loose to -6 m, dense to -20 m."""
+    """Return the section as data of a file: level ground at 0 m, water at -1 m, loose sand to -6 m, dense sand to -20
+    m."""
     return {
         "name": "bored",
         "surface": [[0.0, 0.0], [100.0, 0.0]],
@@ -29,7 +30,7 @@ def bored() -> dict[str, Any]:
 
 
 def test(depth: float, blows: float, **more: float) -> dict[str, float]:
-    """One test as it stands in a file."""
+    """Return one test as data of a file."""
     return {"depth": depth, "N": blows, **more}
 
 

@@ -1,4 +1,4 @@
-"""Problems of limit analysis with known answers, as grounds and first meshes."""
+"""Provides problems of limit analysis with known answers, as grounds and first meshes."""
 
 import math
 
@@ -15,7 +15,7 @@ FIXED = Side("xy")
 
 
 def bracket(mesh: TriMesh, body: RigidPlasticBody, limits: Limits) -> Bracket:
-    """Lower and upper bound of the load multiplier on a sequence of ever finer meshes, until a limit is reached."""
+    """Return the lower and upper bound of the load multiplier on a sequence of ever finer meshes, up to a limit."""
     search = BoundSearch(mesh, body, limits)
     while search.bracket.ended is None:
         search.advance()
@@ -23,7 +23,7 @@ def bracket(mesh: TriMesh, body: RigidPlasticBody, limits: Limits) -> Bracket:
 
 
 def ground(cohesion, phi, sides, weight=0.0, tension=None):
-    """One soil, φ in degrees; ``weight`` is the body force downwards that the multiplier acts on."""
+    """Return ground of one soil, φ in degrees; ``weight`` is the downward body force that the multiplier acts on."""
     return RigidPlasticBody(
         cohesion=np.array([cohesion]),
         friction=np.array([math.radians(phi)]),
@@ -35,7 +35,7 @@ def ground(cohesion, phi, sides, weight=0.0, tension=None):
 
 
 def own_weight(surface, base, phi, left=FIXED, gap=0.01, max_cells=20_000, size=0.2, tension=None) -> Bracket:
-    """γH/c of a body 1 m high, fixed at its base and right side, whose weight grows."""
+    """Return γH/c of a body 1 m high, fixed at its base and right side, whose weight grows."""
     soil = layer("soil", friction_angle=f"{phi} deg")
     mesh = triangulate(Section.parse({"name": "body", "surface": surface, "base": base, "strata": [soil]}), size)
     sides = {"surface": Side(), "base": FIXED, "left": left, "right": FIXED}
@@ -43,24 +43,25 @@ def own_weight(surface, base, phi, left=FIXED, gap=0.01, max_cells=20_000, size=
 
 
 def slope_box(phi, **settings):
-    """A block 1.2 m by 1 m, free at its left side and its top."""
+    """Return a block 1.2 m by 1 m, free at its left side and its top."""
     return own_weight([[0.0, 1.0], [1.2, 1.0]], {"elevation": 0.0}, phi, left=Side(), **settings)
 
 
 def vertical_cut(phi, **settings):
-    """A step of 1 m in ground that goes on far enough below, behind and before it."""
+    """Return a step of 1 m in ground that is wide and deep enough not to affect the failure."""
     surface = [[-2.5, 0.0], [0.0, 0.0], [0.0, 1.0], [2.5, 1.0]]
     return own_weight(surface, {"elevation": -1.0}, phi, size=0.4, **settings)
 
 
 def slope_45(phi, **settings):
-    """A slope of 45°, 1 m high."""
+    """Return a slope of 45°, 1 m high."""
     surface = [[-1.5, 0.0], [0.0, 0.0], [1.0, 1.0], [3.5, 1.0]]
     return own_weight(surface, {"elevation": -0.7}, phi, size=0.4, **settings)
 
 
 def rectangles(x, y) -> TriMesh:
-    """Triangles, two in every rectangle between the lines x and y (m), rising; the surface up to x = 1 is "footing"."""
+    """Return triangles, two in every rectangle between the increasing lines x and y (m); the surface up to x = 1 is
+    "footing"."""
     columns, rows = len(x) - 1, len(y) - 1
     node = np.arange((columns + 1) * (rows + 1)).reshape(rows + 1, columns + 1)
     a, b, c, d = (part.ravel() for part in (node[:-1, :-1], node[:-1, 1:], node[1:, 1:], node[1:, :-1]))
@@ -75,15 +76,13 @@ def rectangles(x, y) -> TriMesh:
 
 
 def pressure(value):
-    """A pressure (Pa) on a horizontal surface."""
+    """Return a pressure (Pa) on a horizontal surface."""
     return lambda at: np.tile([0.0, -value], (len(at.points), 1))
 
 
 def footing(phi, surcharge=False, gap=0.02, max_cells=20_000) -> Bracket:
-    """Bearing capacity factor Nc, or Nq under a ``surcharge``, of a smooth strip footing 2 m wide, half of it.
-
-    The ground has no weight; the box holds Prandtl's mechanism.
-    """
+    """Return the bearing capacity factor Nc, or Nq under a ``surcharge``, of half of a smooth strip footing 2 m wide on
+    weightless ground; the box contains Prandtl's mechanism."""
     spiral = math.exp(math.pi / 2 * math.tan(math.radians(phi)))
     half = math.radians(45.0 + phi / 2)
     reach = spiral / math.cos(half)

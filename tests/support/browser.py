@@ -1,4 +1,4 @@
-"""A page in Chromium without a screen, by its debugging pipe: what it asks for, what it complains of, what it shows."""
+"""Controls a page in Chromium without a screen through its debugging pipe."""
 
 import base64
 import json
@@ -15,12 +15,12 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 
 
 def executable() -> str | None:
-    """The browser of this machine, if it has one."""
+    """Return the browser of this machine; None without one."""
     return next((path for name in NAMES if (path := shutil.which(name))), None)
 
 
 class Page:
-    """A tab; ``events`` is all that the browser told since it was opened."""
+    """Holds a tab; ``events`` are all messages of the browser since the tab was opened."""
 
     def __init__(self, commands: int, answers: int) -> None:
         self.commands, self.answers = commands, answers
@@ -47,7 +47,7 @@ class Page:
             self.events.append(answer)
 
     def open(self, address: str) -> None:
-        """Go to an address and wait until all of it is there."""
+        """Go to an address and wait until the page is complete."""
         before = len(self.named("Page.loadEventFired"))  # of the pages that were open earlier
         self.ask("Page.navigate", url=address)
         while len(self.named("Page.loadEventFired")) <= before:
@@ -57,21 +57,21 @@ class Page:
         self.value("1")  # what was under way is told by now
 
     def named(self, method: str) -> list[dict[str, Any]]:
-        """The parameters of all events of a name."""
+        """Return the parameters of all events of a name."""
         return [event["params"] for event in self.events if event.get("method") == method]
 
     def value(self, expression: str) -> Any:
-        """What JavaScript makes of an expression."""
+        """Return the value of a JavaScript expression."""
         answer = self.ask("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
 
     def pdf(self) -> bytes:
-        """The page as it prints."""
+        """Return the page as PDF."""
         return base64.b64decode(self.ask("Page.printToPDF", preferCSSPageSize=True, printBackground=True)["data"])
 
     def picture(self) -> bytes:
-        """The page from top to bottom as a PNG."""
+        """Return the page from top to bottom as PNG."""
         return base64.b64decode(self.ask("Page.captureScreenshot", captureBeyondViewport=True)["data"])
 
     def _next(self) -> dict[str, Any]:
@@ -86,7 +86,7 @@ class Page:
 
 @contextmanager
 def page(folder: Path) -> Iterator[Page]:
-    """A tab of a fresh browser that keeps its things in a folder."""
+    """Provide a tab of a new browser whose data are in a folder."""
     browser = executable()
     assert browser is not None
     to_browser, from_us = os.pipe()

@@ -1,4 +1,4 @@
-"""`noshiro` as a person types it, in this process or in one of its own."""
+"""Runs `noshiro` as a user does, in this process or in a separate one."""
 
 import subprocess
 import sys
@@ -16,8 +16,8 @@ from workflow.cli import main
 
 
 def in_another_process(_: int) -> Executor:
-    """One process beside this one, which does all tasks that several would do: each takes seconds to import what it
-    draws and computes with."""
+    """Return an executor of one separate process for all tasks that several processes would do, since each takes
+    seconds to import its modules."""
     other = Processes(1)
     other.count = 2  # a single one would leave tasks to this process
     return other
@@ -30,12 +30,11 @@ EXECUTORS: dict[str, Callable[[int], Executor]] = {
 
 
 def run(*arguments: object, tasks: str = "here", painted: bool = False) -> int:
-    """The exit code of the command, in this process.
+    """Run the command in this process, and return its exit code.
 
-    Unless its ``tasks`` are to be done by others (`EXECUTORS`) this process does them all, which finds the same.
-    Where a test looks at its pictures they are ``painted``;
-    else each is made up to its last steps, the views of VTK are white, and a line of white is saved, which takes half
-    of the time of drawing, and of compressing for the report.
+    This process also does all tasks, unless ``tasks`` names an executor of `EXECUTORS`; the results are equal. Pictures
+    are only ``painted`` if a test looks at them. Otherwise every picture is prepared up to its last steps, the views of
+    VTK are white, and one white line is saved, which saves half of the time of drawing and compressing.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("workflow.cli.terminal.Processes", EXECUTORS[tasks])
@@ -49,31 +48,31 @@ def run(*arguments: object, tasks: str = "here", painted: bool = False) -> int:
 
 
 def unpainted(patch: pytest.MonkeyPatch) -> None:
-    """Lets pictures be white lines for as long as a patch holds."""
+    """Replace pictures by white lines while a patch is active."""
     patch.setattr("matplotlib.figure.Figure.savefig", _white)
     patch.setattr("pyvista.Plotter.screenshot", _blank)
 
 
 def _white(_: object, path: Path | str, **__: object) -> None:
-    """A picture as wide as any, without anything in it."""
+    """Return a picture of the usual width without content."""
     Image.new("RGB", (1600, 1), "white").save(path, format="PNG")
 
 
 def _blank(plotter: Plotter, **_: object) -> np.ndarray:
-    """A white view."""
+    """Return a white view."""
     width, height = plotter.window_size
     return np.full((height, width, 3), 255, np.uint8)
 
 
 def line(*arguments: object) -> list[str]:
-    """The command as a process of its own."""
+    """Return the command line of a separate process."""
     return [sys.executable, "-m", "workflow.cli", *map(str, arguments)]
 
 
 def process(
     *arguments: object, before: Callable[[], None] | None = None, folder: Path = TOP
 ) -> subprocess.CompletedProcess[str]:
-    """Run the command as a process of its own, from a folder."""
+    """Run the command as a separate process in a folder."""
     return subprocess.run(
         line(*arguments), capture_output=True, text=True, preexec_fn=before, timeout=300, check=False, cwd=folder,
         stdin=subprocess.DEVNULL,

@@ -1,4 +1,5 @@
-"""Small assemblies of discs that several tests start from. One kind of soil unless a test gives its own; SI units."""
+"""Provides small assemblies of discs from which several tests start; one kind of soil unless a test gives another, in
+SI units."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -33,7 +34,8 @@ FLOOR = np.array([[0.0, 0.0, 0.0, 1.0, -1e6, 1e6]])
 
 
 def lattice(columns: int, rows: int, spacing: float = 2.0 * RADIUS) -> tuple[np.ndarray, np.ndarray]:
-    """Centres of a triangular lattice, rows of `columns` discs, every other row half a spacing further on."""
+    """Return the centres of a triangular lattice in rows of `columns` discs, every other row shifted by half a
+    spacing."""
     i, j = np.meshgrid(np.arange(columns), np.arange(rows))
     return ((i + 0.5 * (j % 2)) * spacing).ravel(), (j * spacing * np.sqrt(0.75)).ravel()
 
@@ -46,7 +48,8 @@ def box(
     squeeze: float = 1e-4,
     law: Law = "paper",
 ) -> DiscModel:
-    """A lattice at rest in a box of fixed discs, open above, with a layer for the lower and one for the upper half."""
+    """Return a lattice at rest in a box of fixed discs, open at the top, with a layer for the lower and one for the
+    upper half."""
     x, z = lattice(columns + 2, rows + 1, 2.0 * RADIUS * (1.0 - squeeze))
     row = np.repeat(np.arange(rows + 1), columns + 2)
     column = np.tile(np.arange(columns + 2), rows + 1)
@@ -58,7 +61,7 @@ def box(
 
 
 def random_discs(seed: int, count: int, soil: LayerSprings, speed: float) -> DiscModel:
-    """Discs of many sizes in a closed heap, somewhat into each other, with random velocities and spins."""
+    """Return discs of many sizes in a closed heap, slightly overlapping, with random velocities and spins."""
     rng = np.random.default_rng(seed)
     side = int(np.ceil(np.sqrt(count)))
     x, z = lattice(side, side, 1.02 * 2.0 * RADIUS)
@@ -74,7 +77,7 @@ def random_discs(seed: int, count: int, soil: LayerSprings, speed: float) -> Dis
 def trace(
     model: DiscModel, dt: float, steps: int, watch: Callable[[DiscModel], object], **settings: object
 ) -> np.ndarray:
-    """`watch` after every step of a run without energies."""
+    """Call `watch` after every step of a run without energies."""
     seen: list[object] = []
     Engine(dt=dt, **{"energies": False} | settings).run(  # type: ignore[arg-type]
         model, steps=steps, every=dt, on_output=lambda m: seen.append(watch(m))
@@ -83,17 +86,16 @@ def trace(
 
 
 def order(errors: np.ndarray, ratio: float = 2.0) -> float:
-    """Observed order of convergence: slope of the errors of ever finer steps, each `ratio` times the last."""
+    """Return the observed order of convergence: the slope of the errors of ever finer steps, each `ratio` times the
+    previous one."""
     levels = np.arange(len(errors))
     return float(-np.polyfit(levels * np.log(ratio), np.log(np.abs(errors)), 1)[0])
 
 
 def stress(model: DiscModel, forces: ContactForces, area: float, where: np.ndarray | None = None) -> np.ndarray:
-    """Mean stress (2, 2) of the discs in the mask `where` on their share of the plane `area` (Pa, tension positive).
-
-    Sum over pairs of force times branch, half of it for each of the two discs: pair forces, not what they add up to
-    on a disc, which would be nothing at rest.
-    """
+    """Return the mean stress (2, 2) of the discs in the mask `where` on their share of the plane `area` (Pa, tension
+    positive): the sum over pairs of force times branch vector, half of it for each of the two discs. The forces are
+    those of pairs, since the resultants on discs vanish at rest."""
     chosen = np.ones(len(model), bool) if where is None else where
     i, j = model.pair_i, model.pair_j
     share = 0.5 * (chosen[i].astype(float) + chosen[j])

@@ -1,6 +1,6 @@
-"""What the stages of the discs leave behind, small and made by hand, for tests of what reads it.
+"""Provides small hand-made answers of the stages of the discs, for tests of the code that reads them.
 
-The numbers are those of no computation; they are chosen so that sums can be checked by eye.
+The numbers do not follow from a computation; they are chosen so that sums can be checked by eye.
 """
 
 from dataclasses import replace
@@ -44,7 +44,7 @@ SPRINGS = Parameters(springs="table2", stiffness_scale=0.01, mean="arithmetic")
 
 
 def search(kc: float, largest: float = 0.4) -> DiscSearch:
-    """A search that ended in a bracket of 0.01 round kc."""
+    """Return a search that ended with a bracket of 0.01 around kc."""
     stood = KhTrial(
         kh=kc - 0.005, verdict="stands", reason="at rest", unbalanced_ratio=1e-5, kinetic_ratio=1e-9,
         displacement_m=0.05, elastic_displacement_m=0.04, seconds=3.0,
@@ -61,7 +61,7 @@ def search(kc: float, largest: float = 0.4) -> DiscSearch:
 
 
 def critical(run: Config, kc: float, cracked_elsewhere: dict[str, float] | None = None) -> DiscsAnswer:
-    """Discs that stand at Kh = 0.2 without a crack, and fail at 0.3 with a third of the pore springs cracked."""
+    """Return discs that stand at Kh = 0.2 without a crack, and fail at 0.3 with a third of the pore springs cracked."""
     left, right = run.section.extent
     level = run.section.surface[-1][1] - 4.0
     surface = ((left, level), (right, level))
@@ -96,7 +96,7 @@ def bracket(kc: float) -> dict[str, Any]:
 
 
 def calibration(kc: float, reached: bool) -> CalibrationAnswer:
-    """A factor on the stiffness; one element test went well, and one could not be done."""
+    """Return a calibration by a factor on the stiffness, with one successful and one failed element test."""
     tested = LayerTest(
         stratum="upper", packing="lattice",
         soil=SoilProperties(E_Pa=3e7, nu=0.3, c_Pa=15e3, phi_deg=25.0),
@@ -139,7 +139,7 @@ CASES = {1: case(0.1, 0.6), 2: case(0.02, 3.0), 3: case(0.01, 4.8)}
 
 
 def draw(store: Store, name: str, title: str) -> None:
-    """A small picture."""
+    """Write a small picture."""
     figure = Figure(figsize=(10, 3), dpi=160)
     figure.text(0.5, 0.5, title)
     with store.writing(name) as path:
@@ -147,7 +147,7 @@ def draw(store: Store, name: str, title: str) -> None:
 
 
 def calibrate_stage(run: Config, store: Store, progress: Progress, executor: Executor, reached: bool = True) -> None:
-    """As if calibrated: a journal that grows, then the answer."""
+    """Replace the work of the calibration: write a growing journal, then the answer."""
     kc = FemAnswer.read(store).kc
     journal = store.folder / "dem/trials.jsonl"
     journal.parent.mkdir(exist_ok=True)
@@ -164,12 +164,12 @@ def calibrate_stage(run: Config, store: Store, progress: Progress, executor: Exe
 
 
 def out_of_reach(run: Config, store: Store, progress: Progress, executor: Executor) -> None:
-    """As if the calibration were out of reach."""
+    """Replace the work of the calibration: report that it is out of reach."""
     calibrate_stage(run, store, progress, executor, reached=False)
 
 
 def slide_stage(job: Job) -> None:
-    """As if the cases had been computed."""
+    """Replace the work of the slides: write the answers of the cases."""
     store, progress, cases = job.store, job.progress, job.cases
     CalibrationAnswer.read(store)
     wanted = {number: CASES[number] for number in CASES if cases is None or number in cases}
@@ -190,7 +190,7 @@ def slide_stage(job: Job) -> None:
 
 
 def stand_in(patch: pytest.MonkeyPatch, calibrate: Any = calibrate_stage, slide: Any = slide_stage) -> None:
-    """Put these in the place of what computes; their pictures cannot be drawn again."""
+    """Replace the stages that compute by these; their pictures cannot be drawn again."""
     patch.setattr("workflow.stages.calibrated_discs.calibrate_stage", calibrate)
     patch.setattr("workflow.stages.liquefied_slides.slide_stage", slide)
     made = (replace(stage, draw=None) if stage.name in ("calibrate", "slide") else stage for stage in declared.STAGES)

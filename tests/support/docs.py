@@ -1,4 +1,4 @@
-"""The pages of the documentation, and what stands in them: examples by their language, commands, links."""
+"""Reads the pages of the documentation and their content: examples by language, commands, links."""
 
 import importlib.util
 import re
@@ -16,7 +16,7 @@ PACKAGES = ("meshes", "fem", "dem", "workflow")
 
 @cache
 def program(name: str) -> ModuleType:
-    """A program of the folder `docs`, as a module: build, generated or prose."""
+    """Return a program of the folder `docs` as a module: build, generated or prose."""
     sys.path.insert(0, str(TOP))
     spec = importlib.util.spec_from_file_location(f"docs_{name}", DOCS / f"{name}.py")
     assert spec is not None
@@ -27,18 +27,18 @@ def program(name: str) -> ModuleType:
 
 
 def pages() -> list[Path]:
-    """README, READMEs of the packages and of the tests, and every page of the documentation."""
+    """Return README, READMEs of the packages and of the tests, and every page of the documentation."""
     written = [path for path in DOCS.rglob("*.md") if "build" not in path.relative_to(DOCS).parts]
     return [TOP / "README.md", *sorted(TOP.glob("*/README.md")), *sorted(set(written) - set(TOP.glob("*/README.md")))]
 
 
 def blocks(language: str, text: str) -> list[str]:
-    """The examples in a language, as they would be typed."""
+    """Return the examples in a language as a user would type them."""
     return [dedent(block) for block in re.findall(rf"```{language}\n(.*?)```", text, flags=re.DOTALL)]
 
 
 def commands(text: str) -> list[str]:
-    """The commands of a page: lines of code, and code within a line that has options."""
+    """Return the commands of a page: lines of code, and code within a line that has options."""
     text = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
     matches = re.findall(r"^ {4,}(noshiro [^#\n]+)", text, flags=re.MULTILINE)
     return [*matches, *re.findall(r"`(noshiro [a-z]+ [^`]*--[^`]+)`", text.replace("\n", " "))]

@@ -1,4 +1,4 @@
-"""Tasks for processes, which import them from here."""
+"""Provides tasks for processes, which import them from here."""
 
 import os
 import signal
@@ -9,18 +9,18 @@ from typing import Any
 
 
 def squared(number: int, tell: Callable[[Any], None]) -> int:
-    """The square, after what it is of was told."""
+    """Return the square, after reporting the number."""
     tell(number)
     return number * number
 
 
 def own_number(_: int, tell: Callable[[Any], None]) -> int:
-    """The number of the process."""
+    """Return the number of the process."""
     return os.getpid()
 
 
 def dies_first(folder: str) -> int:
-    """Kills the first process that tries."""
+    """Kill the first process that tries."""
     if not (Path(folder) / "tried").exists():
         (Path(folder) / "tried").touch()
         os.kill(os.getpid(), signal.SIGKILL)
@@ -28,7 +28,7 @@ def dies_first(folder: str) -> int:
 
 
 def sleeps(folder: str, seconds: float = 3600.0) -> None:
-    """Leaves the number of its process, and sleeps."""
+    """Write the number of the process, and sleep."""
     (Path(folder) / "pid").write_text(str(os.getpid()))
     time.sleep(seconds)
 
@@ -45,5 +45,5 @@ def raises_odd_error() -> None:
 
 
 def ends(*_: Any) -> None:
-    """Ends its process, as a library does that crashes."""
+    """End the process as a crashing library does."""
     os._exit(3)

@@ -1,4 +1,4 @@
-"""Meshes, soils and paths shared by the tests of the finite elements."""
+"""Provides meshes, soils and paths for the tests of the finite elements."""
 
 import math
 
@@ -16,7 +16,7 @@ ELEMENTS = ("bilinear", "quadratic", "reduced")
 
 
 def soil(name="soil", E=1e7, nu=0.3, c=1e4, phi=30.0, psi=None, ordinary=2000.0, seismic=2000.0, bottom=None):
-    """A stratum; angles in degrees, psi = phi unless given."""
+    """Return a stratum; angles in degrees, psi = phi by default."""
     return Stratum(
         name=name,
         bottom=bottom,
@@ -31,7 +31,7 @@ def soil(name="soil", E=1e7, nu=0.3, c=1e4, phi=30.0, psi=None, ordinary=2000.0,
 
 
 def section(surface, depth, *strata, name="test", **more):
-    """A section of strata down to a depth below the surface."""
+    """Return a section of strata down to a depth below the surface."""
     return Section(name=name, surface=surface, base={"depth": depth}, strata=strata, **more)
 
 
@@ -44,7 +44,8 @@ BANK_OF_SAND = section(
 
 
 def grid(x, y, move=lambda x, y: (x, y), stratum=lambda x, y: np.zeros(len(x), int), names=("soil",)):
-    """Rectangles between the lines x and y, rising, then moved; ``stratum`` of the middle of a rectangle."""
+    """Return rectangles between the increasing lines x and y, then moved; ``stratum`` depends on the middle of a
+    rectangle."""
     x, y = np.asarray(x, float), np.asarray(y, float)
     columns, rows = len(x) - 1, len(y) - 1
     node = np.arange((columns + 1) * (rows + 1)).reshape(rows + 1, columns + 1)
@@ -63,7 +64,7 @@ def grid(x, y, move=lambda x, y: (x, y), stratum=lambda x, y: np.zeros(len(x), i
 
 
 def graded(start, end, first, growth):
-    """Rising or falling numbers from start to end, whose steps grow from about ``first``."""
+    """Return increasing or decreasing numbers from start to end, whose steps grow from about ``first``."""
     length = abs(end - start)
     n = max(1, round(math.log1p(length / first * (growth - 1.0)) / math.log(growth)))
     places = (growth ** np.arange(n + 1) - 1.0) / (growth**n - 1.0)
@@ -71,7 +72,8 @@ def graded(start, end, first, growth):
 
 
 def path_of(problem, fixed, load, control, first=0.1, tolerance=1e-6, largest=0.5, relaxation=0.0):
-    """The path of a growing load, its displacement in units of the elastic one under the load as given."""
+    """Return the path of a growing load; its displacement is in units of the elastic displacement under the given
+    load."""
     problem.use_elastic_tangent()
     problem.factorise()
     elastic = problem.exchange.dot(control, problem.solve(load))
@@ -83,7 +85,7 @@ def path_of(problem, fixed, load, control, first=0.1, tolerance=1e-6, largest=0.
 
 
 def limit_load(problem, fixed, load, control, rule=None, **settings):
-    """The load factor at which displacement grows on by itself, and the path there."""
+    """Return the load factor at which the displacement grows without limit, and the path."""
     path = path_of(problem, fixed, load, control, **settings)
 
     def ductility(path):
@@ -93,12 +95,12 @@ def limit_load(problem, fixed, load, control, rule=None, **settings):
 
 
 def footing(element, phi, cells, surcharge=False, growth=1.15, psi=None, flow="non-associated", **settings):
-    """Bearing capacity factor of a rough rigid footing on weightless ground: Nc, or Nq under a ``surcharge``.
+    """Return the bearing capacity factor of a rough rigid footing on weightless ground (Nc, or Nq under a
+    ``surcharge``), and the path.
 
-    The ground dilates by ``psi`` (deg), by φ if none is given; ``flow`` says what is made of less.
-
-    Half of it, 1 m wide, with ``cells`` cells under it, the finest at its edge; the nodes under it move like the one on
-    the axis, which moves vertically only. The box holds Prandtl's mechanism. Returns the limit load and the path.
+    The ground dilates by ``psi`` (deg), by default by φ; ``flow`` is the flow rule for a smaller ψ. The mesh has half
+    of the footing, 1 m wide, with ``cells`` cells below it, the finest at its edge. The nodes below it move like the
+    node on the axis, which moves vertically only. The box contains Prandtl's mechanism.
     """
     spiral = math.exp(math.pi / 2 * math.tan(math.radians(phi)))
     half = math.radians(45.0 + phi / 2)
@@ -131,7 +133,7 @@ def footing(element, phi, cells, surcharge=False, growth=1.15, psi=None, flow="n
 
 
 def weight_limit(mesh, law, element, sides, **settings):
-    """γH / c (H = 1 m) at which a body fails as its weight grows; a strict limit load, gravity being the only load."""
+    """Return γH / c (H = 1 m) at which a body fails as its weight grows; gravity is the only load."""
     problem = PlaneStrain(mesh, [law], element, MPI.COMM_SELF)
     problem.hold(sides)
     load = problem.body_force([1.0], (0.0, -1.0))
@@ -141,7 +143,7 @@ def weight_limit(mesh, law, element, sides, **settings):
 
 
 def points_of(problem):
-    """Where the quadrature points are, (cells, points of a cell, 2) in m; of tied nodes only y."""
+    """Return the positions of the quadrature points (cells, points of a cell, 2) in m; for tied nodes only y."""
     d = problem.grid
     middle = d.node_points[d.global_dofs[d.dofs[:, 0::2]] // 2]
     return np.einsum("qn,cni->cqi", d.shapes, middle)

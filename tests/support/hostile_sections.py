@@ -1,8 +1,8 @@
-"""Random sections of all that is difficult at once, each known by its number, as they stand in a file.
+"""Makes random sections that combine all difficulties, each known by its number, as data of a file.
 
-Steep and falling either way; thin seams and wedges; a base that comes out of the ground; zones that touch boundaries,
-hang or stand on the ground; sand and clay; water of every kind across everything; cracks, ratios of strength and loads.
-Most are sound, and some are refused with a sentence; none may end in a traceback.
+The sections are steep and fall to either side. They have thin seams and wedges, outcropping bases, zones that touch
+boundaries, hang or stand on the ground, sand and clay, all kinds of water, cracks, strength ratios and loads. Most are
+valid, and some are refused with a sentence; none may end in a traceback.
 """
 
 import math
@@ -14,12 +14,12 @@ Data = dict[str, Any]
 
 
 def hostile_data(number: int) -> Data:
-    """The section of a number."""
+    """Return the section of a number."""
     return _Hostile(np.random.default_rng([number, 44])).section(f"hostile_{number}")
 
 
 class _Hostile:
-    """The draws that make one section."""
+    """Holds the random draws of one section."""
 
     def __init__(self, draw: np.random.Generator) -> None:
         self.draw = draw
@@ -58,7 +58,8 @@ class _Hostile:
         return data
 
     def _surface(self) -> list[list[float]]:
-        """A slope, an embankment, a cut with a berm, or a few random points, falling to the right or the left."""
+        """Return a slope, an embankment, a cut with a berm, or a few random points, falling to the right or the
+        left."""
         height = self.between(1.0, 20.0)
         run = self.pick(0.0, round(height / math.tan(math.radians(self.between(10.0, 85.0))), 2), height)
         crest, following = (self.between(0.3, 3.0) * height for _ in range(2))
@@ -86,7 +87,7 @@ class _Hostile:
         return points
 
     def _base(self) -> tuple[str, list[list[float]]]:
-        """Its kind of line, and its points."""
+        """Return the base: the kind of its line, and its points."""
         kind = self.pick("level", "depth", "sloping", "at_toe", "out")
         ends = [round(self.low - self.between(0.1, 1.0) * self.height, 2) for _ in range(2)]
         if kind == "depth":
@@ -106,7 +107,7 @@ class _Hostile:
         return ("depth" if kind == "depth" else "elevation"), line
 
     def _strata(self, kind: str, base: list[list[float]]) -> list[Data]:
-        """Up to four layers, between which are shares of what lies above the base: layers, seams, wedges, blocks."""
+        """Return up to four strata, whose contacts divide the ground above the base: layers, seams, wedges, blocks."""
         strata, share = [], 0.0
         for k in range(count := int(self.draw.integers(1, 5))):
             soil = self._soil(f"{k + 1} {self.pick('sand', 'clay', 'loam')}")

@@ -1,4 +1,4 @@
-"""Liquefied ground whose strength can be measured: a sheared box, an endless slope, a slump. SI units."""
+"""Provides liquefied ground whose strength can be measured: a sheared box, an infinite slope, a slump; in SI units."""
 
 from dataclasses import dataclass, replace
 
@@ -24,12 +24,13 @@ STEP = 0.6
 
 
 def sand(stiffness: float, radius: float, name: str = "sand") -> LayerSprings:
-    """Discs of sand, phi = 35 degrees or so."""
+    """Return springs of sand with phi of about 35 degrees."""
     return soil_discs(name, stiffness, Strength(0.36), DENSITY, DENSITY, radius, POROSITY)
 
 
 def on_a_deep_base(packing: TiedPacking) -> tuple[np.ndarray, ...]:
-    """x, z, radius and layer of a packing whose plates go on away from the free discs, each row moved by a radius."""
+    """Return x, z, radius and layer of a packing whose plates continue away from the free discs, each row shifted by a
+    radius."""
     columns = [np.column_stack([packing.x, packing.z, packing.radius, packing.layer])]
     for row in range(1, BASE_ROWS):
         for plate, side in ((packing.above, 1.0), ((packing.layer < 0) & ~packing.above, -1.0)):
@@ -41,13 +42,13 @@ def on_a_deep_base(packing: TiedPacking) -> tuple[np.ndarray, ...]:
 
 
 def with_voids(model: DiscModel) -> np.ndarray:
-    """Area of every disc with its voids (m2)."""
+    """Return the area of every disc with its voids (m2)."""
     return (1.0 + POROSITY) * np.pi * model.radius**2
 
 
 @dataclass
 class ShearedBox:
-    """A box of liquefied discs under 300 kPa between two rough plates, sheared at constant height."""
+    """Holds a box of liquefied discs under 300 kPa between two rough plates, sheared at constant height."""
 
     model: DiscModel
     length: float
@@ -59,7 +60,7 @@ class ShearedBox:
         cls, seed: int, strength: float, *, columns: int = 24, rows: int = 10, radius: float = 0.5,
         pressure: float = 3.0e5, strain: float = SMALLEST_STRAIN,
     ) -> "ShearedBox":  # fmt: skip
-        """At rest; strength in Pa."""
+        """Return the box at rest; strength in Pa."""
         packing = tied_packing(columns, rows, radius, porosity=POROSITY / (1.0 + POROSITY), seed=seed)
         layer = replace(sand(1.0e8, radius), faded=1.0)
         model = DiscModel.create(
@@ -82,7 +83,7 @@ class ShearedBox:
         return Engine(dt=dt, **{"balance": 1e-3} | settings).run(self.model, seconds)  # type: ignore[arg-type]
 
     def stress(self) -> tuple[float, float]:
-        """Shear stress and pressure on the two plates, mean of both (Pa)."""
+        """Return shear stress and pressure on the two plates, mean of both (Pa)."""
         model = self.model
         fx, fz = model.liquefied_forces
         side = np.where(model.fixed, np.where(model.z > 0.5 * self.height, 1.0, -1.0), 0.0)
@@ -91,7 +92,8 @@ class ShearedBox:
     def shear(
         self, strain: float, rate: float, window: float = 0.01, looks: int = 10, **settings: object
     ) -> np.ndarray:
-        """Mean shear stress over the strength asked for, and pressure (Pa), in windows of strain (n, 2)."""
+        """Return the mean shear stress over the required strength, and the pressure (Pa), in windows of strain (n,
+        2)."""
         model = self.model
         across = np.clip(model.z / self.height, 0.0, 1.0)
         model.set_velocity(model.vx + rate * self.height * across, model.vz)
@@ -106,12 +108,12 @@ class ShearedBox:
 
 
 class LayeredSlope:
-    """An endless slope of 4 degrees, its sides periodic: 14 m of sand on 6 m that have liquefied under it."""
+    """Holds an infinite slope of 4 degrees with periodic sides: 14 m of sand on 6 m of liquefied sand."""
 
     ANGLE, LENGTH, LOW, HIGH = np.radians(4.0), 40, 6, 20
 
     def __init__(self, seed: int, ratio: float, radius: float = 0.5) -> None:
-        """ratio: residual strength over the stress across the slope at the onset."""
+        """Bring the slope to rest; ratio: residual strength over the normal stress on the slope at the onset."""
         packing = tied_packing(self.LENGTH, self.HIGH, radius, porosity=0.23, seed=seed).without_upper_plate()
         x, z, r, layer = on_a_deep_base(packing)
         layer = np.where((layer >= 0) & (z > self.LOW), 1, layer)
@@ -139,11 +141,12 @@ class LayeredSlope:
         Engine(dt=STEP * largest_step(self.model).seconds, **settings).run(self.model, seconds)  # type: ignore[arg-type]
 
     def speed(self) -> float:
-        """Of the sand on top, along the slope (m/s)."""
+        """Return the speed of the upper sand along the slope (m/s)."""
         return float(self.model.vx[self.model.layer == 1].mean())
 
     def apply_kh(self, kh: float, seconds: float) -> tuple[float, np.ndarray]:
-        """How far the sand slides under a Kh that comes in a millisecond and goes again (m); speeds at half seconds."""
+        """Return the slide of the sand under a Kh that is applied and removed within a millisecond (m), and the speeds
+        every half second."""
         model, sand_on_top = self.model, self.model.layer == 1
         before, begin = model.x.copy(), model.time
         full = Acceleration.seismic(kh, tilt=self.ANGLE, g=GRAVITY)
@@ -158,10 +161,11 @@ class LayeredSlope:
 
 
 class Slump:
-    """A column of soil of one shear strength, 30 m high and 120 m wide, on a rough base that goes on to both sides.
+    """Holds a column of soil of one shear strength, 30 m high and 120 m wide, on a rough base that extends to both
+    sides.
 
-    It rests at eight times its strength, and is let go at once. Pore water a hundred times as stiff as the stress at
-    half height keeps its volume, with one density for all of it.
+    The column rests at eight times its strength, which is then reduced suddenly. Pore water a hundred times as stiff as
+    the stress at half height keeps its volume, with one density for the whole column.
     """
 
     HEIGHT, HALF, REACH, FIRM, STIFF = 30.0, 60.0, 3.0, 8.0, 100.0
@@ -203,7 +207,8 @@ class Slump:
         Engine(dt=0.8 * largest_step(self.model).seconds, balance=balance).run(self.model, seconds)
 
     def let_go(self) -> tuple[float, float]:
-        """Run-out of 98 % of the mass over the height, once it has come to rest; share of the mass that is loose."""
+        """Return the run-out of 98 % of the mass over the height after the slump has come to rest, and the share of
+        loose mass."""
         model, free = self.model, self.free
         model.liquefied[free, STRENGTH], model.liquefied[free, STRAIN] = self.strength, SMALLEST_STRAIN
         model.strength_factor[free] = 1.0

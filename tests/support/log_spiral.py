@@ -1,5 +1,5 @@
-"""The rotation on a logarithmic spiral: an upper bound of what a homogeneous slope carries (Chen 1975; with Kh, Chang,
-Chen & Yao 1984; the charts of Michalowski 2002 are made of it)."""
+"""Computes the upper bound of a homogeneous slope by rotation on a logarithmic spiral (Chen 1975; with Kh, Chang, Chen
+& Yao 1984; basis of the charts of Michalowski 2002)."""
 
 import math
 
@@ -12,8 +12,8 @@ STARTING_POINTS = 60
 
 
 def critical_kh(slope: float, phi: float, strength: float, seed: int = 1) -> float:
-    """The smallest kc of all spirals through and below the toe of a slope at ``slope`` degrees in ground of ``phi``
-    degrees, ``strength`` being c / γH."""
+    """Return the smallest kc of all spirals through and below the toe of a slope at ``slope`` degrees in ground of
+    ``phi`` degrees; ``strength`` is c / γH."""
     draw = np.random.default_rng(seed)
 
     def tried(shape: np.ndarray) -> float:
@@ -33,11 +33,11 @@ def critical_kh(slope: float, phi: float, strength: float, seed: int = 1) -> flo
 
 
 def _kh(shape: np.ndarray, slope: float, phi: float, strength: float) -> float:
-    """kc of one spiral, inf if it is none; H = 1, γ = 1, toe at (0, 0), crest to the right.
+    """Return kc of one spiral, inf if the spiral is not admissible; H = 1, γ = 1, toe at (0, 0), crest to the right.
 
-    ``shape``: the angle (rad) at which the radius points to the lower end, from the horizontal downwards, how far it
-    turns up to there from the crest, and how far before the toe it comes out, in H. Work of weight and Kh on a rigid
-    rotation, dissipation c r0² (e^{2Δθ tan φ} - 1) / (2 tan φ).
+    ``shape``: angle (rad) of the radius to the lower end below the horizontal, angle between the radii to both ends,
+    and distance of the exit from the toe, in H. The work of weight and Kh on a rigid rotation equals the dissipation c
+    r0² (e^{2Δθ tan φ} - 1) / (2 tan φ).
     """
     down, rotated, before = shape
     if not (0.05 < rotated < math.pi and 0.05 < down < math.pi - 0.02 and 0.0 <= before < 3.0) or down - rotated < -1.5:
@@ -73,7 +73,7 @@ def _kh(shape: np.ndarray, slope: float, phi: float, strength: float) -> float:
 
 
 def _moments(x: np.ndarray, y: np.ndarray) -> tuple[float, float, float]:
-    """Area and first moments about the axes of a polygon, positive whichever way round it is."""
+    """Return area and first moments about the axes of a polygon, positive for both orientations."""
     x1, y1 = np.roll(x, -1), np.roll(y, -1)
     cross = x * y1 - x1 * y
     area = cross.sum() / 2.0

@@ -1,4 +1,4 @@
-"""Problems of the material point method with known answers: a slope without end, a column that is let go."""
+"""Provides problems of the material point method with known answers: an infinite slope, and a collapsing column."""
 
 from dataclasses import dataclass
 
@@ -30,7 +30,8 @@ UNIT_WEIGHT = 18e3  # N/m³
 
 @dataclass(frozen=True)
 class EndlessSlope:
-    """14 m of crust on a liquefied layer of 6 m on firm ground, in the frame of a slope of 4°; sides are periodic."""
+    """Describes 14 m of crust on a liquefied layer of 6 m on firm ground, in axes along a slope of 4° with periodic
+    sides."""
 
     strength: float  # of the layer: over the vertical stress, or in Pa
     as_ratio: bool = True
@@ -42,13 +43,14 @@ class EndlessSlope:
 
     @property
     def yield_coefficient(self) -> float:
-        """k_y of the block on the bottom of the layer, where demand over strength is largest (rigid block)."""
+        """Return k_y of the rigid block on the bottom of the layer, where demand over strength is largest."""
         depth = self.crust + self.layer
         share = self.strength if self.as_ratio else self.strength / (UNIT_WEIGHT * depth)
         return float((share - np.sin(self.angle)) / np.cos(self.angle))
 
     def newmark(self, kh: float, end: float, step: float = 2e-4) -> float:
-        """Displacement (m) of that block under Kh that rises, is held and goes (Newmark 1965)."""
+        """Return the displacement (m) of this block under a Kh that increases, is constant and decreases (Newmark
+        1965)."""
         speed = moved = 0.0
         share = self.strength if self.as_ratio else self.strength / (UNIT_WEIGHT * (self.crust + self.layer))
         for time in np.arange(0.5 * step, end, step):
@@ -61,7 +63,7 @@ class EndlessSlope:
     def engine(
         self, cell: float, columns: int = 6, threads: int = 1, decay: float = 1.0, above_node: float = 0.0
     ) -> MaterialPointEngine:
-        """The slope at rest, in equilibrium; the layer begins so much of a cell above a node."""
+        """Return the slope in equilibrium; the layer begins at this share of a cell above a node."""
         deeper = int(above_node > 0.0)  # or the firm ground hardly reaches the nodes at rest
         firm, deep = (3.0 + deeper) * cell, self.crust + self.layer
         places = lattice(columns * cell, deep + firm, 0.5 * cell)
@@ -92,7 +94,7 @@ class EndlessSlope:
         return MaterialPointEngine(points, grid, gravity, threads, decay)
 
     def moved(self, engine: MaterialPointEngine, kh: float, end: float) -> float:
-        """Displacement (m) of the crust under Kh as in `newmark`."""
+        """Return the displacement (m) of the crust under Kh as in `newmark`."""
 
         def acceleration(time: np.ndarray) -> np.ndarray:
             return kh * GRAVITY * np.cos(self.angle) * np.minimum(1.0, time / self.rise) * (time < self.hold)
@@ -102,10 +104,11 @@ class EndlessSlope:
         return float(points.displacement[points.stratum == 1, 0].mean())
 
     def slid(self, kh: float, end: float, place: float, cells: int = 16) -> float:
-        """Displacement (m) along the same slope as a section that dips, its base ``place`` above a row of nodes.
+        """Return the displacement (m) along the same slope as a dipping section, its base at ``place`` above a row of
+        nodes.
 
-        A row of such sections is the slope; Kh, weak layer and duration as in `moved`, cells of 1 m, ``cells`` of them
-        along the section.
+        A row of such sections is the slope. Kh, weak layer and duration are those of `moved`; there are ``cells`` cells
+        of 1 m along the section.
         """
         upright, firm = 1.0 / np.cos(self.angle), 3.0
         deep = (self.crust + self.layer) * upright
@@ -145,14 +148,15 @@ class EndlessSlope:
 
 @dataclass(frozen=True)
 class RunOut:
-    """How far clay has run, over its height: its front, and what 99 % of it lie within."""
+    """Holds the run-out of clay over its height: its front, and the distance that contains 99 % of it."""
 
     front: float
     within: float
 
 
 def slump(weight_over_strength: float, cells: int, steps: int) -> RunOut:
-    """A block of clay 30 m high and twice as wide to either side, ``cells`` high, which becomes heavy in ``steps``."""
+    """Return the run-out of a block of clay 30 m high and twice as wide to either side, ``cells`` cells high, whose
+    weight grows in ``steps``."""
     height = 30.0
     strength = UNIT_WEIGHT * height / weight_over_strength
     column = PointColumn(
@@ -168,7 +172,8 @@ def slump(weight_over_strength: float, cells: int, steps: int) -> RunOut:
 
 
 def displaced(name: str, cells: int, sides: Sides, kh: float, rise: float, end: float) -> PointSlide:
-    """The slide of a shipped section without liquefaction under Kh that comes within ``rise`` (s) and is held."""
+    """Return the slide of a shipped section without liquefaction under a Kh that increases within ``rise`` (s) and is
+    then constant."""
     section = Config.load(SECTIONS / f"{name}.toml").section
     slider = PointSlider(ground_of(section, cells, sides), downhill(section.ground))
     slider.settle()

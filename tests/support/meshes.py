@@ -1,4 +1,4 @@
-"""Meshes of a few kinds to try things on."""
+"""Provides meshes of several kinds for tests."""
 
 from typing import Any
 
@@ -18,5 +18,5 @@ def grid(columns: int = 47, rows: int = 13, **values: Any) -> MeshSettings:
 
 
 def free(section: Section, cells: float = 300.0, **values: Any) -> MeshSettings:
-    """A free mesh of about so many cells."""
+    """Return a free mesh with about this number of cells."""
     return MeshSettings(method="free", size=float(section.layering.areas().sum() / cells) ** 0.5, **values)

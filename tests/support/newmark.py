@@ -1,4 +1,5 @@
-"""Newmark's block in closed form, and integrated where its base shakes both ways."""
+"""Computes the slide of Newmark's block in closed form, and by integration for a base that shakes in both
+directions."""
 
 import numpy as np
 
@@ -6,23 +7,19 @@ G = 9.81  # m/s2
 
 
 def newmark_slide(angle: float, strength_ratio: float, kh: float, seconds: float) -> float:
-    """Slide (m) of a rigid block under a constant Kh that acts for some seconds (Newmark 1965), on its plane.
+    """Return the slide (m) of a rigid block along its plane under a constant Kh that acts for some seconds (Newmark
+    1965).
 
     Parameters
     ----------
-    angle
-        Of the plane (rad).
-    strength_ratio
-        Shear strength over the normal stress of that moment.
-    kh
-        Seismic coefficient, downhill.
-    seconds
-        How long it acts (s).
+    angle : inclination of the plane (rad)
+    strength_ratio : shear strength over the present normal stress (-)
+    kh : seismic coefficient, positive downslope
+    seconds : duration of Kh (s)
 
     Returns
     -------
-    float
-        0 where it does not slide, infinite where it does not stop.
+    The slide; 0 if the block does not slide, infinite if it does not stop.
     """
     sine, cosine = float(np.sin(angle)), float(np.cos(angle))
     on = G * (sine + kh * cosine - strength_ratio * (cosine - kh * sine))
@@ -35,24 +32,21 @@ def newmark_slide(angle: float, strength_ratio: float, kh: float, seconds: float
 
 
 def newmark_slide_speed(angle: float, strength_ratio: float, time: np.ndarray, acceleration: np.ndarray) -> float:
-    """Slide (m) of a rigid block on a plane that shakes; it slides uphill, too, where it is driven so (Newmark 1965).
+    """Return the slide (m) of a rigid block on a shaking plane, downslope or upslope (Newmark 1965).
 
-    The plane resists either way with a constant strength, that of ground which does not drain: c = ratio times the
-    normal stress at rest. The drive along the plane is g sin b + push cos b, the resistance g ratio cos b.
+    The plane resists in both directions with a constant strength, that of undrained ground: c = ratio times the normal
+    stress at rest. The driving acceleration along the plane is g sin b + a cos b, the resistance g ratio cos b.
 
     Parameters
     ----------
-    angle
-        Of the plane (rad).
-    strength_ratio
-        Its shear strength over the normal stress at rest (-).
-    time, push
-        (n,) Times (s), rising, and what the block feels along the horizontal (m/s2), downhill positive.
+    angle : inclination of the plane (rad)
+    strength_ratio : shear strength over the normal stress at rest (-)
+    time (n,) : increasing times (s)
+    acceleration (n,) : horizontal acceleration of the block (m/s²), positive downslope
 
     Returns
     -------
-    float
-        Downhill positive, after it has come to rest; infinite where it does not.
+    The slide after the block has come to rest, positive downslope; infinite if it does not.
     """
     drive, holds = G * float(np.sin(angle)), G * strength_ratio * float(np.cos(angle))
     if drive >= holds:

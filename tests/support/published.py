@@ -1,4 +1,4 @@
-"""The collections of published slopes and of known slides, each read once."""
+"""Reads the collections of published slopes and of known slides once."""
 
 from functools import cache
 
@@ -11,11 +11,11 @@ PUBLISHED = TOP / FOLDER
 
 @cache
 def cases() -> dict[str, Case]:
-    """Every case by its name."""
+    """Return every case by its name."""
     return {case.name: case for case in read_cases(PUBLISHED)}
 
 
 @cache
 def slides() -> dict[str, slides_case.SlideCase]:
-    """Every known slide by its name."""
+    """Return every known slide by its name."""
     return {case.name: case for case in slides_case.read_cases(TOP / slides_case.FOLDER)}

@@ -1,8 +1,8 @@
-"""Random slopes of layered ground, each known by its number: the same for the bounds and for the finite elements.
+"""Makes random slopes of layered ground, each known by its number, for the bounds and for the finite elements.
 
-Two to five layers under a face of 15° to 60°, 5 to 15 m high, with thin seams and wedges that end inside the section;
-φ 0 to 45°, c 0 to 50 kPa, some of it clay (φ = 0), some of it sand (c = 0). Only numbers of sections that stand under
-their own weight are listed.
+Two to five layers lie under a face of 15° to 60°, 5 to 15 m high, with thin seams and wedges that end inside the
+section; φ is 0 to 45°, c 0 to 50 kPa, some of it clay (φ = 0), some of it sand (c = 0). Only numbers of sections that
+stand under their own weight are listed.
 """
 
 import itertools
@@ -21,12 +21,12 @@ NUMBERS = (
 
 
 def random_section(number: int) -> Section:
-    """The section of a number, in round figures as a person would write them."""
+    """Return the section of a number, in round figures."""
     return Section.parse(random_data(number))
 
 
 def random_data(number: int) -> dict[str, Any]:
-    """The same as it stands in a file."""
+    """Return the section of a number as data of a file."""
     for attempt in itertools.count():
         data = _drawn(np.random.default_rng([number, attempt]), f"random_{number}")
         try:
@@ -52,7 +52,7 @@ def _drawn(draw: np.random.Generator, name: str) -> dict[str, Any]:
 
 
 class _Layers:
-    """Layers from the top down; each contact is a straight line at or below the one before."""
+    """Holds layers from the top down; each contact is a straight line at or below the previous one."""
 
     def __init__(self, draw: np.random.Generator, width: float, height: float, deep: float, count: int) -> None:
         self.draw, self.width = draw, width
@@ -65,7 +65,8 @@ class _Layers:
         return [*upper, self.soil(len(upper))]
 
     def contact(self, level: float) -> list[list[float]]:
-        """The bottom of a layer: dipping, parallel to the one before it (a seam), or up to where it meets that one."""
+        """Return the bottom of a layer: dipping, parallel to the previous contact (a seam), or ending where it meets
+        that contact."""
         kind = self.draw.choice(["dipping", "seam", "wedge"], p=[0.6, 0.2, 0.2])
         before = self.ends
         dip = math.tan(math.radians(float(self.draw.uniform(-8.0, 8.0)))) * self.width / 2.0
@@ -84,7 +85,7 @@ class _Layers:
         return [tip, [self.width, float(self.ends[1])]]
 
     def soil(self, number: int) -> dict[str, Any]:
-        """Sand, clay or something in between, some of it below water."""
+        """Return sand, clay or a soil between them, some of it below water."""
         draw = self.draw
         kind = str(draw.choice(["sand", "clay", "loam"], p=[0.2, 0.25, 0.55]))
         density, uplift = round(float(draw.uniform(1.6, 2.1)), 2), 0.9 if draw.uniform() < 0.3 else 0.0

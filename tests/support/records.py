@@ -1,4 +1,4 @@
-"""Random records, and files of every format written from them as the networks write theirs."""
+"""Makes random records, and files of every format in the style of the networks."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +15,7 @@ GRAVITY = 9.80665
 
 
 def read_text(text: str, name: str = "record.txt", **how: str) -> Accelerogram:
-    """The record in a file of this text."""
+    """Return the record in a file of this text."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / name
         path.write_text(text, encoding="utf-8")
@@ -23,14 +23,14 @@ def read_text(text: str, name: str = "record.txt", **how: str) -> Accelerogram:
 
 
 def refused(text: str, **how: str) -> str:
-    """Why a file of this text is no record."""
+    """Return the reason why a file of this text is no record."""
     with pytest.raises(InputError) as caught:
         read_text(text, **how)
     return "\n".join(caught.value.problems)
 
 
 def motion(seed: int, count: int, step: float) -> np.ndarray:
-    """A record (n,) in m/s² that swells and ebbs, of up to a few m/s², with a mean of 0."""
+    """Return a record (n,) in m/s² that grows and decays, of up to a few m/s², with a mean of 0."""
     generator = np.random.default_rng(seed)
     time = step * np.arange(count)
     rates = generator.uniform(0.3, min(8.0, 0.15 / step), 12)
@@ -64,7 +64,7 @@ def peer_old(values: np.ndarray, step: float, unit: str) -> str:
 
 
 def knet(gal: np.ndarray, step: float, apart: str = "") -> str:
-    """Counts with an offset, 8 in a row; with ``apart`` = "," as a spreadsheet saves it."""
+    """Return counts with an offset, 8 in a row; with ``apart`` = "," as saved by a spreadsheet."""
     counts = np.round(gal * 6182761.0 / 3920.0).astype(int) + 14000
     peak = np.abs(counts - counts.mean()).max() * 3920.0 / 6182761.0
     keys = {
@@ -81,7 +81,7 @@ def knet(gal: np.ndarray, step: float, apart: str = "") -> str:
 
 
 def cosmos(values: np.ndarray, step: float, unit: str, more: str = "", channel: str = "340 deg") -> str:
-    """One block of V1 or V2 in columns of ten, in which numbers may touch; ``more`` is a block behind it."""
+    """Return one block of V1 or V2 in columns of ten, in which numbers may touch; ``more`` is a second block."""
     reals = np.full(100, -999.0)
     reals[33], reals[63] = step, float(values[np.argmax(np.abs(values))])
     integers = ["".join(f"{-999:8d}" for _ in range(10)) for _ in range(10)]
@@ -106,7 +106,7 @@ def cosmos(values: np.ndarray, step: float, unit: str, more: str = "", channel: 
 
 
 def csmip_v2(values: np.ndarray, step: float, unit: str) -> str:
-    """Acceleration, then velocity and displacement (here zeros), as CSMIP's Volume 2 has them."""
+    """Return acceleration, then velocity and displacement (here zeros), in the form of CSMIP's Volume 2."""
 
     def block(of: np.ndarray, word: str, scale: str) -> list[str]:
         rows = ["".join(f"{v:10.5f}" for v in of[k : k + 8]) for k in range(0, len(of), 8)]
@@ -143,7 +143,7 @@ def esm(values: np.ndarray, step: float, unit: str, quantity: str = "ACCELERATIO
 
 
 def jma(gal: dict[str, np.ndarray], step: float) -> str:
-    """The CSV files of the Japan Meteorological Agency: components without times."""
+    """Return the CSV files of the Japan Meteorological Agency: components without times."""
     heading = ["SITE CODE= ABC,37.5,137.2,16,7.6", " LAT.= 37.0", " LON.= 137.0", f" SAMPLING RATE= {1.0 / step:.0f}Hz",
                " UNIT  = gal(cm/s/s)", "INITIAL TIME = 2024 01 01 16 10 00", ",".join(gal)]  # fmt: skip
     rows = [",".join(f"{v:.5f}" for v in row) + "," for row in zip(*gal.values(), strict=True)]
@@ -161,7 +161,7 @@ CM = 100.0  # gal in m/s²
 
 # Of a record in m/s²; what the columns of each format leave of it is a hundred-thousandth of a gal, or of its peak.
 def geonet(components: dict[str, np.ndarray], step: float, raw: bool = False) -> str:
-    """Values in mm/s²; of corrected records velocity and displacement follow, which nobody reads."""
+    """Return values in mm/s²; in corrected records velocity and displacement follow, which are not read."""
     blocks = []
     for name, values in components.items():
         count, peak = len(values), float(max(values[values < 9e5], key=abs))
@@ -184,7 +184,7 @@ def geonet(components: dict[str, np.ndarray], step: float, raw: bool = False) ->
 
 
 def bhrc(components: dict[str, np.ndarray], step: float) -> str:
-    """Values in g."""
+    """Return values in g."""
     blocks = []
     for name, values in components.items():
         blocks += ["* VOL1DS FILE:  5523/01", "Inst Type = SSA-2", "Origin Time : 2012/08/11   12:23:16", "", name, " "]

@@ -1,4 +1,4 @@
-"""Sections to test with: a sound one to spoil, and random sound ones."""
+"""Provides sections for tests: a valid one to be altered, and random valid ones."""
 
 import copy
 from collections.abc import Callable
@@ -29,12 +29,12 @@ SOIL: dict[str, Any] = {
 
 
 def layer(name: str, **changes: Any) -> dict[str, Any]:
-    """A stratum as it stands in a file."""
+    """Return a stratum as data of a file."""
     return {"name": name, **SOIL, **changes}
 
 
 def slope() -> dict[str, Any]:
-    """A sound section of two layers, 100 m long and 20 to 10 m high, as it stands in a file."""
+    """Return a valid section of two layers, 100 m long and 20 to 10 m high, as data of a file."""
     return {
         "name": "slope",
         "surface": [[0.0, 20.0], [100.0, 10.0]],
@@ -44,7 +44,7 @@ def slope() -> dict[str, Any]:
 
 
 def written(folder: Path, **changes: Any) -> Path:
-    """The small slope as a file, with changes of its first stratum."""
+    """Write the small slope with changes of its first stratum; return the file."""
     data = slope()
     data["strata"][0].update(changes)
     path = folder / "slope.toml"
@@ -53,31 +53,31 @@ def written(folder: Path, **changes: Any) -> Path:
 
 
 def spoiled(change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
-    """The sound section after a change to it."""
+    """Return the valid section after a change to it."""
     data = copy.deepcopy(slope())
     change(data)
     return data
 
 
 def analysed(data: dict[str, Any]) -> Config:
-    """A config as stages are given it, with what follows from blow counts, earthquake and site response."""
+    """Return a config as the stages receive it, completed by triggering analysis, earthquake and site response."""
     return config_after_triggering(Config.parse(data))
 
 
 def assessment(config: Config) -> TriggeringAssessment:
-    """F_L at every blow count of a config."""
+    """Return F_L at every blow count of a config."""
     return assess(config.section, config.earthquake, config.triggering)
 
 
 def _read(data: dict[str, Any], model: type[Section] | type[Config]) -> None:
-    """Read a section, or a config with the analyses that it leaves things to."""
+    """Read a section, or a config with the analyses that complete it."""
     ground = model.parse(data, "slope.toml")
     if isinstance(ground, Config):
         config_after_triggering(ground, "slope.toml")
 
 
 def problems(data: dict[str, Any], model: type[Section] | type[Config] = Section) -> tuple[str, ...]:
-    """What is said of bad input; fails if it is accepted."""
+    """Return the messages on bad input; fail if the input is accepted."""
     with pytest.raises(InputError) as caught:
         _read(data, model)
     assert caught.value.source == "slope.toml"
@@ -86,9 +86,8 @@ def problems(data: dict[str, Any], model: type[Section] | type[Config] = Section
 
 
 def assert_conforming(mesh: QuadMesh, section: Section, wanted: MeshSettings | None = None) -> None:
-    """No folded cell, no hanging node; the boundary groups cover the outline once; the strata have their areas.
-
-    ``wanted`` are the settings of the mesh if it is free, where layers that thin out end in steps.
+    """Check that there is no folded cell and no hanging node, that the boundary groups cover the outline once, and that
+    the strata have their areas. ``wanted`` are the settings of a free mesh, in which layers that thin out end in steps.
     """
     layers = wanted.meshed_layers(section)[0] if wanted else section.layering
     assert mesh.quality().smallest_scaled_jacobian > 0.0
@@ -107,7 +106,7 @@ def assert_conforming(mesh: QuadMesh, section: Section, wanted: MeshSettings | N
 
 
 class _Ground:
-    """The depth (cm) to which layers have been laid so far, left and right of every node."""
+    """Holds the depth (cm) down to which layers have been placed, left and right of every node."""
 
     def __init__(self, draw: st.DrawFn) -> None:
         self.draw = draw
@@ -127,7 +126,7 @@ class _Ground:
         return self.points(range(len(self.x)), self.level)
 
     def points(self, nodes: range, values: np.ndarray) -> list[list[float]]:
-        """Points (m) of a line through nodes, with a vertical step where left and right differ."""
+        """Return the points (m) of a line through nodes, with a vertical step where left and right differ."""
         results = []
         for node in nodes:
             left, right = (float(value) / 100.0 for value in values[node])
@@ -139,13 +138,14 @@ class _Ground:
         return results
 
     def line(self, nodes: range, depth: np.ndarray) -> dict[str, Any]:
-        """A bottom line, as depths or as elevations."""
+        """Return a bottom line as depths or as elevations."""
         if self.draw(st.booleans()):
             return {"depth": self.points(nodes, depth)}
         return {"elevation": self.points(nodes, self.level - depth)}
 
     def thicknesses(self, nodes: range, ends: tuple[bool, bool]) -> np.ndarray:
-        """Thickness (cm) of a new layer at the nodes, some zero, not all; zero at an end where ``ends`` is false."""
+        """Return the thickness (cm) of a new layer at the nodes, zero at some but not all; zero at an end where
+        ``ends`` is false."""
         thick = st.one_of(st.just(0), st.integers(20, 400))
         values = np.zeros_like(self.depth)
         for node in nodes:
@@ -162,7 +162,7 @@ class _Ground:
         return values
 
     def lay(self, nodes: range, ends: tuple[bool, bool]) -> dict[str, Any]:
-        """The bottom of a new layer along nodes; the layer has a vertical face at an end inside the section."""
+        """Return the bottom of a new layer along nodes; the layer has a vertical face at an end inside the section."""
         depth = self.depth + self.thicknesses(nodes, ends)
         bottom = self.line(nodes, depth)
         # Outside its nodes the new line does not exist: only the inward sides of its end nodes go down.
@@ -176,7 +176,7 @@ class _Ground:
         return bottom
 
     def outcrop(self) -> dict[str, Any]:
-        """A first layer whose bottom comes out of the ground: elevations, above the ground at some nodes."""
+        """Return a first layer whose bottom crops out: elevations, above the ground at some nodes."""
         depth = np.repeat(self.draw(st.lists(st.integers(-300, 400), min_size=len(self.x), max_size=len(self.x))), 2)
         depth = depth.reshape(-1, 2).astype(float)
         depth[self.draw(st.integers(0, self.last))] = 250.0
@@ -186,7 +186,8 @@ class _Ground:
 
 @st.composite
 def sections(draw: st.DrawFn) -> Section:
-    """Sound sections: steps, pinch-outs, lenses, neighbours, outcrops; lines as depths, elevations or levels."""
+    """Generate valid sections: steps, pinch-outs, lenses, neighbours, outcrops; lines as depths, elevations or
+    levels."""
     ground = _Ground(draw)
     everywhere = range(len(ground.x))
     bottoms: list[dict[str, Any]] = []

@@ -1,4 +1,4 @@
-"""What the first paragraphs of a report say, held against summary.json: no number in them may be of another origin."""
+"""Compares the numbers in the first paragraphs of a report with summary.json."""
 
 import re
 from collections.abc import Callable, Iterator
@@ -12,7 +12,7 @@ Summary = dict[str, Any]
 
 
 def disagreements(paragraphs: list[str], summary: Summary) -> list[str]:
-    """Sentences that no check knows though they hold a number, or whose numbers are not those of the summary."""
+    """Return the sentences whose numbers are unknown to all checks, or differ from those of the summary."""
     return [
         sentence
         for text in paragraphs
@@ -34,7 +34,8 @@ def _agrees(sentence: str, summary: Summary) -> bool:
 
 
 def _near(message: str, true: float | None) -> bool:
-    """Whether a number as told is the true one to its last digit, or to the digit a slide of discs is good for."""
+    """Return whether a reported number equals the true one to its last digit, or to the accuracy of a slide of
+    discs."""
     if true is None:
         return False
     decimals = len(message.partition(".")[2])
@@ -43,7 +44,7 @@ def _near(message: str, true: float | None) -> bool:
 
 
 def _slides(summary: Summary, cases: str, lengths: str, key: str = "slide_max_m") -> bool:
-    """Lengths in the order of the cases, or one where all come to the same."""
+    """Return the lengths in the order of the cases, or one if all are equal."""
     numbers, matches = re.findall(r"\d+", cases), re.findall(NUMBER, lengths)
     matches = matches * len(numbers) if len(matches) == 1 else matches
     return len(matches) == len(numbers) and all(
@@ -52,7 +53,7 @@ def _slides(summary: Summary, cases: str, lengths: str, key: str = "slide_max_m"
 
 
 def _by_weight(summary: Summary, cases: str, lengths: str) -> bool:
-    """The same of what slides without any shaking."""
+    """Return the same for slides without shaking."""
     flow = all(summary["cases"][number]["flows"] for number in re.findall(r"\d+", cases))
     return flow and _slides(summary, cases, lengths, "slide_by_weight_m")
 
@@ -76,7 +77,7 @@ def _span_of_slides(summary: Summary, low: str, high: str | None) -> bool:
 
 
 def _paper(summary: Summary, off: str, count: str, off_discs: str, discs: str) -> bool:
-    """How many comparisons with the paper disagree, of all and of those of the calibrated discs."""
+    """Return how many comparisons with the paper disagree, of all and of those of the calibrated discs."""
     compared = [row for row in summary["paper"] if row["agrees"] is not None]
     calibrated_rows = [row for row in compared if "calibrated" in row["quantity"]]
     results = [
@@ -89,7 +90,7 @@ def _paper(summary: Summary, off: str, count: str, off_discs: str, discs: str) -
 
 
 def _safe(summary: Summary, factor: str, key: str = "factor") -> bool:
-    """The factor of safety without shaking, or by Davis's estimate."""
+    """Return the factor of safety without shaking, or the one by Davis's estimate."""
     return _near(factor, next(item for item in summary["fem"]["safety_factors"] if item["kh"] == 0.0)[key])
 
 
@@ -98,7 +99,7 @@ def _any_safe(summary: Summary, result: str | None, searched: str | None) -> boo
 
 
 def _known_slides(summary: Summary, message: str) -> bool:
-    """The error of the model, from the table of the collection, for flows, spreads, or all of them."""
+    """Return the error of the model from the table of the collection, for flows, spreads, or all."""
     return any(error is not None and error.sentence() == message for error in map(slide_error, (None, True, False)))
 
 

@@ -1,4 +1,4 @@
-"""Which settings a stage reads while it works, seen from outside, and which of them make it run again."""
+"""Observes which settings a stage reads while it works, and which settings make it run again."""
 
 import warnings
 from collections.abc import Iterator
@@ -22,7 +22,7 @@ KEYS = tuple(f"{table}.{key}" for model, table in TABLES.items() for key in mode
 
 @contextmanager
 def reads() -> Iterator[set[str]]:
-    """The settings that are read in the block, in any thread of this process, as "table.key"."""
+    """Collect the settings that are read in the block, in any thread of this process, as "table.key"."""
     result: set[str] = set()
     for model, table in TABLES.items():
         model.__getattribute__ = _heard(table, frozenset(model.model_fields), result)  # type: ignore[method-assign]
@@ -43,7 +43,8 @@ def _heard(table: str, fields: frozenset[str], outcome: set[str]) -> Any:
 
 
 def traced(stages: tuple[Stage, ...], outcome: dict[str, set[str]]) -> tuple[Stage, ...]:
-    """The same stages, which leave in ``found`` by their names what their work reads; their pictures are left out."""
+    """Return the same stages, which store under their names the settings that their work reads; pictures are
+    omitted."""
 
     def entry(stage: Stage) -> Stage:
         def work(job: Job) -> None:
@@ -59,7 +60,7 @@ def traced(stages: tuple[Stage, ...], outcome: dict[str, set[str]]) -> tuple[Sta
 
 
 def altered(case_input: Config, name: str) -> Config:
-    """The same input with another value of one setting, whatever that is: nothing is computed with it."""
+    """Return the same input with another value of one setting; nothing is computed with it."""
     table, _, key = name.partition(".")
     settings = getattr(case_input, table)
     other = str(Path(__file__)) if (table, key) in FILES else _other(getattr(settings, key))
@@ -89,7 +90,7 @@ def _other(value: Any) -> Any:
 
 
 def stale(before: Config, after: Config) -> set[str]:
-    """The stages whose results before are none for the input after."""
+    """Return the stages whose results for the input ``before`` are invalid for the input ``after``."""
     first, then = (Job(item, Store(Path("nowhere")), STAGES) for item in (before, after))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of values that no setting has
@@ -97,6 +98,6 @@ def stale(before: Config, after: Config) -> set[str]:
 
 
 def with_needed(name: str) -> set[str]:
-    """A stage and all that it needs."""
+    """Return a stage and all stages that it needs."""
     (stage,) = [item for item in STAGES if item.name == name]
     return {name}.union(*(with_needed(other) for other in stage.needs))

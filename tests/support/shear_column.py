@@ -1,8 +1,8 @@
-"""A slope without end as a column in shear: every layer is elastic up to its strength, and has its inertia.
+"""Computes an infinite slope as a shear column: every layer is elastic up to its strength, and has its inertia.
 
-Newmark's block is its limit for rigid ground. Rathje & Bray (1999, Earthquake Eng. Struct. Dyn. 28, 1303) and (2000, J.
-Geotech. Geoenviron. Eng. 126, 1002) call such an analysis coupled: ground that is not rigid swings, and slides further
-under the same shaking. Shear stress is positive where it holds the ground above back.
+The limit for rigid ground is Newmark's block. Rathje & Bray (1999, Earthquake Eng. Struct. Dyn. 28, 1303) and (2000, J.
+Geotech. Geoenviron. Eng. 126, 1002) call this a coupled analysis: deformable ground oscillates, and slides farther
+under the same shaking. Shear stress is positive if it acts upslope on the ground above.
 """
 
 from pathlib import Path
@@ -22,14 +22,13 @@ LARGE_STRENGTH = 1e8  # Pa: strength of ground that does not liquefy
 
 
 def crust_slide(wanted: UniformSlope, folder: Path) -> float:
-    """Displacement of the crust along the slope (m) by the column, on firm ground as thick as that of the points.
+    """Return the displacement of the crust along the slope (m), with firm ground of the thickness that the material
+    points have.
 
     Parameters
     ----------
-    wanted
-        The problem; its residual strength is a share of the effective normal stress.
-    folder
-        Where its record lies.
+    wanted : the slope; its residual strength is a share of the effective normal stress
+    folder : folder of its record
     """
     firm, (weak, crust) = CELLS_BELOW * cell_size(wanted) * np.cos(wanted.angle), wanted.thickness
     height = (firm + weak + crust) / SPRINGS
@@ -51,7 +50,8 @@ def crust_slide(wanted: UniformSlope, folder: Path) -> float:
 def _slid(
     felt: np.ndarray, dt: float, height: float, density: float, shear: float, strength: np.ndarray, stress: np.ndarray
 ) -> float:
-    """Displacement of the top (m) under accelerations ``felt`` (m/s²), dt apart; ``stress`` (Pa) is changed."""
+    """Return the displacement of the top (m) under accelerations ``felt`` (m/s²) at intervals dt; ``stress`` (Pa) is
+    changed."""
     n = len(stress)
     speed, top = np.zeros(n + 1), 0.0
     for driving in felt:

@@ -1,4 +1,5 @@
-"""All forces between slices that equilibrium and strength allow, of which methods of slices assume one set."""
+"""Finds all forces between slices that equilibrium and strength permit; every method of slices assumes one set of
+them."""
 
 import numpy as np
 from scipy.optimize import linprog
@@ -10,11 +11,12 @@ FORCE_UNIT = 1e5  # N/m, so that all numbers of the program are about as large
 
 
 def range_of_kh(slices: Slices, cohesion: np.ndarray, friction: np.ndarray, height: np.ndarray) -> tuple[float, float]:
-    """The least and the largest Kh at which a slip surface slides with its whole strength, by linear programming.
+    """Return the smallest and the largest Kh at which a slip surface slides with its full strength, by linear
+    programming.
 
     Every slice is in equilibrium of forces and moments with forces E, X and the moment of E on its sides. |X| is at
     most ``cohesion`` (n - 1,) in N/m and ``friction`` times E; E acts within the ``height`` (m) of the side. Spencer's
-    and Bishop's methods pick one of all these states.
+    and Bishop's methods select one of all these states.
     """
     x, angle, length = (getattr(slices, name)[0] for name in ("x", "angle", "length"))
     order = np.argsort(x)

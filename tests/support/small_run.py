@@ -1,4 +1,4 @@
-"""A small section with a record, which runs in seconds."""
+"""Provides a small section with a record, which runs in seconds."""
 
 import json
 from pathlib import Path
@@ -25,7 +25,7 @@ SHORT_SLIDE = {
 
 
 def written(folder: Path, **more: Any) -> Path:
-    """A small section with a record, coarse enough for a second."""
+    """Write a small section with a record, coarse enough for a run of a second."""
     data = {
         **slope(),
         "title": "A <small> slope & more",
@@ -48,6 +48,6 @@ def written(folder: Path, **more: Any) -> Path:
 
 
 def numbers(folder: Path) -> dict[str, Any]:
-    """The summary without what differs from run to run."""
+    """Return the summary without the values that differ from run to run."""
     data: dict[str, Any] = json.loads((folder / "summary.json").read_text())
     return {key: value for key, value in data.items() if key not in ("seconds", "made_with")}

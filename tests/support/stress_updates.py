@@ -1,4 +1,4 @@
-"""Stress updates as arrays, and trials that return to every region."""
+"""Provides stress updates as arrays, and trial stresses that return to every region."""
 
 import math
 
@@ -16,7 +16,7 @@ FLOWS = {"associated": (0.6, 0.6), "dilation": (0.6, 0.2), "no dilation": (0.6, 
 
 
 def updated(table, stress, strain=None, material=None):
-    """stress, tangent, plastic strain and region for arrays (n, 4) of old stresses and strain increments."""
+    """Return stress, tangent, plastic strain and region for arrays (n, 4) of old stresses and strain increments."""
     stress = np.ascontiguousarray(np.atleast_2d(stress), dtype=float)
     n = len(stress)
     strain = np.zeros((n, 4)) if strain is None else np.ascontiguousarray(np.broadcast_to(strain, (n, 4)))
@@ -27,7 +27,7 @@ def updated(table, stress, strain=None, material=None):
 
 
 def many_trials(seed, n):
-    """Trial stresses that return to every region, and strain increments of random direction."""
+    """Return trial stresses that return to every region, and strain increments of random direction."""
     random = np.random.default_rng(seed)
     mean, half, zz = random.uniform(-40, 20, n), random.exponential(6, n), random.normal(0, 15, n)
     angle = random.uniform(0, 2 * math.pi, n)
@@ -37,7 +37,7 @@ def many_trials(seed, n):
 
 
 def in_plane(stress):
-    """Principal stresses a >= b in the plane, for (n, 4)."""
+    """Return the principal stresses a >= b in the plane, for stresses (n, 4)."""
     mean, half = (stress[:, 0] + stress[:, 1]) / 2, (stress[:, 0] - stress[:, 1]) / 2
     radius = np.hypot(half, stress[:, 3])
     return mean + radius, mean - radius

@@ -1,4 +1,4 @@
-"""Tasks of which the answer is known beforehand; workers import them from here."""
+"""Provides tasks with known answers; workers import them from here."""
 
 import math
 import os
@@ -12,33 +12,33 @@ from meshes.errors import NoAnswerError
 
 
 class Numbers(BaseModel):
-    """Some numbers, and a folder for those who leave traces."""
+    """Holds some numbers, and a folder for traces of the computation."""
 
     values: tuple[float, ...]
     folder: str = ""
 
 
 class Number(BaseModel):
-    """One number."""
+    """Holds one number."""
 
     value: float
 
 
 def total(inputs: Numbers) -> Number:
-    """Their sum; none where one is negative."""
+    """Return the sum of the numbers; raise an error if one is negative."""
     if min(inputs.values) < 0.0:
         raise NoAnswerError("a number is negative", "take its absolute value")
     return Number(value=sum(inputs.values))
 
 
 def ishigami(inputs: Numbers) -> Number:
-    """Ishigami and Homma (1990): sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1."""
+    """Return the function of Ishigami and Homma (1990): sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1."""
     x1, x2, x3 = inputs.values
     return Number(value=math.sin(x1) + 7.0 * math.sin(x2) ** 2 + 0.1 * x3**4 * math.sin(x1))
 
 
 def slow_total(inputs: Numbers) -> Number:
-    """Their sum after a twentieth of a second; leaves a line for every time that it was begun."""
+    """Return the sum after a twentieth of a second; write a line at every start."""
     with (Path(inputs.folder) / f"{inputs.values}").open("a") as file:
         file.write("begun\n")
     time.sleep(0.05)
@@ -46,19 +46,19 @@ def slow_total(inputs: Numbers) -> Number:
 
 
 def waiting_total(inputs: Numbers) -> Number:
-    """As `slow_total`; that of 20 and more once there is a file `go`."""
+    """Return the sum as `slow_total` does; sums of 20 and more wait for a file `go`."""
     while inputs.values[0] >= 20.0 and not (Path(inputs.folder) / "go").exists():
         time.sleep(0.01)
     return slow_total(inputs)
 
 
 def dies_once(inputs: Numbers) -> Number:
-    """Their sum; the first worker that tries is killed."""
+    """Return the sum; the first worker that tries is killed."""
     return _dies(inputs, times=1)
 
 
 def dies_always(inputs: Numbers) -> Number:
-    """Nobody who tries survives."""
+    """Kill every process that tries."""
     return _dies(inputs, times=1000)
 
 
@@ -73,14 +73,15 @@ def _dies(inputs: Numbers, times: int) -> Number:
 
 
 def breaks(inputs: Numbers) -> Number:
-    """A fault of the program."""
+    """Raise an error of the program."""
     raise ZeroDivisionError("what no one expected")
 
 
 def infinite_slope(inputs: Numbers) -> Number:
-    """Critical Kh of a dry infinite slope of 20 degrees, 5 m deep, 18 kN/m³; values are c (kPa) and φ (degrees).
+    """Return the critical Kh of a dry infinite slope of 20 degrees, 5 m deep, 18 kN/m³; values are c (kPa) and φ
+    (degrees).
 
-    Limit equilibrium on a plane parallel to the ground: kc = (c / (γ z cos² β) + tan φ - tan β) / (1 + tan β tan φ).
+    By limit equilibrium on a plane parallel to the ground, kc = (c / (γ z cos² β) + tan φ - tan β) / (1 + tan β tan φ).
     """
     cohesion, friction = inputs.values
     slope, strength = math.tan(math.radians(20.0)), math.tan(math.radians(friction))

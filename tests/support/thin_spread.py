@@ -1,16 +1,18 @@
-"""Spread of ground behind a bank, integrated over its depth: a third judge beside discs and material points.
+"""Computes the lateral spread of ground behind a bank, integrated over its depth, to compare discs and material points
+with.
 
-Columns of crust ride on columns of a liquefied layer on a level base. The layer shears evenly over its thickness h_l,
-by the law of its strain potential up to its residual strength (`meshes.section.strain_potential`). It keeps its volume:
+Columns of crust rest on columns of a liquefied layer on a level base. The shear strain of the layer is uniform over its
+thickness h_l, by the law of its strain potential up to its residual strength (`meshes.section.strain_potential`). It
+keeps its volume:
 
-    h_l = H_l / (1 + u'/2),  h_c = H_c / (1 + u'),  u the way of the crust,
+    h_l = H_l / (1 + u'/2),  h_c = H_c / (1 + u'),  u the displacement of the crust,
     (m_c + m_l/2) ü = -N' - τ(u / H_l) + (m_c + m_l) a,  N = w_c h_c h_l + w_l h_l²/2 + K(u') w_c h_c²/2.
 
-That is a heavy liquid under a crust, whose earth pressure goes from K0 to the active one as it is stretched by 0.5 %,
-and to the passive one as it is shortened by 4 % (Rankine's, of its friction angle). Where it slips, the layer bears its
-own lateral stress as well, π s/2 less than the overburden as it is stretched and π s/2 more as it is shortened: the
-mean of 2 √(s² - τ²), τ from 0 at its top to its strength s at its base (Nye 1951, Proc. R. Soc. A 207, 554). Ends stand
-still. Quays, and what happens within a layer's thickness of the face, are not in it.
+This is a heavy liquid below a crust, whose earth pressure changes from K0 to the active one under an extension of 0.5
+%, and to the passive one under a shortening of 4 % (Rankine, with its friction angle). Where it slips, the layer also
+has a lateral stress of its own, π s/2 less than the overburden in extension and π s/2 more in shortening: the mean of 2
+√(s² - τ²), with τ from 0 at its top to its strength s at its base (Nye 1951, Proc. R. Soc. A 207, 554). The ends are
+fixed. Quays, and the ground within a thickness of the layer from the face, are not modelled.
 """
 
 from dataclasses import dataclass, field
@@ -33,22 +35,17 @@ FOLLOWED_TIME = 45.0  # s for which the spread is followed
 
 @dataclass(frozen=True)
 class ThinGround:
-    """Columns from left to right, the face falling to the right; arrays (n,).
+    """Holds columns from left to right, the face falling to the right; arrays (n,).
 
     Attributes
     ----------
-    step : float
-        Width of a column (m).
-    crust, layer : (n,)
-        Thickness of the crust and of the layer that liquefies (m).
-    crust_weight, layer_weight : (n,)
-        Unit weights (N/m3).
-    effective : (n,)
-        Vertical effective stress in the middle of the layer (Pa).
-    strength, potential : float
-        Residual strength (Pa) and strain potential; 0 for a layer that holds its strength at once.
-    friction_angle : float
-        Of the crust (rad).
+    step : width of a column (m)
+    crust, layer (n,) : thickness of the crust and of the layer that liquefies (m)
+    crust_weight, layer_weight (n,) : unit weights (N/m³)
+    effective (n,) : vertical effective stress in the middle of the layer (Pa)
+    strength, potential : residual strength (Pa) and strain potential; 0 for a layer that has its strength from the
+        start
+    friction_angle : friction angle of the crust (rad)
     """
 
     step: float
@@ -62,7 +59,8 @@ class ThinGround:
     friction_angle: float = field(default=np.radians(33.0))
 
     def stress_of(self, way: np.ndarray, plastic: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Shear stress (Pa), its stiffness on the first line (Pa), plastic strain, at ways of the crust (m)."""
+        """Return shear stress (Pa), its initial stiffness (Pa) and plastic strain for displacements of the crust
+        (m)."""
         knee = stress_at_potential(self.effective, np.full(len(way), self.strength))
         first, last = (self.potential, self.potential + BEYOND) if self.potential else (0.5 * BEYOND, BEYOND)
         knee = knee if self.potential else np.full(len(way), 0.5 * self.strength)
@@ -74,7 +72,7 @@ class ThinGround:
         return np.sign(elastic) * stress, knee / first, plastic + strain - elastic
 
     def pressure(self, stretch: np.ndarray, way: np.ndarray) -> np.ndarray:
-        """Horizontal force N (N/m) in columns of which the crust is stretched by a share (n,), and went a way (m)."""
+        """Return the horizontal force N (N/m) in columns with this extension (n,) and displacement (m) of the crust."""
         sine = np.sin(self.friction_angle)
         active, rest, passive = (1.0 - sine) / (1.0 + sine), 1.0 - sine, (1.0 + sine) / (1.0 - sine)
         rising = np.where(stretch > 0.0, (rest - active) / ACTIVE_STRAIN, (passive - rest) / PASSIVE_STRAIN)
@@ -87,7 +85,8 @@ class ThinGround:
         return np.asarray(liquid - lateral + 0.5 * earth * self.crust_weight * crust**2)
 
     def spread(self, time: np.ndarray, loading: np.ndarray, seconds: float, dt: float = 0.005) -> np.ndarray:
-        """How far the crust (n,) has moved (m) some seconds after the layer liquefied; time (s), push (m/s2)."""
+        """Return the displacement (m) of the crust (n,) some seconds after the layer has liquefied; time (s),
+        acceleration (m/s²)."""
         way, speed, plastic = (np.zeros(len(self.layer)) for _ in range(3))
         crust, layer = self.crust_weight * self.crust / GRAVITY, self.layer_weight * self.layer / GRAVITY
         moving = self.crust + self.layer > 2.0 * THINNEST_COLUMN
@@ -104,10 +103,8 @@ class ThinGround:
 
 
 def spread_of(case: SlideCase, step: float = 1.0) -> float:
-    """How far the crust moves (m) at the place of a known slide behind a face, of columns of a width (m).
-
-    Only one stratum may liquefy. The section ends at rigid sides, as it does for discs.
-    """
+    """Return the displacement of the crust (m) at the place of a known slide behind a face, for columns of a width (m).
+    Only one stratum may liquefy. The section ends at rigid sides, as for the discs."""
     config, problem = case.config, case.known.problem
     assert config is not None
     assert isinstance(problem, Ground)

@@ -1,7 +1,7 @@
-"""Direct simple shear of soil discs between two rough plates, in a box whose sides are tied.
+"""Performs direct simple shear of soil discs between two rough plates, in a box with periodic sides.
 
-No frame at the sides stiffens what lies near, and a uniform slope of the same discs fails in just this way. The lower
-plate is fixed; the upper one moves along at a steady rate and up or down so that the stress on it is kept. Pressures
+There is no frame at the sides, and a uniform slope of the same discs fails in the same way. The lower plate is fixed.
+The upper plate moves horizontally at a constant rate, and vertically so that its normal stress is constant. Pressures
 are positive (Pa).
 """
 
@@ -29,16 +29,13 @@ POST_PEAK_STRAIN = 0.1  # shear strain from which on is after the peak
 
 @dataclass(frozen=True)
 class ShearTest:
-    """A test, record by record.
+    """Holds the records of a test.
 
     Attributes
     ----------
-    pressure : float
-        Kept on the upper plate (Pa).
-    porosity : float
-        Between the plates, before shear.
-    strain, shear, normal : (n,)
-        Shear strain; shear stress and pressure on the upper plate (Pa).
+    pressure : constant pressure on the upper plate (Pa)
+    porosity : porosity between the plates before shear
+    strain, shear, normal (n,) : shear strain; shear stress and pressure on the upper plate (Pa)
     """
 
     pressure: float
@@ -49,18 +46,18 @@ class ShearTest:
 
     @property
     def peak(self) -> float:
-        """Largest shear stress over pressure."""
+        """Return the largest shear stress over pressure."""
         return float((self.shear / self.normal).max())
 
     @property
     def after(self) -> float:
-        """Shear stress over pressure after the peak, from a strain of `POST_PEAK_STRAIN` on."""
+        """Return the shear stress over pressure after the peak, from a strain of `POST_PEAK_STRAIN`."""
         late = self.strain > POST_PEAK_STRAIN
         return float((self.shear / self.normal)[late].mean())
 
 
 class _Box:
-    """The discs between the plates, and the stress on the upper one."""
+    """Holds the discs between the plates, and the stress on the upper plate."""
 
     def __init__(self, packing: TiedPacking, layer: LayerSprings, pressure: float) -> None:
         self.packing, self.pressure = packing, pressure
@@ -79,23 +76,22 @@ class _Box:
 
     @property
     def height(self) -> float:
-        """Between the plates (m)."""
+        """Return the distance between the plates (m)."""
         model = self.model
         lower = model.fixed & ~self.plate
         return float(model.z[self.plate].mean() - model.z[lower].mean() - 2.0 * model.radius[lower].mean())
 
     def stress(self) -> tuple[float, float]:
-        """What the upper plate carries: along and up (Pa), dashpots included."""
+        """Return the horizontal and vertical stress on the upper plate (Pa), including dashpots."""
         m = self.model
         on_j, on_i = self.plate[m.pair_j], self.plate[m.pair_i]
         along, up = (f[on_j].sum() - f[on_i].sum() for f in (m.force_x, m.force_z))
         return float(along) / self.packing.length, float(up) / self.packing.length
 
     def advance(self, along: float, fastest: float) -> None:
-        """One interval with the upper plate at this speed (m/s), and up or down no faster than `fastest` (m/s).
-
-        Changes of its speed go to the free discs in proportion to their height, so that no wave starts at the plate.
-        """
+        """Advance by one interval, with this horizontal speed of the upper plate (m/s) and a vertical speed of at most
+        `fastest` (m/s). Changes of its speed are applied to the free discs in proportion to their height, so that no
+        wave starts at the plate."""
         answer = (
             (self.stress()[1] - self.pressure)
             / self.modulus
@@ -113,7 +109,7 @@ class _Box:
         Engine(dt=STEP_SHARE * largest_step(self.model).seconds, energies=False).run(self.model, self.interval)
 
     def confine(self) -> None:
-        """Presses the discs together. Raises ConfinementError if they do not come to rest."""
+        """Compress the discs. Raises ConfinementError if they do not come to rest."""
         for _ in range(MOST_INTERVALS):
             self.advance(0.0, 1e-2 * self.packing.height / self.interval)
             moving = 0.5 * np.sum((self.model.mass * (self.model.vx**2 + self.model.vz**2))[self.free])
@@ -124,7 +120,7 @@ class _Box:
 
 
 def shear(packing: TiedPacking, layer: LayerSprings, pressure: float, strain: float = 0.2) -> ShearTest:
-    """Confines the discs at this pressure (Pa) and shears them. Raises ConfinementError, DemError."""
+    """Confine the discs at this pressure (Pa) and shear them. Raises ConfinementError, DemError."""
     box = _Box(packing, layer, pressure)
     box.confine()
     solid = float(np.sum(np.pi * box.model.radius[box.free] ** 2))

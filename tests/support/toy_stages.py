@@ -1,4 +1,4 @@
-"""Stages that take no time."""
+"""Provides stages that take no time."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,7 +19,7 @@ Work = Callable[[Job], None]
 
 
 class Heard:
-    """A listener that remembers."""
+    """Stores all messages that it receives."""
 
     def __init__(self) -> None:
         self.ran: list[str] = []
@@ -38,12 +38,12 @@ class Heard:
 
 
 def leaves(name: str, text: str = "result") -> Work:
-    """Work that leaves one file of a text."""
+    """Return the work of a stage that writes one file with a text."""
     return lambda job: job.store.write_text(name, text) and None
 
 
 def stage(name: str, **more: Any) -> Stage:
-    """A stage that leaves one file."""
+    """Return a stage that writes one file."""
     return Stage(
         name=name, what=f"the {name}", work=leaves(f"{name}.txt"),
         results=(f"{name}.txt",), pictures=(f"{name}*.png",), **more,
@@ -51,18 +51,18 @@ def stage(name: str, **more: Any) -> Stage:
 
 
 class Toys(dict[str, Stage]):
-    """Stages by their names, in their order."""
+    """Holds stages by their names, in their order."""
 
     def change(self, name: str, **values: Any) -> None:
-        """Another stage in the place of one."""
+        """Replace one stage by another."""
         self[name] = replace(self[name], **values)
 
     def job(self, folder: Path, **settings: Any) -> Job:
-        """The small slope with some settings."""
+        """Return the job of the small slope with some settings."""
         return Job(analysed({**slope(), **settings}), Store(folder), tuple(self.values()))
 
     def choose(self, **options: Any) -> Choice:
-        """A choice among them."""
+        """Return a choice of these stages."""
         return Choice.of(tuple(self.values()), **options)
 
     def go(self, folder: Path, choice: Choice | None = None, **settings: Any) -> Heard:

@@ -1,4 +1,4 @@
-"""Sections with water, to test with."""
+"""Provides sections with water for tests."""
 
 from typing import Any
 
@@ -17,24 +17,24 @@ BANK = {"surface": [[0.0, 10.0], [20.0, 10.0], [40.0, 2.0], [60.0, 2.0]], "base"
 
 
 def soil(name: str = "Soil", **changes: Any) -> dict[str, Any]:
-    """A stratum as it stands in a file; None takes a key away."""
+    """Return a stratum as data of a file; None removes a key."""
     return {key: value for key, value in {"name": name, **SOIL, **changes}.items() if value is not None}
 
 
 def section(*strata: dict[str, Any], **changes: Any) -> Section:
-    """A bank 8 m high with strata, or one soil."""
+    """Return a bank 8 m high with strata, or with one soil."""
     return Section.parse({"name": "bank", **BANK, "strata": list(strata) or [soil()], **changes})
 
 
 def at_rest(inputs: Section, *points: tuple[float, float]) -> np.ndarray:
-    """Pore pressure (Pa) without shaking at points (m)."""
+    """Return the pore pressure (Pa) without shaking at points (m)."""
     at = np.array(points)
     return inputs.water_pressure.at_rest(at, at, inputs.stratum_at(*at.T))
 
 
 @st.composite
 def random_water(draw: st.DrawFn) -> Section:
-    """A bank of two soils with a random table, random ratios and a random load."""
+    """Return a bank of two soils with a random water table, random ratios and a random load."""
     level = st.floats(-6.0, 14.0)
     table = [[x, draw(level)] for x in (0.0, 17.0, 33.0, 60.0)]
     contact = [[0.0, draw(st.floats(-1.0, 6.0))], [60.0, draw(st.floats(-3.0, 1.0))]]

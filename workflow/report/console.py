@@ -20,7 +20,7 @@ from workflow.report.flow_rule import (
     own_dilation_sentences,
     with_flow,
 )
-from workflow.report.numbers import range_of, coefficient, range_sentence, rough_coefficient, span
+from workflow.report.numbers import coefficient, range_of, range_sentence, rough_coefficient, span
 from workflow.report.residual import residual_sentences
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.slices import slices_sentences
