@@ -156,10 +156,8 @@ def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], other_
 
 def limit_words(error: ErrorDetails) -> str:
     """Return the limit that a number violates, such as "at most 5"; empty for other errors."""
-    if error["type"] not in LIMITS:
-        return ""
-    words, name = LIMITS[error["type"]]
-    return f"{words} {error['ctx'][name]:g}"
+    limit = LIMITS.get(error["type"])
+    return "" if limit is None else f"{limit[0]} {error['ctx'][limit[1]]:g}"
 
 
 def _first_part(description: str) -> str:

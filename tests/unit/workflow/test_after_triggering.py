@@ -29,9 +29,9 @@ def test_reading_a_config_calls_no_analysis(tmp_path: Path, monkeypatch: pytest.
         raise AssertionError("an analysis")
 
     with monkeypatch.context() as patched:
-        for name in ("assess", "left", "pore_pressures", "column_of", "loading_of_slides"):
+        for name in ("assess", "residual_strengths", "pore_pressures", "column_of", "loading_of_slides"):
             patched.setattr(after_triggering, name, refuse)
-        for place in ("assessment.assess", "consequences.left", "consequences.pore_pressures"):
+        for place in ("assessment.assess", "consequences.residual_strengths", "consequences.pore_pressures"):
             patched.setattr(f"workflow.earthquake.triggering.{place}", refuse)
         for place in ("column.column_of", "site_response.response", "equivalent_kh.equivalent_kh"):
             patched.setattr(f"workflow.earthquake.{place}", refuse)
