@@ -10,7 +10,7 @@ from tests.support.sections import written
 from tests.support.settings_reads import KEYS
 from workflow.cli.invocation import Invocation
 from workflow.cli.study import _unread
-from workflow.cli.unread import in_words
+from workflow.cli.unread_settings import in_words
 from workflow.config import Config
 from workflow.stages import command_of
 from workflow.stages.declared import STAGES

@@ -221,7 +221,7 @@ def plot(
     """Draw the pictures of a run again, or some of them, without computing anything."""
     from workflow.cli.invocation import stored_job
     from workflow.cli.terminal import redraw, say, say_data
-    from workflow.figures.single import draw
+    from workflow.figures.single_figure import draw
 
     job = stored_job(folder)
     if field is None and at is None:
@@ -238,7 +238,7 @@ def view(
 ) -> None:
     """Show the FEM results of a run in a window that can be turned and zoomed. The command needs a screen."""
     from workflow.cli.invocation import stored_job
-    from workflow.figures.single import window
+    from workflow.figures.single_figure import window
 
     window(stored_job(folder), field, at)
 
@@ -389,7 +389,7 @@ def _up_to(
 def _warn(verbosity: Verbosity, invocation: "Invocation", command: str, chosen: Sequence[str]) -> list[str]:
     """Print and return warnings on options stored from an earlier command, and on settings that no stage reads."""
     from workflow.cli.terminal import warn
-    from workflow.cli.unread import in_words
+    from workflow.cli.unread_settings import in_words
 
     names = [entry.name or entry.callback.__name__ for entry in app.registered_commands if entry.callback]
     return warn([*invocation.notices, *in_words(invocation.unread(chosen), command, names)], verbosity)

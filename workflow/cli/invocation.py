@@ -12,7 +12,7 @@ from fem.continuum.repetition import refuse_other_sides
 from meshes.errors import InputError
 from meshes.section.section import read_toml
 from meshes.section.stratum import cases_of
-from workflow.cli.unread import keys_of, unread
+from workflow.cli.unread_settings import keys_of, unread
 from workflow.config import Config, merged, renamed
 from workflow.config.after_triggering import load_config
 from workflow.earthquake.records_in_use import records

@@ -136,7 +136,7 @@ def _opened(
 
 def _unread(settings: Tables, command: str, parts: Sequence[str]) -> list[str]:
     """Return warnings on settings of the command line that no part of a study reads."""
-    from workflow.cli.unread import in_words, is_read, keys_of
+    from workflow.cli.unread_settings import in_words, is_read, keys_of
     from workflow.stages import NAMES, command_of
     from workflow.study.parts import read_by
 

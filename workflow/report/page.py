@@ -26,7 +26,7 @@ from workflow.report.assumptions import assumptions
 from workflow.report.captions import collect
 from workflow.report.crests import holds_water
 from workflow.report.faces import face_lines, note_sentences
-from workflow.report.narrow import labelled
+from workflow.report.narrow_tables import labelled
 from workflow.report.numbering import Labels, Notes
 from workflow.report.numbers import case_numbers, number, scaled
 from workflow.report.paper import rows

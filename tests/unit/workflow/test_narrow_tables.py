@@ -1,6 +1,6 @@
 """Wide tables on narrow screens: each cell with the heading of its column."""
 
-from workflow.report.narrow import labelled
+from workflow.report.narrow_tables import labelled
 
 HEADS = "<tr><th>case</th><th>largest<br>slide</th><th>at x</th><th>cracks</th><th>at rest</th></tr>"
 
