@@ -102,8 +102,8 @@ def _soil(counts: list[Sample]) -> Iterator[str]:
 
 def _borings(connected: Connected) -> Iterator[str]:
     yield "[slide]"
-    yield "# kh = 0                          # slides by weight alone; else [earthquake] shakes them, or Kh = 0.1"
-    yield '# accelerogram = "record.AT2"     # or a record, which shakes'
+    yield "# kh = 0                          # slides under the weight alone; else Kh by [earthquake], or 0.1"
+    yield '# accelerogram = "record.AT2"     # or a record of the motion of the base'
     yield ""
     yield "# [earthquake]"
     yield "# magnitude = 7.5"
