@@ -39,5 +39,5 @@ def area_with_voids(model: DiscModel) -> np.ndarray:
     """
     ratio = area_per_disc(model, model)
     mean = np.nanmean(ratio)
-    of_layers = np.append(np.where(np.isfinite(ratio), ratio, mean), mean)  # the boundary comes last
+    of_layers = np.append(np.where(np.isfinite(ratio), ratio, mean), mean)  # the last entry is the boundary
     return np.asarray(of_layers[model.layer] * np.pi * model.radius**2)

@@ -26,13 +26,11 @@ LOOSE_DENSITY, LOOSEST_DENSITY = (
     0.85,
 )  # of the median density of a layer: discs at a free surface, looser than that, take this
 LONGEST_INTERVAL = 1.2  # time between two updates of pair forces, times a bound on their highest angular frequency
-BALANCED_INTERVAL = (
-    0.6  # of the longest time between two looks: with more, ground of clay alone gains energy as it slides
-)
+# Share of the longest update interval that is used: with more, sliding clay gains energy.
+BALANCED_INTERVAL = 0.6
 MOST_STEPS = 4  # between two looks: half a period of the fastest contacts, beyond which these resonate
-ADJUSTMENT_RATE = (
-    40.0  # change of the strength of bonds by the strain, over what the stress held lacks: 1/e within 1/40
-)
+# Rate (per unit of strain) at which the strength of bonds follows the deficit of stress: 1/e within a strain of 1/40.
+ADJUSTMENT_RATE = 40.0
 LARGEST_DEFICIT = 0.5  # of the requested strength: bonds also resist rotation without strain
 LARGEST_CHANGE = 0.1  # from one neighbour list to the next
 # Of the strength asked for: discs with few neighbours tell little. Beside rough ground that does not liquefy,

@@ -36,7 +36,7 @@ def precompile(executor: Executor, tell: Tell) -> None:
     if not config.DISABLE_JIT and not mark.exists():
         tell("the step loop of the discs is compiled, once for this version of the program")
         executor.compute(_compiled, ("steps", "energies"))
-        with suppress(OSError):  # a hint for the next run, no more
+        with suppress(OSError):  # the file is only a hint for the next run
             mark.touch()
 
 

@@ -32,7 +32,7 @@ STEP: Mapping[DiscModelName, float] = {"soil": 0.9, "paper": 0.3}
 PAPER_LOADING: Mapping[str, Any] = {  # of the paper, Sec. 4(3): Kh = 0.1, for ever
     "kh": 0.1, "kh_seconds": None, "kh_cycles": None, "kh_period": None, "accelerogram": "",
 }  # fmt: skip
-CASES: Mapping[DiscModelName, tuple[Case, ...]] = {"soil": LOOSE_SAND, "paper": PAPER_CASES}  # where none are given
+CASES: Mapping[DiscModelName, tuple[Case, ...]] = {"soil": LOOSE_SAND, "paper": PAPER_CASES}  # default cases
 # Settings of [dem] that soil discs do not know.
 OF_THE_PAPER = tuple(
     f"dem.{key}"

@@ -17,12 +17,12 @@ PORE_SHARE = 0.1  # t_n = t_s in equation 13 of the paper, by Iwashita (1988)
 VOID_RATIO = 2.0 * np.sqrt(3.0) / np.pi - 1.0  # equation 6 of the paper: discs on a triangular lattice
 
 SHEAR_STIFFNESS = 0.5  # ks over kn of soil discs
-ATTRACTION = 1.0  # of soil discs: pull that a contact with cohesion bears, over its cohesion
+ATTRACTION = 1.0  # of soil discs: tensile strength of a contact over its cohesion
 # Of sqrt(m K), in soil discs: a tenth allows 4.8 times the stable time step of 1; ground at rest does not depend on it.
 SOIL_DAMPING = 0.1
 STOP_DEPTH = 0.25  # of the mean radius: from there on soil discs are as stiff as `LayerSprings.stop`
 ROLLING = 5.0  # mu_r of discs of soil with friction: they turn, and hardly roll (`laboratory.strength_map`)
-NOTHING_ROLLS = 1e6  # stands for infinite rolling friction in the table: larger than any, but finite
+NOTHING_ROLLS = 1e6  # represents infinite rolling friction in the table
 
 Mean = Literal["arithmetic", "harmonic"]
 Law = Literal["paper", "soil"]

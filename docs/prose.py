@@ -13,7 +13,7 @@ from pathlib import Path
 
 TOP = Path(__file__).resolve().parent.parent
 PACKAGES = ("meshes", "fem", "dem", "workflow")
-# Pages that tell what was, or are generated from the texts of the program.
+# Pages on the history, or generated from the texts of the program.
 LEFT_OUT = {"docs/changelog.md"}
 
 # The word, as a pattern, and what it is called now.

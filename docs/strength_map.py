@@ -20,7 +20,7 @@ from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
 
 FRICTION = (-0.45, -0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8)
 COHESION = (0.0, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4, 12.8, 25.6)
-CLAY = 0.2  # friction up to which clay is looked for: its discs do not turn, and have some cohesion
+CLAY = 0.2  # largest friction of clay, whose discs do not rotate and have some cohesion
 SEEDS, SAND_SEEDS, CLAY_SEEDS = 6, 24, 48
 HEADS = ("turns", "friction", "cohesion_number", "after", "peak", "scatter", "modulus", "dilation", "seeds")
 

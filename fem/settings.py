@@ -30,7 +30,7 @@ WITHOUT_EFFECT = ("fem.threads", "fem.safety_factor_at")
 PathVerdict = Literal["plateau", "peak", "no failure", "undecided"]
 
 
-# Ground is level at an end where it falls by less than this (-) over a stretch of so many mean heights of the section.
+# Ground is level at an end if its slope is below LEVEL (-) over a distance of STRETCH mean heights of the section.
 LEVEL, STRETCH = 0.02, 0.5
 PLATEAU = 0.1  # of the steepest stretch: ends that fall by less count as level, too
 

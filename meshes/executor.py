@@ -31,15 +31,15 @@ P = ParamSpec("P")
 Input = TypeVar("Input")
 Result = TypeVar("Result")
 
-# How a task tells how far it is, in a few plain values.
+# Type of the progress messages of a task: a few plain values.
 Tell = Callable[[Any], None]
 
-# Set once nobody waits any more for what this thread does.
+# Set when the task of this thread is cancelled.
 _cancelled: ContextVar[Event | None] = ContextVar("_cancelled", default=None)
 # Longest wait of the main thread for another thread, in seconds: the system may let another thread notice the signal of
 # Ctrl-C, whose handler Python then calls as soon as the main thread runs.
 _WAIT = 0.2
-# Tasks of threads for which nobody waits any more.
+# Cancelled tasks of threads.
 _left: WeakSet["Future[Any]"] = WeakSet()
 
 
@@ -318,7 +318,7 @@ class Processes(Executor):
             except WorkerEndedError:
                 self._let_go(worker)
                 continue
-            except BaseException:  # of who hears: the process is not waited for
+            except BaseException:  # raised by the listener: the process is not awaited
                 self._let_go(worker)
                 raise
             if kind == DONE:

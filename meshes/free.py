@@ -54,7 +54,7 @@ class Sizes:
 
     @cached_property
     def _tree(self) -> "KDTree":
-        from scipy.spatial import KDTree  # of sizes that an adapted mesh asks for
+        from scipy.spatial import KDTree  # for the sizes of an adapted mesh
 
         return KDTree(self.corners.reshape(-1, 2))
 

@@ -29,10 +29,11 @@ from meshes.settings import MeshSettings
 GMSH_QUADRILATERAL, GMSH_LINE = 3, 1
 SAME = 1e-7  # share of the whole by which areas and lengths of a mesh may differ from the ground's
 
-# Where no algorithm makes a free mesh of the sizes that are wanted, one does of so much smaller ones.
+# Factors on the requested sizes, which are tried if no algorithm makes a free mesh with these sizes.
 SCALES = (1.0, 0.8, 0.64)
 
-# A free mesh with a corner below this (deg) is made by the next algorithm, too, up to so many times; the best is taken.
+# If a free mesh has a corner below this angle (deg), the next algorithm is tried, up to this number; the best mesh is
+# used.
 NARROW, TRIES = 15.0, 4
 
 # gmsh has one state for all of a process.

@@ -23,7 +23,7 @@ MOST_ROWS = 4
 MOST_ASPECT, SHORTEST = 8.0, 0.5
 # Corners of the two lines nearer to each other than this share of a column's length become one column's ends.
 NEAR = 0.5
-# Columns lean with an end over so many times its run: from upright to the end by equal steps.
+# Number of runs of a leaning end over which columns change from vertical to parallel to the end, by equal steps.
 BLEND = 3.0
 # A layer whose columns would have an angle (deg) below this is none either.
 NARROW = 20.0

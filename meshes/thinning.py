@@ -32,13 +32,13 @@ NECK, LONGEST_NECK = 0.6, 20.0
 # A piece of a stratum that thins out is left out if it holds no more than the first share of its stratum, and is
 # nowhere thicker and not longer than so many of the thickness wished for.
 CRUMB, THICKEST_CRUMB, LONGEST_CRUMB = 0.1, 1.5, 12.0
-# Strata are looked at again until this many steps were made.
+# Largest number of steps made in the strata.
 MOST_STEPS = 50
 # Effective unit weight (N/m³) for comparing strengths at the depth of a tip.
 UNIT_WEIGHT = 1e4
-# Soil up to so many of the thickness wished for is a seam, which no tip of other soil may sever.
+# A soil thinner than this multiple of the requested thickness is a seam, which no tip of another soil may cut.
 SEAM = 3.0
-# A layer up to so many of the thickness wished for, two cells, is weaker by its tip at the ground.
+# A layer thinner than this multiple of the requested thickness (two cells) is weakened by its tip at the ground.
 THIN = 6.0
 # A layer below a tip that is made thicker keeps at least this share of its area.
 LEFT_SHARE = 0.5

@@ -17,7 +17,7 @@ from meshes.section.section import Section
 GMSH_TRIANGLE, GMSH_LINE = 2, 1
 
 
-# Sizes that are tried, in those asked for: where Delaunay's algorithm gives up, a little smaller cells get through.
+# Sizes that are tried, over the requested ones: if Delaunay's algorithm fails, slightly smaller cells often succeed.
 SCALES = (1.0, 0.83, 0.61, 0.4)
 
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from threading import Event, Lock, Thread
 from typing import Any
 
-# What an answer is: something that the task tells, its result, or the error that it raised.
+# Kinds of answers: a message of the task, its result, or the error that it raised.
 MESSAGE, DONE, FAILED = range(3)
 ONE_THREAD = dict.fromkeys(("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 _ROOT = str(Path(__file__).parents[1])
@@ -52,7 +52,7 @@ class Worker:
             env={**os.environ, **ONE_THREAD} if environment is None else environment,
             start_new_session=True,  # Ctrl-C at a terminal is for the program
         )  # fmt: skip
-        other.close()  # so that this process hears the end of that one
+        other.close()  # so that this process notices the end of the other
 
     def call(self, request: bytes) -> tuple[int, Any]:
         """Start a task, and return its first answer; raise WorkerEndedError."""
@@ -99,7 +99,7 @@ def serve(descriptor: int, preload: str, forks: bool) -> None:
         thread = Thread(target=_answer, args=(pipe, request, forks, answered), daemon=True)
         thread.start()
         if forks:
-            pipe.poll(None)  # until nobody asks any more; or there is an answer, and a next request
+            pipe.poll(None)  # until the request is cancelled, or the next request arrives
             if answered.is_set():
                 thread.join()  # which ends this child
             os._exit(1)

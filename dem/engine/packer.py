@@ -62,7 +62,7 @@ def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = seria
     links[:, 0] = 1.0
     rolling = room.zeros("rolling", chunks + 1 + tail if model.law == "soil" else 0, ROLL_FIELDS, LANES)
     partners = np.full((chunks, LANES), n, np.uint32)
-    # the disc that stands for nobody cannot be its own partner: their distance would be nothing
+    # an empty lane cannot be its own partner, since their distance would be zero
     partners[chunk_start[-2] :, n % LANES] = n + 1 if (n + 1) % LANES else 0
     kinds = np.zeros(chunks * LANES, np.uint16)
     placed = partial(

@@ -29,6 +29,6 @@ def neighbour_slices(thread: int, threads: int, layout: Layout) -> tuple[np.ndar
         if t != thread:
             receivers = np.where((owners >= ends[t]) & (owners < ends[t + 1]), owners - ends[t] + 1, 0)
             count[:, t] = np.maximum.reduceat(receivers, begins)
-    # What needs least of the others comes first, so that no slice waits behind one that needs their last.
+    # Slices that need the fewest slices of other threads come first, so that no slice waits unnecessarily.
     order = np.argsort(count.sum(axis=1), kind="stable")
     return shared[order], count[order]

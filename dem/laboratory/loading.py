@@ -16,11 +16,10 @@ from dem.laboratory.plane_elastic import PlaneElastic, lattice_elastic
 LoadingKind = Literal["biaxial", "simple shear"]
 
 REST_TOLERANCE = 1e-3  # of the pressure, and of the mean contact force
-LONGEST_SETTLING = 20_000.0  # time units until a patch must have come to rest
+LONGEST_SETTLING = 20_000.0  # time units in which a patch must come to rest
 CONFINING_RATE = 1e-3  # strain per time unit while confined
-PROBE_STRESS = (
-    1e-2  # stress of a probe over the pressure, about: well above what is left of unrest, and nothing slips yet
-)
+# Approximate stress of a probe over the pressure: well above the remaining unbalanced stress, and without slip.
+PROBE_STRESS = 1e-2
 PROBE_TIME, HOLD_TIME = 20.0, 60.0  # time units
 INTERVALS = 160  # of a test: the servo corrects as often
 GROWTH = 40.0  # intervals until one is twice as long as the first: a stiff patch is strong early, a soft one late

@@ -272,7 +272,7 @@ def _patch(
     half: np.ndarray,
     law: Law = "paper",
 ) -> Patch:
-    # dashpots have no part in what is at rest, and those of the layer would ask for a step four times as small
+    # dashpots do not affect the state at rest, and those of the layer would require a step four times smaller
     mass = layer.density * np.pi * float(np.mean(radius**2))
     cn, ct = (DASHPOTS * float(np.sqrt(mass * k)) for k in (layer.kn, layer.ks))
     model = DiscModel.create(

@@ -164,7 +164,7 @@ class StrengthMap:
             ),
             key=lambda solution: solution.cost,
         )
-        # a bound that the solver only comes near to is meant to be reached
+        # the solver approaches bounds without reaching them
         mu, c = (
             0.0 if abs(value) < 1e-3 * size else float(value) for value, size in zip(best.x, (1.0, scale), strict=True)
         )

@@ -30,7 +30,7 @@ SINGLE_PARAMETERS = PARAMETERS[:3]
 SENSITIVITIES = (0.5, 2.0)
 CONCURRENT_FACTORS = 2  # constant, so that the search does not depend on the number of workers
 NARROWINGS = 12  # searches at most once the target is bracketed
-# Ratio of two factors between which no more is looked for: Kh changes by less, and where it jumps it is that of chance.
+# Ratio of two factors at which the search ends: the change of Kh is then small, and jumps of Kh are random.
 NARROWEST_BRACKET = 1.01
 SMALLEST_STEP = 0.1  # distance of a new factor from the ends of the bracket, over its length
 

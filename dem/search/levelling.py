@@ -13,12 +13,10 @@ from dem.model import DiscModel
 from dem.packing import Packing
 from meshes.section.section import Section
 
-LARGEST_PROTRUSION = (
-    0.4  # mean radii above the surface: discs whose top is higher go, and none is laid in that would be
-)
-EXCHANGE_DEVIATION = (
-    0.3  # mean radii: columns further off have a disc exchanged; half a radius is what they are allowed at rest
-)
+# Mean radii: largest height of the top of a disc above the surface, for remaining and for inserted discs.
+LARGEST_PROTRUSION = 0.4
+# Mean radii: deviation of a column from the surface above which a disc is exchanged; half a radius is allowed at rest.
+EXCHANGE_DEVIATION = 0.3
 SEARCH_DEPTH = 4.0  # mean radii below the surface in which supporting discs are searched for
 TRIAL_RADII = 9  # per position
 NEIGHBOURS = 8  # discs around a position that are considered

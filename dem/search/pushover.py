@@ -27,25 +27,22 @@ from dem.search.equilibrium import STEP_SHARE, Displacement, Trial, kinetic_rati
 from dem.settings import DemSettings
 from meshes.section.quantity import GRAVITY
 
-MACHINE_STIFFNESS = (
-    65.0  # stiffness of the spring that pushes, in critical Kh over the reach: some five times that of the ground
-)
+# Stiffness of the loading spring, in critical Kh over the reach: about five times that of the ground.
+MACHINE_STIFFNESS = 65.0
 SLOWEST_RATE, FASTEST_RATE = 0.012, 0.04  # reaches in a period of the ground; half of both changes kc by 1 %
 DAMPING = 0.3  # of the machine, over the critical one of the ground on its spring
-PULSES = 64  # of a period, between two looks at the displacement, at least;
-LARGEST_PHASE = 0.2  # rad of the oscillation on the machine's spring between two looks, at most
+PULSES = 64  # smallest number of checks of the displacement in a natural period of the ground;
+LARGEST_PHASE = 0.2  # rad: largest phase of the oscillation on the loading spring between two checks
 BLOCK = 0.05  # of the reach, over which a point of the curve is a mean
 WINDOW = 4  # blocks over which Kh is averaged for the critical one
 LAST_REACH = 1.1  # of the reach, where the curve ends: the last window has the reach in its middle
-BAND_DISPLACEMENT = 8.0  # radii that the ground has moved once a band of shear has formed, which is about as wide
-LAST_DISPLACEMENT = 8.0  # reaches, where the push ends at last: the sides take more and more part
-DETACHMENT_RATIO = (
-    5.0  # times the mean way of all discs: ground that is so far ahead of the rest has come apart from it already
-)
-GROUND_PERCENTILE = (
-    98  # per cent of the discs move less than what is looked at: single ones that roll far do not stand for ground
-)
-LATE_RATE = 0.1  # reaches in a period of the ground, once the curve is known
+BAND_DISPLACEMENT = 8.0  # radii: displacement at which a shear band has formed, about its width
+LAST_DISPLACEMENT = 8.0  # reaches at the end of the test: beyond, the sides have more and more influence
+# Displacement over the mean displacement of all discs from which ground has separated from the rest.
+DETACHMENT_RATIO = 5.0
+# Percentile of the displacement that represents the ground: single discs may roll farther.
+GROUND_PERCENTILE = 98
+LATE_RATE = 0.1  # reaches in a natural period of the ground, after the curve is known
 
 
 class Continuum(NamedTuple):

@@ -22,11 +22,11 @@ PENETRATION = 1.0  # mean radii of overlap with a fixed disc, so that the centre
 SIDE_DISTANCE = 2.0  # diameters from a side
 PILED_RISE = 2.0  # mean radii that the surface at a side rises
 DRIFT_TOLERANCE = 0.25  # diameters: level ground that liquefies drifts by 0.05 to 0.2 (discs of 1.26 and 0.63 m radius)
-LEAST_STEP = 0.25  # of the step asked for; it is halved, and the slide begun again, where the energy does not balance
+# Smallest step over the requested one; the step is halved and the slide restarted if the energy does not balance.
+LEAST_STEP = 0.25
 REPORTED_IMBALANCE = 0.01  # of the energy exchanged, above which it is reported
-IMBALANCE_TOLERANCE = (
-    5e-3  # of the energy exchanged may be unaccounted for with the least step: clay in fast flow collides
-)
+# Largest imbalance over the energy exchanged with the smallest step, since clay in fast flow collides.
+IMBALANCE_TOLERANCE = 5e-3
 STOPPED_SHARE = 0.5  # of the largest slide: ground at a side that has slid as far was stopped by the side
 
 

@@ -181,7 +181,7 @@ def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.nda
     """
     if not (cycles > 0.0 and period > 0.0):
         raise ValueError(f"expected positive cycles and a positive period, not {cycles} and {period} s")
-    last = max(cycles, TAPER_CYCLES) + TAPER_CYCLES  # in cycles; a whole one at least comes and goes
+    last = max(cycles, TAPER_CYCLES) + TAPER_CYCLES  # in cycles; at least one cycle has full amplitude
     phase = np.linspace(0.0, last, int(np.ceil(POINTS_PER_CYCLE * last)) + 1)
     inside = np.clip(np.minimum(phase, last - phase) / TAPER_CYCLES, 0.0, 1.0)
     window = 0.5 - 0.5 * np.cos(np.pi * inside)

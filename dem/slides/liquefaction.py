@@ -135,7 +135,7 @@ class Slider:
                     self._begin_again()
                     continue
                 slide.reason = f"stopped by {type(error).__name__}: {error}"
-                if not slide.rows:  # there is no other state to tell of
+                if not slide.rows:  # no other state has been recorded
                     self._look()
                 break
             row = self._look()
@@ -231,7 +231,7 @@ class Slider:
         if sizes:
             sizes = required_areas(self.model, self.start, self.area_per_disc, self.undrained, sizes, drained)
         self.swelling.append(sizes)
-        area = np.ones(len(self.start.springs.layers) + 1)  # the boundary comes last
+        area = np.ones(len(self.start.springs.layers) + 1)  # the last entry is the boundary
         area[self.undrained] = sizes
         for k, share in drained.items():
             area[k] *= 1.0 - share

@@ -11,9 +11,9 @@ import numpy as np
 
 WINDOW = 5.0  # s
 STILL_SHARE = 2e-3  # of the largest slide: what moves on by less in a window is no movement, far below the scatter
-SWING_RATIO = (
-    3.0  # times what counts as still, about where the ground has come to lie: little damps the swing of firm ground
-)
+# Amplitude of an oscillation about the final position, over the largest movement at rest: firm ground has little
+# damping.
+SWING_RATIO = 3.0
 RECENT_TIME = 10.0  # s
 SMALL_ENERGY_SHARE = 0.01  # of the total energy exchanged, in a window
 

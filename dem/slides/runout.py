@@ -15,9 +15,8 @@ from scipy.spatial import cKDTree
 from dem.liquefied_ground import is_liquefying
 from dem.model import DiscModel
 
-GAP_OF_NEIGHBOURS = (
-    0.25  # mean radii between the rims of discs that still belong together: so much room has one in a cage
-)
+# Mean radii: gap between the rims of connected discs, about the free space of a disc between its neighbours.
+GAP_OF_NEIGHBOURS = 0.25
 GAP_OF_BONDED = 1.0  # the same for liquefied discs and undrained clay, whose bonds reach two diameters
 REPORTED_MASS = 0.01  # share of the mass outside the connected ground above which it is reported
 FULL_ROW = 0.5  # of a row of discs: columns with less are beyond the front

@@ -56,7 +56,7 @@ def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> F
     """Return the fields of the accepted state of ``problem`` on ``mesh``, gathered on every rank; ``label`` and ``kh``
     name it.
     """
-    from fem.kernels import mohr_coulomb  # who only looks at a state needs no compiler
+    from fem.kernels import mohr_coulomb  # not needed to read a stored state
 
     grid = problem.grid
     share = grid.weights / grid.weights.sum(axis=1, keepdims=True)

@@ -177,7 +177,7 @@ class _ByMumps:
     def __init__(
         self, d: Discretisation, exchange: Exchange, rows: np.ndarray, owned: np.ndarray, symmetric: bool
     ) -> None:
-        PETSc.garbage_cleanup(d.comm)  # PETSc keeps what Python let go of until all ranks are asked together
+        PETSc.garbage_cleanup(d.comm)  # PETSc frees released objects only if all ranks call this function
         size, border = d.comm.allreduce(len(owned)), rows.shape[1]
         self._rows = rows
         self._matrix = PETSc.Mat().createAIJ(((len(owned), size), (len(owned), size)), comm=d.comm)

@@ -131,7 +131,7 @@ def shallow_failures(
             (float(ratio * np.tan(phi - angle) - sign * drawn), ratio, sign * drawn)
             for ratio, drawn in _forces(section, piece, settings, excess_pressure)
         ]
-        if not choices:  # where a stratum pinches out it is thinner than points are told apart
+        if not choices:  # where a stratum pinches out, it is thinner than the tolerance of points
             continue
         face = ShallowFailure(
             soil.name, piece.start, piece.end, angle, *min(choices), into_water=max(piece.strata, len(choices)) > 1
@@ -222,7 +222,7 @@ def _surface_pieces(section: Section, depth: float) -> Iterator[_Piece]:
     names = [stratum.name for stratum in section.strata]
     surface = np.where(layers.present().any(axis=1), layers.present().argmax(axis=1), -1).tolist()
     x = np.concatenate([layers.x, section.water_pressure.kinks])
-    for i, k in enumerate(surface):  # -1 where the base comes out
+    for i, k in enumerate(surface):  # -1 where the base crops out
         depth_margins = [depth - (end[i, 0] - end[i, k + 1]) for end in (layers.left, layers.right)]
         if depth_margins[0] * depth_margins[1] < 0.0:
             x = np.append(x, layers.x[i] + layers.width[i] * depth_margins[0] / (depth_margins[0] - depth_margins[1]))
@@ -375,7 +375,7 @@ def strip_bottom(layers: Layering, start: float, end: float, k: int, depth: floa
         x_of_ends = np.array([start, end])
         ground, top, bottom = layers.interfaces(x_of_ends, near=np.full(2, x_of_ends.mean()))[:, [0, k, k + 1]].T
         shares = {0.0, 1.0}
-        for line in (top, bottom):  # where the least depth goes through it
+        for line in (top, bottom):  # where the least depth crosses it
             excess_depth = ground - depth - line
             if excess_depth[0] * excess_depth[1] < 0.0:
                 shares.add(float(excess_depth[0] / (excess_depth[0] - excess_depth[1])))

@@ -198,7 +198,7 @@ def kh_bounds(
     dropped = _drop_needless_strength(section, grounds, searches, limits, bounds.upper)
     bounds = search_all(section, tuple(searches.values()), limits, observer)
     wet = [way for way, search in searches.items() if _fails_shallow(section, fem, search, *strong[way])]
-    for way in wet:  # shallow ground slips where water comes out of a face, before any face by itself
+    for way in wet:  # a shallow failure where water emerges from a face governs before the faces themselves
         dropped += searches[way].work - strong[way][1].work
         as_given = searches[way].bracket.upper
         grounds[way], searches[way] = replace(strong[way][0], as_given=as_given), strong[way][1]

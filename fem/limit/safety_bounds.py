@@ -135,11 +135,11 @@ def _with_given_ground(
     if unchanged.upper < (deeper.lower if unchanged.lower > 0.0 else deeper.upper):
         return replace(deeper, shallow_failure=unchanged.upper, trials=trials)
     if 0.0 < deeper.lower <= unchanged.lower:
-        return replace(deeper, trials=trials)  # what the stronger ground does not bear fails this one, too
+        return replace(deeper, trials=trials)  # a mechanism of the stronger ground is one of this ground, too
     if unchanged.lower > 0.0 or deeper.lower == 0.0:
         # A mechanism of the stronger ground fails this one, too, whatever work was left for its own.
         return replace(unchanged, upper=min(unchanged.upper, deeper.upper), trials=trials)
-    # No stress was found in the ground as given: what the slope as a whole bears is no less true for that.
+    # Without a stress field for the ground as given, the bound of the slope as a whole is still valid.
     least = _coarse(section, fem, settings, start, work).least_failing(deeper.upper)
     return replace(deeper, shallow_failure=least, trials=trials)
 

@@ -171,7 +171,7 @@ class _FactorSearch:
             low, high = (log_factor, high) if step >= 0.0 else (low, log_factor)
             if abs(step) < NEWTON_STEP:
                 factor = math.exp(log_factor + step)
-                self.problem.use_strength(factor)  # whose shares the mechanism tells
+                self.problem.use_strength(factor)  # whose shares follow from the mechanism
                 mechanism = self.ground.mechanism(self.problem, self.mesh, solution, kh)
                 mean = self.ground.stress(solution)[:, :2].mean(axis=1)
                 resisted = float(solution.shear @ self.resistance(log_factor + step, mean))

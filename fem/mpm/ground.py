@@ -23,9 +23,8 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
 LENGTH_TOLERANCE = 1e-6  # m
-FIXED_STRIP = (
-    1.25  # cells beside a free-field side in which the ground can hardly sink: they are no part of the surface
-)
+# Width (cells) beside a free-field side in which the ground can hardly settle, and which is no part of the surface.
+FIXED_STRIP = 1.25
 SMALLEST_FORCE = 1e-3  # N/m: on unloaded points of free-field sides, which are identified by a force other than zero
 BORDER = 3  # cells of rigid ground around the section
 ROOM_BEYOND_SIDES = 0.25  # of the width of the section: space beyond free-field sides
@@ -332,7 +331,7 @@ def _pressure(section: Section, points: np.ndarray) -> np.ndarray:
     that at the side or the base."""
     water, points_inside = section.water_pressure, _between_sides(section, points)
     levels = section.layering.interfaces(points_inside[:, 0])
-    drop = np.maximum(levels[:, -1] - points_inside[:, 1], 0.0)  # below the base it goes on as still water
+    drop = np.maximum(levels[:, -1] - points_inside[:, 1], 0.0)  # hydrostatic below the base
     points_inside[:, 1] += drop
     stratum = section.layering.stratum_at(points_inside[:, 0], np.minimum(points_inside[:, 1], levels[:, 0]))
     inside = (points_inside[:, 1] <= levels[:, 0]) & (stratum >= 0)

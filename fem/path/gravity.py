@@ -213,7 +213,7 @@ def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
     field, strata = section.cohesion_field, []
     corners = mesh.points[mesh.cells]
     for k in np.flatnonzero(field.varies):
-        # All cells are looked at: in a free mesh the tips of layers are no cells of theirs.
+        # All cells are considered: in a free mesh, cells at the tip of a layer belong to its neighbours.
         points, near = corners.reshape(-1, 2), np.repeat(corners.mean(axis=1), corners.shape[1], axis=0)
         in_stratum = np.repeat(mesh.stratum == k, corners.shape[1]) if (mesh.stratum == k).any() else slice(None)
         cohesion = field.at(points[in_stratum], near[in_stratum], np.full(len(points[in_stratum]), k))

@@ -36,7 +36,7 @@ from meshes.slip_line import extent_in_words
 # Is called with the present task and, on an equilibrium path, with the path.
 AssessmentListener = Callable[[str, EquilibriumPath | None], None]
 
-# A factor of safety that is being looked for, or why there is none.
+# A factor of safety that is being computed, or the reason why there is none.
 Safety = Future[AdaptiveResult[SafetyFactor] | ResultWarning]
 
 

@@ -31,7 +31,7 @@ def non_associated_path(
     ``section``: the section of the ground; ``mesh``: a mesh of the section; ``listener`` is called after every step.
     Raises InputError, UnstableError and NoEquilibriumError.
     """
-    # fields are asked for beyond the path alone, so that it is not taken once more for some on its way
+    # fields beyond the path only, so that the path is not computed again for fields along it
     path_settings = settings.changed(flow="non-associated", kh=(LARGEST,))
     recorded_path: list[tuple[float, np.ndarray]] = []  # Kh and displacements (points, 2) in m
 

@@ -45,7 +45,7 @@ use_one_thread()
 SOLVER_GAP, FEASIBILITY = 5e-6, 1e-9
 # The residual where a cut-off leaves a bare surface no room for a margin.
 FEASIBILITY_AT_CUT_OFF = 1e-11
-# Ends with tolerances met, the second time those of 1e-4 and 5e-5; whether the answer is a bound is checked anyhow.
+# Statuses with which the tolerances are met, in the second case those of 1e-4 and 5e-5; bounds are checked separately.
 CONVERGED_STATUSES = ("Solved", "AlmostSolved")
 # The ends that prove that there is no solution.
 NoSolution = Literal["no stress", "no mechanism"]
@@ -77,7 +77,8 @@ INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS, ACCEPTED_GAP_RATIO, FEWEST_VELOCITIES = 
 # No stress balances the dead load of bounds where velocities prove that the multiplier is below this number: a Kh below
 # -1 has no meaning, and a share of loads is positive.
 LEAST_MULTIPLIER = -10.0
-# Its work: an iteration whose stiffness matrix has so many entries takes so long, and goes with this power of them.
+# Its computing work: time (s) of an iteration whose stiffness matrix has INTERIOR_ENTRIES entries, and the power of
+# their number that the time is proportional to.
 INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT = 1e6, 0.35, 1.1
 
 
@@ -124,7 +125,7 @@ class Solution:
     warm: "Warm | None" = None
 
 
-# Ground whose strength differs by no more than this share is near enough to begin where the other was.
+# Largest relative difference of strength with which the solution of one ground is the starting point for another.
 NEAR = 0.2
 
 

@@ -85,7 +85,7 @@ def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) ->
         ordered, x = cells[:, TENSOR_ORDER].astype(np.int64), np.ascontiguousarray(points, dtype=np.float64)
     else:
         ordered, x = np.empty((0, 4), dtype=np.int64), np.empty((0, 2))
-    logging.disable(logging.INFO)  # FFCx would tell of every compiler call when it fills its cache
+    logging.disable(logging.INFO)  # FFCx would log every call of the compiler
     try:
         grid, space = _grid_and_space(comm, ordered, x, degree)
     finally:

@@ -87,7 +87,7 @@ def _value(row: Row, key: str, groups: Groups) -> float:
 
 NATIONAL, LOCAL = ("LOCA_NATE", "LOCA_NATN"), ("LOCA_LOCX", "LOCA_LOCY")
 COUNTS = ("ISPT_NVAL", "ISPT_REP")
-# The middle of the 30 cm that are counted lies so far (m) below the top of a test: below 15 cm of seating.
+# Depth (m) of the middle of the counted 30 cm below the top of a test, with 15 cm of seating.
 MIDDLE = 0.30
 DRY = {
     "dry",

@@ -25,7 +25,7 @@ AT_LEAST = re.compile(rf"(?:N\s*)?(?:>=?|≥|=>)\s*{NUMBER}|{NUMBER}\s*(?:\+|以
 MARKS = re.compile(r"^\(?[SC]\)?(?=[\s\d(N])\s*|\s*\(?\b[SC]\)?$|\*+|\s*-\s*abandoned$", re.IGNORECASE)
 # Blows of seating and of four quarters before the count, as AGS has them: "1,2/3,4,5,6 N=18", "9,16/50 SPT =50/75".
 INCREMENTS = re.compile(r"^[\d\s,/]+(?:[SC]PT\s*(?:N\s*)?=(?:\d+/\d+=)?|(?=N\s*[=:]))", re.IGNORECASE)
-# A count that is told before how it came about, as in "N=50 (25 for 5mm/50 for 15mm)".
+# A count followed by its drives in brackets, as in "N=50 (25 for 5mm/50 for 15mm)".
 WITH_COUNT = re.compile(rf"N\s*[=:>]+\s*{NUMBER}(.*)|{NUMBER}\s*(\(.*\)?)", re.IGNORECASE)
 # The quarters of a drive, the last one with what it went in, where that is less than 75 mm: "10,15,20,5 for 30mm".
 QUARTERS = re.compile(

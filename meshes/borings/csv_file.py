@@ -141,7 +141,7 @@ def _sample(number: int, cells: Mapping[str, str], depth: float, table: BoringTa
         messages = table.unread if of_count else table.problems
         messages.extend(f"line {number}, {text}" for text in sentences(error, data, Sample))
         return None
-    # A grain size with its unit is meant; [triggering] asks again.
+    # A grain size with a unit is taken as written; [triggering] checks it again.
     checked = sample.model_copy(update={"d50": None}) if isinstance(data.get("d50"), str) else sample
     table.problems.extend(implausible_sample(f"line {number}, ", checked))
     return sample

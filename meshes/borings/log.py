@@ -10,9 +10,9 @@ from meshes.borings.boring import Cone, Sample
 from meshes.section.plausibility import Range, is_within, sentence
 
 DEPTH = Range(0.0, 300.0, "m", 1.0, ((1e-2, "cm"), (1e-3, "mm")))  # of the deepest borings for foundations
-# Two depths of one contact may differ by so much (m): a centimetre, which is nothing to a section either, and rounding.
+# Largest difference (m) of two depths of one contact: a centimetre, and rounding.
 CONTACT = 0.0101
-# The last test of a boring goes on below its end (m).
+# Largest depth (m) of the last test below the end of the boring.
 BELOW_END = 1.0
 DEPTHS_EXPECTED = "expected depths below the ground, from 0 downwards without a sign; not elevations"
 

@@ -164,7 +164,7 @@ def _strength(material: Element, units: GeoStudioUnits, notices: list[str]) -> d
         notices.append(
             f'not read: the strength of "{name}" by {model or "no model"}; c and φ are read if the model gives them'
         )
-    if not cohesion and not friction:  # a section without them asks for them
+    if not cohesion and not friction:  # missing strengths are requested when the section is read
         return {}
     return {"cohesion": f"{cohesion:g} {units.stress}", "friction_angle": f"{friction:g} deg"}
 

@@ -25,7 +25,7 @@ from meshes.section.water_pressure import ON_GROUND, WaterPressure
 ROUNDING = 1e-9
 COLUMNS = 400  # vertical lines over which a cohesion is averaged
 NO_STRENGTH = 1.0  # Pa: a cohesion of less is none
-SHALLOW = 1e-3  # of a thickness: so far below its top a layer is looked at from inside
+SHALLOW = 1e-3  # of a thickness: depth below the top of a layer at which its inside is evaluated
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from meshes.section.water import Water
 
 # The default size of cells, as a share of the mean height of a section.
 CELL = 1.0 / 12.0
-# Points nearer to each other than this share of a cell are dense; with so many of them a section is thinned.
+# Points closer than this share of a cell are dense; a section with this number of dense points is thinned.
 NEAR, MANY = 0.25, 30
 # At an end of a line counts what this point from there has, if it is near.
 INSIDE = 4

@@ -363,7 +363,8 @@ class Section(Model):
             section = cls.model_validate(known)
         except ValidationError as error:
             problems = sentences(error, known, cls)
-            # pydantic looks at the whole only when all parts are sound; a person wants to hear of both at once.
+            # pydantic validates the whole only if all parts are valid; here both kinds of problems are reported at
+            # once.
             if not any(entry["loc"] == () for entry in error.errors()):
                 problems += problems_of_the_rest(known)
             raise InputError(source, list(dict.fromkeys(problems))) from error

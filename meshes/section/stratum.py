@@ -171,7 +171,9 @@ class Stratum(Model):
         ),
     )
 
-    _place: str = PrivateAttr(default="")  # the table of its file, such as "zones 2", where not its own number tells
+    _place: str = PrivateAttr(
+        default=""
+    )  # the table of its file, such as "zones 2", if it is not given by the number of the stratum
 
     def placed(self, place: str) -> Self:
         """Return a copy with its ``place`` in the file, such as "zones 2"."""

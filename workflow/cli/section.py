@@ -70,7 +70,7 @@ def migrate(
         raise InputError(str(to), ["exists already; expected the name of a new file, or --write to change the old one"])
     if to is not None and not to.parent.is_dir():
         raise InputError("--out", [f"{to}: there is no folder {to.parent}"])
-    read_toml(section)  # tells what is wrong with the file
+    read_toml(section)  # raises InputError for an invalid file
     with section.open(encoding="utf-8-sig", newline="") as file:  # ends of lines stay as they are
         text, changes = rewritten(file.read(), str(section))
     for change in changes:

@@ -15,7 +15,7 @@ from workflow.run.stage import Job, Stage
 OF_EVERY_RUN = ("dem.workers",)
 # Settings that say whether a run computes a stage: the command of that stage computes it in any case.
 WHETHER = {"bounds.run": "bounds"}
-# Read by `noshiro study` alone; the report tells of them as of every setting.
+# Settings that only `noshiro study` reads; the report lists them like every setting.
 OF_STUDIES = ("study", "uncertain")
 
 

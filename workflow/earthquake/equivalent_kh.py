@@ -15,9 +15,8 @@ from meshes.section.quantity import GRAVITY
 from workflow.earthquake.accelerogram import Accelerogram
 from workflow.earthquake.attenuation import PeakMotion, Site
 
-SHARE_OF_PEAK = (
-    0.65  # of the peak: the mean of the cycles that count (Seed & Idriss 1971), as in the cyclic stress ratio
-)
+# Amplitude of equivalent uniform cycles over the peak (Seed & Idriss 1971), as in the cyclic stress ratio.
+SHARE_OF_PEAK = 0.65
 LARGEST_KH = 1.0  # of the Kh that slides take
 CYCLE_POWER = 0.34  # by which the strength of sand falls with the number of cycles, N^-0.34 (Idriss & Boulanger 2008)
 CYCLES_OF_7_5 = 15.0  # uniform cycles of an earthquake of magnitude 7.5 (Seed & Idriss 1982)

@@ -25,7 +25,7 @@ STEP = re.compile(
 RATE = re.compile(
     r"\b(?:(?:sampling|sample)[ _](?:rate|freq\w*)|frequency|fs)\b[^\d\n]*?(\d+\.?\d*)\s*(hz|sps|1/s)?", re.IGNORECASE
 )
-# Lines of words among so many first ones from which on a file is no table that a person made, but a network's.
+# A file with at least this number of lines of words among its first lines is one of a network, not a plain table.
 NETWORKS_HEADING, FIRST_LINES = 8, 25
 DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?|[-+]?\d+(?:[eE][-+]?\d+)?")
 # Numbers with decimal commas that blanks part; and numbers in columns so narrow that nothing but signs part them.
@@ -34,7 +34,7 @@ APART_BY_SIGNS = re.compile(r"(?:\s*[-+]?\d*\.\d+)(?:\s+[-+]?\d*\.\d+|[-+]\d*\.\
 CLOCK = re.compile(r"(?:\d{4}[-/]\d\d[-/]\d\d[T ,;])?(?<!\d)(\d{1,2}):(\d\d):(\d\d(?:\.\d+)?)Z?")
 BEHIND_THE_NAME = re.compile(r"(?:\bin|,)\s+(\S.*?)\s*$", re.IGNORECASE)  # "Acceleration in g", "Time, s"
 COUNTER = re.compile(r"^\W*(no|nr|n|i|k|id|index|sample|samples|point|番号)\W*$", re.IGNORECASE)
-# Values of one series stand in rows of so many, as a rule eight; components are three.
+# Smallest number of values in a row of one series, mostly eight; components are three.
 VALUES_IN_A_ROW = 5
 SAME_TIMES = 0.6  # share of the times that may be those before them: a record of steps has two at each
 

@@ -25,12 +25,12 @@ from workflow.earthquake.equivalent_kh import (
     mean_period,
 )
 
-EARTHQUAKE = "earthquake"  # in place of the Kh of the slides, its cycles and period: those that stand for [earthquake]
+EARTHQUAKE = "earthquake"  # setting of Kh, cycles and period of the slides: those equivalent to [earthquake]
 CYCLES = ("kh_cycles", "kh_period")
 SHAKES = ("kh", "kh_seconds", "accelerogram", *CYCLES)  # keys of [slide], each of which says how the ground shakes
-PEAK_TOLERANCE = 0.05  # by which the peak of a record may differ from the one that is given beside it
+PEAK_TOLERANCE = 0.05  # largest relative difference between the peak of a record and a given peak
 LARGEST_PLAIN_IN_G = 1.5  # below it a plain number of m/s² may be one of g
-FIRM_VS30 = 760.0  # m/s, within the range of what asks for vs30, where it is missing and other problems are looked for
+FIRM_VS30 = 760.0  # m/s: replaces a missing vs30 while other problems are searched for
 
 Relation = Literal["si_midorikawa", "fukushima_tanaka", "boore"]
 

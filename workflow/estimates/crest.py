@@ -5,9 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-CREST_DEPTH = (
-    0.1  # of the height: ground that lies less below the top belongs to the crest, less above the foot to the foot
-)
+# Share of the height: ground within this distance below the top belongs to the crest, above the foot to the foot.
+CREST_DEPTH = 0.1
 LEAST_HEIGHT, LEAST_SHARE = 1.0, 0.2  # m, and of the relief of the section: lower humps are no embankments
 LEAST_SLOPE = 0.1  # mean rise over run of a face: hills are flatter
 

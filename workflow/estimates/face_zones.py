@@ -12,9 +12,8 @@ from workflow.estimates.slices import LEFT
 from workflow.estimates.structures import Standing
 
 Surface = Sequence[Sequence[float]] | np.ndarray
-FACE_THICKNESS = (
-    0.1  # of the height from the exit of a failure to the crest: thickness of the face that moves as one body
-)
+# Thickness of a face that moves as one body, over the height from the exit of a failure to the crest.
+FACE_THICKNESS = 0.1
 
 
 def is_of_face(structure: Standing, towards: int, surface: Surface) -> bool:

@@ -19,9 +19,9 @@ GROUND_POINTS, CIRCLES_PER_PAIR = 41, 16  # points of the ground, and circles th
 SLICES, FINE_SLICES = 40, 200  # of a circle on the first grids, and on the last ones
 # Circles that are refined, and how often with either number of slices.
 REFINED_CIRCLES, COARSE_ROUNDS, FINE_ROUNDS = 6, 3, 4
-STEP_REDUCTION = 0.45  # what is left of a step after each round
+STEP_REDUCTION = 0.45  # ratio of consecutive steps
 CIRCLES_AT_A_TIME = 4000  # circles at a time, on the first grid
-STEEPEST_BASE = np.radians(80.0)  # of the base: steeper ones are in tension, which slices do not bear
+STEEPEST_BASE = np.radians(80.0)  # inclination of the base: steeper bases would be in tension
 OUT, INTO = np.radians((30.0, 60.0))  # slopes at which a slip surface that ends below the ground is taken to it
 LEAST_DEPTH = 0.02  # of the height of the section: shallower circles are the infinite slope's
 FEWEST_POINTS = 3  # of a slip surface

@@ -14,7 +14,7 @@ THIN_LAYER, WEAK_STRENGTH = 0.1, 0.8
 # A mantle over stronger ground slips along its bottom. It is thin below this share of the relief, and counts where the
 # ground and its bottom both fall by more than this slope to the same side.
 THIN_MANTLE, MANTLE_SLOPE = 0.15, 0.1
-COLUMNS = 200  # vertical lines on which layers are looked at
+COLUMNS = 200  # number of vertical lines on which layers are evaluated
 
 
 def thin_weak_layers(section: Section) -> tuple[str, ...]:
@@ -40,7 +40,7 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
     lengths: dict[str, float] = {}
     for at, column in zip(x, levels, strict=True):
         present = [k for k in range(len(soils)) if column[k] - column[k + 1] > layers.tolerance]
-        if not present:  # the base comes out of the ground
+        if not present:  # the base crops out
             continue
         for first, last in _runs([soils[k] for k in present]):
             inside = present[first : last + 1]

@@ -237,7 +237,7 @@ def force_chains(model: DiscModel, title: str = "Force chains") -> Sheet:
     return _sheet(title, window_of(model), draw, model, handles)
 
 
-# What can be drawn of discs alone, by the names that people ask for it: a function of model and title.
+# Fields of discs that can be drawn, by their names in the command: a function of model and title.
 FIELDS = {"pore_springs": pore_springs, "velocity": velocities, "force_chains": force_chains}
 
 

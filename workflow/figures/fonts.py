@@ -11,7 +11,7 @@ from matplotlib.ft2font import FT2Font
 PLAIN = "DejaVu Sans"  # comes with matplotlib: Latin, Greek, Cyrillic, Arabic
 # Looked at first, so that a text is set in the same font on every machine that has it.
 PREFERRED = ("NotoSansCJK", "ipaexg", "ipag", "TakaoPGothic", "NotoSans")
-UNKNOWN = "?"  # stands for a character that no font of this machine has
+UNKNOWN = "?"  # replaces characters that no font of this machine has
 ASKED_FOR = "Noto's fonts have them: on Debian and Ubuntu apt install fonts-noto-cjk, or fonts-noto"
 
 
@@ -38,7 +38,7 @@ def families_for(text: str) -> list[str]:
     names = []
     for file in files_for(text):
         if file not in {entry.fname for entry in font_manager.fontManager.ttflist}:
-            font_manager.fontManager.addfont(file)  # it came after matplotlib had looked what there is
+            font_manager.fontManager.addfont(file)  # installed after matplotlib had listed the fonts
         names.append(next(entry.name for entry in font_manager.fontManager.ttflist if entry.fname == file))
     return names
 

@@ -25,9 +25,8 @@ RATIO_BELOW_BOUND, KH_BELOW_BOUND = 0.97, 0.002
 FAR_RATIO, FAR_KH, AGREEMENT = 1.1, 0.02, 0.1
 STEEP_SLOPE = math.tan(math.radians(45.0))  # of a slip surface where it cuts down from the crest
 LONGER_SECTION_RATIO = 0.98  # times its critical Kh, below which the circle of a longer section is reported
-GOVERNING_RATIO = (
-    1.5  # times the least critical Kh of both directions: a circle in a longer section with more is left out
-)
+# Ratio to the smaller critical Kh of both directions above which a circle in a longer section is not reported.
+GOVERNING_RATIO = 1.5
 LENGTH_STEP = 5.0  # m, to which the length of ground to add is rounded up
 STEEPLY = (
     ", since they cut steeply through {strata}, where the normal force on a circle is an assumption of the method; "

@@ -23,8 +23,8 @@ SURFACE_FALL, FALL_RATIO = 0.5, 3.0
 SIDE_DISTANCE = 0.05  # of the length of the section: ground that falls this near to a side slides away from the side
 # Discs whose Kh falls by this share of their critical Kh before they reach it do not resist it as a constant Kh.
 REPORTED_FALL = 0.25
-# Shares of the largest slide by which the uphill end of a section moves where a slide goes on behind it; and the
-# largest slide (m) below which that does not matter.
+# Shares of the largest slide by which the uphill end of a section moves if the slide continues behind it, and the
+# largest slide (m) up to which this is not reported.
 END_SLIDE_SHARES, LEAST_END = (0.1, 0.8), 2.0
 NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
 

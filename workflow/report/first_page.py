@@ -220,7 +220,7 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
     if factor.davis is not None:
         phrase += " " + _("With Davis reduced strength the factor of safety is {factor}.", factor=f"{factor.davis:.2f}")
     interval = _of_safety(results, fem, factor, _)
-    value = f"{governing:.2f}" if interval else "–"  # a number whose error nobody knows is no headline
+    value = f"{governing:.2f}" if interval else "–"  # a number without a known error is no headline
     unknown = _("numerical error not known: one mesh, no strict bounds")
     return HeadlinePart(name=name, value=value, interval=interval or unknown, conclusion=phrase)
 
@@ -301,7 +301,7 @@ def _why_kh(results: Results, _: Texts) -> Iterator[str]:
     if not kc:
         return
     low, high = min(kc), max(kc)
-    if high <= 0.0:  # no Kh at all is needed, as the sentence on ground that does not stand tells
+    if high <= 0.0:  # the ground fails without Kh, which another sentence reports
         return
     limit = coefficient(low) if coefficient(low) == coefficient(high) else f"{coefficient(low)} to {coefficient(high)}"
     word = "The slides are computed at Kh = {kh}, which exceeds the critical Kh after liquefaction, {limit}."

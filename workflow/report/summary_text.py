@@ -24,7 +24,7 @@ from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 from workflow.texts.report_texts import listed
 
-ASSUMED = ("dilation", "sides")  # variants that tell what an assumption is worth
+ASSUMED = ("dilation", "sides")  # variants that show the effect of an assumption
 MESH_ERROR_RATIO = 1.02  # times the limit for ψ = φ, which the elements may exceed for their mesh
 DISAGREEMENT_RATIO = 3.0  # times: beyond this, methods do not say the same
 # A slide that moves less in its last 10 s counts as at rest, though its discs may not: in m, and of all its way.
@@ -235,7 +235,7 @@ def moved_lately(cases: Sequence[CaseNumbers]) -> str:
     return f"less than {100 * REST_MOVEMENT:.0f} cm" if most < REST_MOVEMENT else f"{100 * most:.0f} cm"
 
 
-# How a sentence tells what is not a factor on something that the layers had before.
+# Words for properties of a case that are not factors on properties of the layers.
 APART = {
     "residual": "a residual strength of {} of the vertical effective stress",
     "residual_strength": "a residual strength of {}",

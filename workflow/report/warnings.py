@@ -23,7 +23,9 @@ SIDE_EFFECT_RATIO = 1.15  # times, or divided by it: other sides that change the
 LIMIT_DISTANCE = 0.1  # of the critical Kh after liquefaction: a Kh of a slide that is nearer to it is reported
 UNRESOLVED_RATIO = 2.0  # times, or divided by it: a slide whose numerical error alone may be larger is reported
 LEAST_SLIDE = 0.1  # m: the error of a smaller slide is not reported
-OPEN_KH_RATIO = 1.1  # times: a critical Kh that may be so much larger than the one the discs are brought to is reported
+OPEN_KH_RATIO = (
+    1.1  # ratio of the largest possible critical Kh to the target of the calibration, from which it is reported
+)
 # A number or a range in a note, and what is none though it has digits: what stands in quotes, and names as Ac1.
 NUMBER = re.compile(r'("[^"]*")|(?<![\w.])(\d+(?:\.\d+)?(?: to \d+(?:\.\d+)?)?)(?![\w.]*\w)')
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from enum import Enum
 
-# A line for people, with the quantity that matters, and the share that is done from 0 to 1, or None if nobody knows.
+# A line with the essential quantity, and the finished share from 0 to 1, or None if it is unknown.
 Progress = Callable[[str, float | None], None]
 
 

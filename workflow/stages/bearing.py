@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 # are taken where they are not.
 CELLS, GAP, SECONDS = 2500, 0.08, 30.0
 REFINEMENT = 2
-SUPPORTED_WEIGHT_SHARE = 0.01  # of its weight, that ground bears: sand steeper than φ has no cohesion to bear any
+SUPPORTED_WEIGHT_SHARE = (
+    0.01  # least share of its weight that ground must carry: cohesionless sand steeper than φ carries none
+)
 # Settings that have no effect here, for bounds and elements have their own.
 WITHOUT_EFFECT = (
     "fem.threads", "fem.safety_factor_at", "fem.accuracy", "fem.kh", "fem.max_cells", "fem.rigid_box",

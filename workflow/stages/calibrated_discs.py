@@ -63,7 +63,7 @@ PAPER_JOURNAL = "dem/paper_trials.jsonl"
 USUAL_SEARCHES = 5  # searches that finding the factor takes, more or less
 # Of soil discs, more or less: searches, with the factor; points on the curve of one; element tests that take as long.
 PUSHOVERS, POINTS, TESTS = 3, 22, 30
-FIRST_TIME_SHARE = 0.5  # of the time, what comes before these searches and tests
+FIRST_TIME_SHARE = 0.5  # share of the time before these searches and tests
 
 
 def calibrate_stage(config: Config, store: Store, progress: Progress, executor: Executor) -> None:
@@ -175,7 +175,7 @@ def _all_searches(
     return done[0], done[1] if config.dem.paper else None, tuple(programme.checks(tested))
 
 
-Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # what is done, and what it is given
+Piece = tuple[Callable[..., Any], tuple[Any, ...]]  # a function and its arguments
 
 
 def _done(piece: Piece, tell: Tell) -> Any:

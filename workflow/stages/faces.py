@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 Quantity = Literal["critical Kh", "factor of safety"]
 SIDES: tuple[tuple[Literal["left", "right"], int], ...] = (("left", LEFT), ("right", RIGHT))
 ATTEMPTS = 3  # failures that are excluded one after the other
-MOST_STRUCTURES = 2  # whose faces are computed without being asked for
+MOST_STRUCTURES = 2  # whose faces are computed by default
 BOUNDS_SHARE = 0.5  # of the work of the bounds of the section, for each face
 
 

@@ -4,7 +4,7 @@ import shutil
 
 from workflow.run.stage import Job, Stage
 
-MESH_FILE = "the mesh given"  # by this name people know a mesh of their own
+MESH_FILE = "the mesh given"  # name of a given mesh in messages
 
 
 def work(job: Job) -> None:

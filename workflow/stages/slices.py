@@ -16,9 +16,8 @@ if TYPE_CHECKING:
     Circles = dict[tuple[float | None, int], tuple[Section, SlipCircle | None]]
 
 PICTURE = "figures/slip_circles.png"
-LEVEL_GROUND_FACTOR = (
-    10.0  # a circle with a larger factor of safety slides through level ground: there is no slope on that side
-)
+# Factor of safety above which a circle lies in level ground, so that there is no slope on this side.
+LEVEL_GROUND_FACTOR = 10.0
 NO_CIRCLE = "no circle slides: the ground is level, or every circle is too shallow or too steep"
 NO_FACE = "no circle slides with the crest: the ground is level there, or every circle is too shallow or too steep"
 SOURCE = "Bishop 1955 (simplified method); Spencer 1967; Duncan, Wright & Brandon 2014, chapter 6"

@@ -18,8 +18,8 @@ from workflow.study.study import task_of
 from workflow.study.task import Numbers
 
 RADIUS_RATIO = math.sqrt(2.0)  # of one radius to the next
-RADII = (1.0, 1.0 / RADIUS_RATIO, 0.5)  # of the one asked for
-STEPS = (1.0, 1.0 / RADIUS_RATIO, 0.5)  # of the time step asked for
+RADII = (1.0, 1.0 / RADIUS_RATIO, 0.5)  # over the requested radius
+STEPS = (1.0, 1.0 / RADIUS_RATIO, 0.5)  # over the requested time step
 ORDERS = (0.5, 3.0)  # that a fit is believed to have
 
 

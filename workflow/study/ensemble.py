@@ -102,7 +102,7 @@ class Ensemble:
             try:
                 yield executor
             finally:
-                executor.shutdown(wait=False)  # which cancels what is left
+                executor.shutdown(wait=False)  # cancels the remaining tasks
 
     def _round(
         self,

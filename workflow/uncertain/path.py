@@ -50,7 +50,7 @@ def places(data: Any, path: str) -> Iterator[Place]:
         return
     name = _longest_entry(entries, path)
     if name is None and isinstance(data, Mapping) and "." not in path:
-        yield (path,)  # not set so far; whether there is such a key is found out as for a file
+        yield (path,)  # not set yet; the key is checked as in a file
     elif name is None:
         there = ", ".join(dict.fromkeys(entries)) or "nothing"
         raise ValueError(f'"{path}" is unknown; expected one of {there}')

@@ -21,7 +21,7 @@ SAND_STIFFNESS, CLAY_STIFFNESS = 200.0, 300.0  # Young's modulus over the weight
 POISSON_OF_SAND, POISSON_OF_CLAY = 0.3, 0.45  # Poisson's ratio
 GRAVITY_STEPS = 96  # of gravity in a slow loss of strength; with 24 of them inertia carries clay a sixth further
 SETTLING_UNITS = 8.0  # sqrt(H/g) after these steps
-SPREADING_UNITS = 12.0  # sqrt(H/g) in which a column that is let go at once comes to rest
+SPREADING_UNITS = 12.0  # sqrt(H/g) in which a suddenly released column comes to rest
 
 
 @dataclass(frozen=True)

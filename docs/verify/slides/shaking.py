@@ -9,7 +9,7 @@ from docs.verify.slides.case import UniformSlope
 from meshes.section.quantity import GRAVITY
 from workflow.earthquake import accelerogram
 
-RISE_TIME = 1e-3  # s in which a constant Kh comes, and in which it goes
+RISE_TIME = 1e-3  # s in which a constant Kh is applied, and removed
 
 
 def shaking_of_slope(wanted: UniformSlope, folder: Path) -> tuple[np.ndarray, np.ndarray]:

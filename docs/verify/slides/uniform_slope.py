@@ -33,7 +33,7 @@ SETTLING_TIME, TILTING_STEPS, REST_TIME = (
     3.0,
 )  # s on the level, steps of a second in which it is tilted, s after that
 FOLLOWED_TIME = 60.0  # s after a push, until which a slope is followed
-REST_DISPLACEMENT = 5e-3  # m in `CHECK_INTERVAL` s: a crust goes on swinging by less for a while
+REST_DISPLACEMENT = 5e-3  # m in `CHECK_INTERVAL`: a crust oscillates by less for some time
 CHECK_INTERVAL = 0.5  # s
 
 LayersOf = Callable[[float], Sequence[LayerSprings]]  # void ratio to springs, from the lowest layer up
