@@ -363,8 +363,7 @@ class Section(Model):
             section = cls.model_validate(known)
         except ValidationError as error:
             problems = sentences(error, known, cls)
-            # pydantic validates the whole only if all parts are valid; here both kinds of problems are reported at
-            # once.
+            # pydantic validates the whole only if all parts are valid; here both are reported at once.
             if not any(entry["loc"] == () for entry in error.errors()):
                 problems += problems_of_the_rest(known)
             raise InputError(source, list(dict.fromkeys(problems))) from error
