@@ -7,7 +7,7 @@ from pydantic import Field, StrictBool
 
 from meshes.section.polyline import downhill
 from meshes.section.quantity import Length, Quantity
-from meshes.section.recorded_kh import LARGEST, RecordedKh
+from meshes.section.recorded_kh import LARGEST_KH, RecordedKh
 from meshes.section.section import Model, Section
 
 Element = Literal["quadratic", "reduced", "bilinear"]
@@ -180,7 +180,7 @@ class FemSettings(Model):
             'used with flow = "non-associated"'
         ),
     )
-    safety_factor_at: tuple[Annotated[float, Field(ge=-LARGEST, le=LARGEST)], ...] = Field(
+    safety_factor_at: tuple[Annotated[float, Field(ge=-LARGEST_KH, le=LARGEST_KH)], ...] = Field(
         default=(0.0,), description="seismic coefficients at which the factor of safety is computed, such as [0.0, 0.1]"
     )
     threads: int = Field(default=1, ge=1, le=256, description="number of threads that update the stress")

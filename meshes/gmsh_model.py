@@ -27,14 +27,14 @@ from meshes.section.section import Section
 from meshes.settings import MeshSettings
 
 GMSH_QUADRILATERAL, GMSH_LINE = 3, 1
-SAME = 1e-7  # share of the whole by which areas and lengths of a mesh may differ from the ground's
+AREA_TOLERANCE = 1e-7  # relative difference of areas and lengths of a mesh from those of the ground
 
 # Factors on the requested sizes, which are tried if no algorithm makes a free mesh with these sizes.
 SCALES = (1.0, 0.8, 0.64)
 
 # If a free mesh has a corner below this angle (deg), the next algorithm is tried, up to this number; the best mesh is
 # used.
-NARROW, TRIES = 15.0, 4
+NARROW_ANGLE, MOST_ALGORITHMS = 15.0, 4
 
 # gmsh has one state for all of a process.
 _one_session = Lock()
@@ -51,8 +51,8 @@ _in_fresh_processes = Processes(
 # anew with larger ones, up to so many times.
 TOO_MANY, COARSER_TRIES = 2.0, 2
 
-# Cells far beyond the ends of a section are this many times as large as those within.
-FAR = 3.0
+# Ratio of the size of cells far beyond the ends of a section to the size inside.
+DISTANT_SIZE_RATIO = 3.0
 
 
 def generate(section: Section, settings: MeshSettings | None = None, path: Path | str | None = None) -> QuadMesh:
@@ -98,7 +98,7 @@ def generate(section: Section, settings: MeshSettings | None = None, path: Path 
 
 def sizes_of(section: Section, settings: MeshSettings) -> Sizes:
     """Return the sizes of a free mesh by its settings."""
-    far = FAR if section.beyond is not None else 1.0
+    far = DISTANT_SIZE_RATIO if section.beyond is not None else 1.0
     sizes = Sizes(settings.cell_size(section), settings.sizes_in(section), settings.towards_in(section), far=far)
     return sizes.times(1.0 / settings.refine)
 
@@ -138,7 +138,7 @@ def make_free_mesh(section: Section, settings: MeshSettings, sizes: Sizes, path:
         tries += 1
         if best is None or _narrowest(mesh) > _narrowest(best):
             best = mesh
-        if _narrowest(best) >= NARROW or tries == TRIES:
+        if _narrowest(best) >= NARROW_ANGLE or tries == MOST_ALGORITHMS:
             break
     if best is None:
         assert failure is not None
@@ -245,7 +245,7 @@ def refuse_other_ground(mesh: QuadMesh, layers: Layering) -> None:
     """
     areas, wanted = mesh.stratum_areas(), layers.areas()
     worst = int(np.argmax(np.abs(areas - wanted)))
-    if abs(areas[worst] - wanted[worst]) > SAME * wanted.sum():
+    if abs(areas[worst] - wanted[worst]) > AREA_TOLERANCE * wanted.sum():
         raise BadMeshError(
             f'gmsh meshed {areas[worst]:.6g} m² of stratum "{mesh.strata[worst]}", whose area is '
             f"{wanted[worst]:.6g} m²; try another size"
@@ -253,7 +253,7 @@ def refuse_other_ground(mesh: QuadMesh, layers: Layering) -> None:
     length = layers.perimeter()
     ends = mesh.points[np.concatenate(list(mesh.boundaries.values()))]
     around = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
-    if abs(around - length) > SAME * length:
+    if abs(around - length) > AREA_TOLERANCE * length:
         raise BadMeshError(
             f"gmsh left a gap in the mesh: the outline of the mesh is {around:.6g} m long, that of the section "
             f"{length:.6g} m; try another size"

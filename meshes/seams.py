@@ -21,12 +21,12 @@ MOST_ROWS = 4
 # Columns are at most this many times as long as the layer is thick, but no shorter than this share of the cells there:
 # along a seam that is thinner than that ground slips as a whole, and shorter columns would only be many.
 MOST_ASPECT, SHORTEST = 8.0, 0.5
-# Corners of the two lines nearer to each other than this share of a column's length become one column's ends.
-NEAR = 0.5
+# Corners of the two lines closer than this share of the length of a column become the ends of one column.
+JOINING_DISTANCE = 0.5
 # Number of runs of a leaning end over which columns change from vertical to parallel to the end, by equal steps.
 BLEND = 3.0
-# A layer whose columns would have an angle (deg) below this is none either.
-NARROW = 20.0
+# A layer whose columns would have an angle (deg) below this is not a seam.
+NARROW_ANGLE = 20.0
 # A stratum is not divided where it is thinner than this share of the length of cells.
 LOWEST = 0.05
 # Places along a layer that differ by less than this share of its length are one.
@@ -196,11 +196,13 @@ def _seam(
     length = np.clip(MOST_ASPECT * thick, SHORTEST * wanted, wanted)
     on_top, on_bottom = (line.cut_at(corners, tolerance) for line in lines)
     pairs = _paired(
-        top.places(on_top), bottom.places(on_bottom), lambda place: NEAR * float(np.interp(place, at, length))
+        top.places(on_top),
+        bottom.places(on_bottom),
+        lambda place: JOINING_DISTANCE * float(np.interp(place, at, length)),
     )
     ends = _divided(pairs, lambda place: np.interp(place, at, length))
     seam = Seam(top.points(ends[:, 0], on_top), bottom.points(ends[:, 1], on_bottom), rows)
-    return seam if seam.narrowest() > NARROW else None
+    return seam if seam.narrowest() > NARROW_ANGLE else None
 
 
 def _lines(polygon: np.ndarray) -> tuple[_Line, _Line] | None:
@@ -265,7 +267,7 @@ def _paired(top: np.ndarray, bottom: np.ndarray, length: Callable[[float], float
         place, side = ends[k]
         other = place
         k += 1
-        if k < len(ends) and ends[k][1] != side and ends[k][0] - place < NEAR * length(place):
+        if k < len(ends) and ends[k][1] != side and ends[k][0] - place < JOINING_DISTANCE * length(place):
             other = ends[k][0]
             k += 1
         pairs.append((place, other) if side == 0 else (other, place))

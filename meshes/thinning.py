@@ -20,12 +20,11 @@ from meshes.tip_changes import TipChange, sentences_on_tips
 
 # Wedges blunter than this (deg) are left as they are.
 SHARP = 20.0
-# A tip that holds more than this share of its stratum is the stratum: the step then has a smaller one of these shares
-# of the thickness wished for, or the tip stays.
-MOST, SMALLER = 0.5, (1.0, 0.5, 0.25)
-# The step is at a breakpoint that is nearer than this share of the thickness wished for (by default, a quarter of a
-# cell).
-NEAR = 0.75
+# If a tip has more than this share of the area of its stratum, the thickness of the step is one of these smaller
+# shares of the requested thickness, or the tip is kept.
+LARGEST_TIP_SHARE, STEP_SHARES = 0.5, (1.0, 0.5, 0.25)
+# Distance of a breakpoint at which the step is placed, over the requested thickness (by default, a quarter of a cell).
+BREAKPOINT_DISTANCE = 0.75
 # A stretch of a stratum thinner than this share of the thickness wished for is a neck, if it is not longer than so many
 # of these.
 NECK, LONGEST_NECK = 0.6, 20.0
@@ -39,7 +38,7 @@ UNIT_WEIGHT = 1e4
 # A soil thinner than this multiple of the requested thickness is a seam, which no tip of another soil may cut.
 SEAM = 3.0
 # A layer thinner than this multiple of the requested thickness (two cells) is weakened by its tip at the ground.
-THIN = 6.0
+THIN_LAYER_RATIO = 6.0
 # A layer below a tip that is made thicker keeps at least this share of its area.
 LEFT_SHARE = 0.5
 # A breakpoint near others is left out where lines bend by no more than this share of a cell; ground and base, by that
@@ -205,9 +204,9 @@ def _step_of(layers: Layering, k: int | None, tip: float, way: int, least: float
     """Return the thickness (m) of the step in which a stratum ends, the x (m) of the step, and the area (m²) cut off;
     None without a step."""
     whole = layers.areas().sum() if k is None else layers.areas()[k]
-    for thick in (share * least for share in SMALLER):
+    for thick in (share * least for share in STEP_SHARES):
         removed = _cut_of(layers, k, tip, way, thick)
-        if removed is not None and removed[1] <= MOST * whole:
+        if removed is not None and removed[1] <= LARGEST_TIP_SHARE * whole:
             return thick, *removed
     return None
 
@@ -216,7 +215,7 @@ def _near_breakpoint(layers: Layering, k: int | None, tip: float, way: int, at: 
     """Return a breakpoint (m) near the place where a stratum becomes ``least`` (m) thick, at which it can end in a step
     as well."""
     inside = layers.x[way * (layers.x - tip) > layers.tolerance]
-    near = inside[np.abs(inside - at) <= NEAR * least]
+    near = inside[np.abs(inside - at) <= BREAKPOINT_DISTANCE * least]
     near = near[[_step_at(layers, k, tip, way, float(x))[0] >= 0.5 * least for x in near]] if len(near) else near
     return float(near[np.abs(near - at).argmin()]) if len(near) else None
 
@@ -275,7 +274,7 @@ def _is_outcrop(layers: Layering, k: int, tip: float, soils: list[str], least: f
     thick = max(float((-np.diff(side, axis=1))[:, same].sum(axis=1).max()) for side in (layers.left, layers.right))
     at = int(np.argmin(np.abs(layers.x - tip)))
     ends = [side[i, 0] - side[i, k] for side, i in ((layers.right, at - 1), (layers.left, at)) if 0 <= i < len(side)]
-    return thick <= THIN * least and min(ends) <= layers.tolerance
+    return thick <= THIN_LAYER_RATIO * least and min(ends) <= layers.tolerance
 
 
 def _thickened(

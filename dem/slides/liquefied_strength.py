@@ -15,7 +15,7 @@ from dem.model import DiscModel
 from dem.overburden import effective_overburden
 from dem.springs import Law, LayerSprings
 from meshes.section.section import Section
-from meshes.section.strain_potential import BEYOND, stress_at_potential
+from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potential
 
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NO_STRENGTH = 1e-6  # Pa
@@ -91,9 +91,9 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
         )
         if remaining.strain_potential > 0.0:
             wanted = np.maximum(strength[in_layer], NO_STRENGTH)
-            strain[in_layer] = ELASTIC * (remaining.strain_potential + BEYOND)
+            strain[in_layer] = ELASTIC * (remaining.strain_potential + REGAINING_STRAIN)
             knee[in_layer] = stress_at_potential(pressure[in_layer], wanted) / wanted
-            soft_to[in_layer] = remaining.strain_potential / (remaining.strain_potential + BEYOND)
+            soft_to[in_layer] = remaining.strain_potential / (remaining.strain_potential + REGAINING_STRAIN)
     discs = np.isin(model.layer, strata) & ~model.fixed
     return Onset(discs, area_with_voids(model), pressure, strength, strain, knee, soft_to)
 

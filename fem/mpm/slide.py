@@ -17,7 +17,7 @@ from fem.mpm.slide_record import PointSlide
 from fem.mpm.weak_edges import edge_strength, thickness_over_width
 from meshes.files import read_checkpoint, write_checkpoint
 from meshes.section.liquefies import Remains
-from meshes.section.strain_potential import BEYOND, LARGEST_SHARE, stress_at_potential
+from meshes.section.strain_potential import LARGEST_SHARE, REGAINING_STRAIN, stress_at_potential
 from meshes.slip_line import running_median
 
 DAMPING = 0.7  # with which the ground comes to rest under its weight
@@ -274,7 +274,7 @@ class PointSlider:
         share = thickness_over_width(x, height, mass, layer, in_layer, self.ground.grid.cell)[strains]
         strength = after[strains, STRENGTH] + self.ground.effective[strains] * after[strains, SINE]
         full_stiffness = before[strains, SHEAR]
-        stiff = np.minimum((strength - knee[strains]) / (BEYOND * share), full_stiffness)
+        stiff = np.minimum((strength - knee[strains]) / (REGAINING_STRAIN * share), full_stiffness)
         soft = np.minimum(knee[strains] / (potential[strains] * share), stiff)
         after[strains, SHEAR] = stiff
         after[strains, BULK] += (stiff - full_stiffness) / 3.0  # λ + G at the same bulk modulus λ + 2 G / 3

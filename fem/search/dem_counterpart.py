@@ -18,7 +18,7 @@ from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.slip_surface import slip_surface
 from fem.settings import YIELDED, FemSettings
 from meshes.quad_mesh import QuadMesh
-from meshes.section.recorded_kh import LARGEST
+from meshes.section.recorded_kh import LARGEST_KH
 from meshes.section.section import Section
 
 
@@ -32,7 +32,7 @@ def non_associated_path(
     Raises InputError, UnstableError and NoEquilibriumError.
     """
     # fields beyond the path only, so that the path is not computed again for fields along it
-    path_settings = settings.changed(flow="non-associated", kh=(LARGEST,))
+    path_settings = settings.changed(flow="non-associated", kh=(LARGEST_KH,))
     recorded_path: list[tuple[float, np.ndarray]] = []  # Kh and displacements (points, 2) in m
 
     def step(path: EquilibriumPath) -> None:

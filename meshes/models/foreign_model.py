@@ -23,7 +23,7 @@ PAIR = re.compile(r"\[\s+([-+.\de]+),\s+([-+.\de]+),\s+\]")  # a point over four
 # Slope programs have no stiffness; it moves displacements, and hardly the critical Kh or a factor of safety.
 STIFFNESS = {"youngs_modulus": "20 MPa", "poissons_ratio": 0.3}
 NO_STRENGTH = {"cohesion": "0 kPa", "friction_angle": "0 deg"}
-LARGEST = 200e6  # bytes of the documents of a model
+LARGEST_MODEL = 200e6  # bytes of the documents of a model
 
 
 class YieldStress(NamedTuple):
@@ -99,8 +99,10 @@ def as_input_errors(path: Path, expected: str) -> Iterator[None]:
 
 def within_reason(entries: Sequence[zipfile.ZipInfo]) -> Sequence[zipfile.ZipInfo]:
     """Return the documents of a model. Raises ValueError if they are too large."""
-    if (size := sum(entry.file_size for entry in entries)) > LARGEST:
-        raise ValueError(f"the documents in the file have {size / 1e6:.0f} MB; at most {LARGEST / 1e6:.0f} MB are read")
+    if (size := sum(entry.file_size for entry in entries)) > LARGEST_MODEL:
+        raise ValueError(
+            f"the documents in the file have {size / 1e6:.0f} MB; at most {LARGEST_MODEL / 1e6:.0f} MB are read"
+        )
     return entries
 
 

@@ -25,7 +25,10 @@ from meshes.models.foreign_model import (
 
 EXPECTED = "expected a model of D-Stability, as it writes it since 2022"
 ON_LINE = 0.05  # m: how far a corner of a layer may lie from a state line or a reference line on its edge
-ABOVE, BELOW = "ShearStrengthModelTypeAbovePhreaticLevel", "ShearStrengthModelTypeBelowPhreaticLevel"
+MODEL_ABOVE_WATER, MODEL_BELOW_WATER = (
+    "ShearStrengthModelTypeAbovePhreaticLevel",
+    "ShearStrengthModelTypeBelowPhreaticLevel",
+)
 Json = Mapping[str, Any]
 State = tuple[str, Json, Sequence[Json]]  # of a stage: its label, its states, and the outlines of its layers
 
@@ -89,7 +92,9 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
     layers = [_layer(corners(_pairs(item["Points"])), of_layer[item["Id"]], water, table, states, notices)
               for item in outlines]  # fmt: skip
     loads = part("loads", "LoadsId")
-    undrained = {number for number, soil in of_layer.items() if "Su" in (soil[ABOVE], soil[BELOW])}
+    undrained = {
+        number for number, soil in of_layer.items() if "Su" in (soil[MODEL_ABOVE_WATER], soil[MODEL_BELOW_WATER])
+    }
     surcharges = [
         {"from": load["Start"], "to": load["End"], "pressure": _kPa(load["Magnitude"]),
          "consolidated": _consolidated(load, undrained, notices)}
@@ -110,7 +115,7 @@ def _layer(
     """Return a layer with an outline (n, 2) in m. Properties that a stratum cannot have are added to ``notices``."""
     level, of_level = _piezometric_level(water, points, table)
     notices += [f'"{soil["Name"]}": {text}' for text in of_level]
-    models = soil[ABOVE], soil[BELOW]
+    models = soil[MODEL_ABOVE_WATER], soil[MODEL_BELOW_WATER]
     state = _latest_state(states, points, soil["Name"], notices) if "Su" in models else {}
     dry, wet = (
         _strength(soil, model, notices) | (_preconsolidation(state) if model == "Su" else {}) for model in models

@@ -22,8 +22,8 @@ from meshes.models.foreign_model import (
 EXPECTED = "expected a workbook of xslope, with sheets main, profile, mat, piezo and dloads"
 FEET, POUNDS = 0.3048, 0.04788026  # m of a foot, kPa of a lbf/ft²
 IMPERIAL = 30.0  # unit weights of water above this are in lbf/ft³
-NEAR = 1e-6  # of the width of a section: lines that are nearer to each other touch
-INSIDE = 1e-6  # of an interval: distance from its ends at which lines are evaluated
+TOUCHING_DISTANCE = 1e-6  # of the width of a section: distance at which two lines touch
+INTERVAL_MARGIN = 1e-6  # of an interval: distance from its ends at which lines are evaluated
 OPTIONS = ("mc", "cp")  # Mohr-Coulomb, and c that grows with depth
 Rows = list[tuple[Any, ...]]
 Points = list[tuple[float, float]]
@@ -154,7 +154,7 @@ def _outlines(lines: Sequence[np.ndarray], k: int, base: float) -> Iterator[np.n
     """Yield the outlines (n, 2) in m of the ground below profile line k: down to the next line below it, or to the
     base."""
     line = lines[k]
-    near = NEAR * (max(each[-1, 0] for each in lines) - min(each[0, 0] for each in lines))
+    near = TOUCHING_DISTANCE * (max(each[-1, 0] for each in lines) - min(each[0, 0] for each in lines))
     tops: Points = []
     bottoms: Points = []
     for start, end in pairwise(_breaks(lines, k)):
@@ -182,13 +182,13 @@ def _outlines(lines: Sequence[np.ndarray], k: int, base: float) -> Iterator[np.n
 def _inside(start: float, end: float) -> np.ndarray:
     """Return two places just inside the ends of an interval, so that a step of a line at an end counts on its inner
     side."""
-    return np.array([start, end]) + INSIDE * (end - start) * np.array([1.0, -1.0])
+    return np.array([start, end]) + INTERVAL_MARGIN * (end - start) * np.array([1.0, -1.0])
 
 
 def _to_ends(values: np.ndarray) -> np.ndarray:
     """Return the values (2,) of a straight line at the ends of an interval, from the values at the places of
     `_inside`."""
-    rise = INSIDE * (values[1] - values[0]) / (1.0 - 2.0 * INSIDE)
+    rise = INTERVAL_MARGIN * (values[1] - values[0]) / (1.0 - 2.0 * INTERVAL_MARGIN)
     return values + rise * np.array([-1.0, 1.0])
 
 

@@ -11,10 +11,10 @@ from meshes.section.simplified import needed
 
 # Corners whose x differ by less (m) are at one x; what is thinner is nothing.
 SNAP = 1e-4
-# What is thinner than this (m) is no gap and no overlap, but the pen of whoever drew it.
+# Thickness (m) up to which gaps and overlaps are inaccuracies of the drawing.
 JOINED = 0.01
-# An outline of which this share lies in another lies in it.
-INSIDE = 0.999
+# An outline lies inside another if the other contains this share of its area.
+CONTAINED_SHARE = 0.999
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ class Tally:
             if height > JOINED
         ]
         for (owner, other), (area, start, end) in self.shared.items():
-            nested = area >= INSIDE * min(self.owned[owner], self.areas[other])
+            nested = area >= CONTAINED_SHARE * min(self.owned[owner], self.areas[other])
             if not nested and area > JOINED * (end - start):
                 sentences.append(f'"{self.names[owner]}" and "{self.names[other]}" overlap by {area:.3g} m² from x = '
                             f'{start:.6g} to {end:.6g} m: this area is given to "{self.names[owner]}"')  # fmt: skip
@@ -137,7 +137,7 @@ class Tally:
                  for name, area in zip(self.names, self.owned, strict=True) if area <= 0.0]  # fmt: skip
         sentences += [f'the outline on layer "{name}" crosses itself; expected its corners in order'
                       for name, covered, area in zip(self.names, self.covered, self.areas, strict=True)
-                      if abs(covered - area) > (1.0 - INSIDE) * covered]  # fmt: skip
+                      if abs(covered - area) > (1.0 - CONTAINED_SHARE) * covered]  # fmt: skip
         return sentences
 
 

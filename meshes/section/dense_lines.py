@@ -20,14 +20,14 @@ from meshes.section.water import Water
 # The default size of cells, as a share of the mean height of a section.
 CELL = 1.0 / 12.0
 # Points closer than this share of a cell are dense; a section with this number of dense points is thinned.
-NEAR, MANY = 0.25, 30
-# At an end of a line counts what this point from there has, if it is near.
-INSIDE = 4
-# How far a line may move, in cells: as little as leaves no points near each other, but no more than the second.
-LEAST, MOST, GROWTH = 1.0 / 40.0, 0.5, 1.5
+DENSE_DISTANCE, MANY_DENSE_POINTS = 0.25, 30
+# At an end of a line, the value at this point from the end is used if the point is near.
+POINT_FROM_END = 4
+# Smallest and largest shift of a line (cells), and the growth of the shift until no points are close to each other.
+SMALLEST_SHIFT, LARGEST_SHIFT, SHIFT_GROWTH = 1.0 / 40.0, 0.5, 1.5
 ROUNDING = 1e-9
-# Stretches steeper than this (upwards over across) that are narrower than cells can be are walls.
-STEEP = 3.0
+# Parts of a line steeper than this (rise over run), and narrower than a cell, are walls.
+WALL_SLOPE = 3.0
 
 
 Place = tuple[str | int, ...]
@@ -49,25 +49,25 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
     """
     x = np.unique(np.concatenate([points[:, 0] for points in lines.values()]))
     gaps = np.diff(x)
-    near = NEAR * cell
-    if np.count_nonzero(gaps < near) <= MANY:
+    near = DENSE_DISTANCE * cell
+    if np.count_nonzero(gaps < near) <= MANY_DENSE_POINTS:
         return dict(lines), 0.0
     sides = {place: _sides(points, x) for place, points in lines.items()}
     hard = np.zeros(len(x), dtype=bool)
     hard[[0, -1]] = True
     for left, right in sides.values():
         step = np.where(np.isfinite(left) & np.isfinite(right), np.abs(right - left), 0.0)
-        noisy = np.count_nonzero(step > ROUNDING) > MANY  # points of a scan that happen to share their x
+        noisy = np.count_nonzero(step > ROUNDING) > MANY_DENSE_POINTS  # points of a scan that happen to share their x
         hard |= (np.isfinite(left) != np.isfinite(right)) | (step > (near if noisy else ROUNDING))
     reach = _reach(x, hard, 0.5 * near)
     sides = {place: (_median(left, reach), _median(right, reach)) for place, (left, right) in sides.items()}
     for left, right in sides.values():  # at the ends there is no median: that of a neighbour is nearer to the ground
-        if x[INSIDE] - x[0] <= near / 3.0 and not hard[1 : INSIDE + 1].any():
-            right[0] = right[INSIDE]
-        if x[-1] - x[-1 - INSIDE] <= near / 3.0 and not hard[-1 - INSIDE : -1].any():
-            left[-1] = left[-1 - INSIDE]
+        if x[POINT_FROM_END] - x[0] <= near / 3.0 and not hard[1 : POINT_FROM_END + 1].any():
+            right[0] = right[POINT_FROM_END]
+        if x[-1] - x[-1 - POINT_FROM_END] <= near / 3.0 and not hard[-1 - POINT_FROM_END : -1].any():
+            left[-1] = left[-1 - POINT_FROM_END]
     fixed = hard | np.concatenate([[True], (gaps[:-1] >= near) & (gaps[1:] >= near), [True]])
-    tolerance = LEAST * cell
+    tolerance = SMALLEST_SHIFT * cell
     while True:
         keep = needed_x(x, list(sides.values()), fixed, tolerance)
         places, of_places = with_walls_upright(
@@ -78,9 +78,9 @@ def thinned_lines(lines: Mapping[Place, np.ndarray], cell: float) -> tuple[dict[
         )
         thinned = {place: _rebuilt(places, *pair) for place, pair in zip(sides, of_places, strict=True)}
         short = np.hypot(*np.diff(thinned[("surface",)][1:-1], axis=0).T) < near
-        if not short.any() or tolerance * GROWTH > MOST * cell:
+        if not short.any() or tolerance * SHIFT_GROWTH > LARGEST_SHIFT * cell:
             break
-        tolerance *= GROWTH
+        tolerance *= SHIFT_GROWTH
     moved = {place: len(points) != len(lines[place]) or not np.allclose(points, lines[place], atol=1e-6)
              for place, points in thinned.items()}  # fmt: skip
     return {place: points if moved[place] else lines[place] for place, points in thinned.items()}, tolerance
@@ -203,7 +203,7 @@ def with_walls_upright(
     while first < len(x):
         last = int(np.searchsorted(x, x[first] + near)) - 1
         change = np.nan_to_num(np.abs(right[:, last] - left[:, first]))
-        high = change > max(near, STEEP * (x[last] - x[first]))
+        high = change > max(near, WALL_SLOPE * (x[last] - x[first]))
         if last > first > 0 and last < len(x) - 1 and high[surface]:
             at = np.repeat(x[first : last + 1], 2)
             values = np.column_stack([left[surface], right[surface]])[first : last + 1].ravel()

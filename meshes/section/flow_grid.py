@@ -15,8 +15,8 @@ import numpy as np
 
 from meshes.section.layering import Layering
 
-# A line has no point of its own at a level that is nearer to another point than this share of the size.
-CLOSE = 0.2
+# A level gets no point on a line if another point is closer than this share of the cell size.
+LEVEL_DISTANCE = 0.2
 
 
 class Wall(NamedTuple):
@@ -168,7 +168,7 @@ def _heights(ends: np.ndarray, line: int, size: float, levels: list[float], tole
     sides = ([ends[line - 1, 1]] if line else []) + ([ends[line, 0]] if line < len(ends) else [])
     fixed = np.unique(np.concatenate(sides))
     for at in levels:
-        if fixed[0] < at < fixed[-1] and np.abs(fixed - at).min() > max(tolerance, CLOSE * size):
+        if fixed[0] < at < fixed[-1] and np.abs(fixed - at).min() > max(tolerance, LEVEL_DISTANCE * size):
             fixed = np.union1d(fixed, at)
     heights = [fixed[:1]]
     for low, high in pairwise(fixed.tolist()):

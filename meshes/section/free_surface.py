@@ -33,7 +33,7 @@ STEPS = ((20, 1.0), (60, 0.5), (150, 0.25), (MOST_ITERATIONS, 0.1))
 ROUNDING = 1e-9
 # Change (m) of pressure heads below which they have come to rest, where points at the shore of the water keep
 # changing sides.
-SETTLED = 1e-6
+HEAD_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +132,7 @@ def free_surface_flow(
             break
         if iteration > until:
             until, share = next(step)
-        if share < 1.0 and np.abs(wanted - unknown).max() <= SETTLED:
+        if share < 1.0 and np.abs(wanted - unknown).max() <= HEAD_TOLERANCE:
             break
         unknown = unknown + share * (wanted - unknown)
     converged = iteration < MOST_ITERATIONS

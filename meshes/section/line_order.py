@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from meshes.section.dense_lines import CELL, NEAR, Place, mean_height
+from meshes.section.dense_lines import CELL, DENSE_DISTANCE, Place, mean_height
 from meshes.section.polyline import Line, pairs_of, without_repeats
 from meshes.section.sentences import counted
 
@@ -32,7 +32,7 @@ def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
         surface = tuple(pairs_of(data["surface"]))
         if surface[0][0] == surface[-1][0]:
             return data, notices
-        reach = NEAR * CELL * mean_height(surface, Line.model_validate(data["base"]))
+        reach = DENSE_DISTANCE * CELL * mean_height(surface, Line.model_validate(data["base"]))
     except (KeyError, TypeError, ValueError, IndexError):
         return data, notices
     for place, table, points in _lines(data):

@@ -8,7 +8,7 @@ from typing import Any
 BOUNDARIES = ("surface", "base", "left", "right")
 # gmsh cuts the names of physical groups after 127 bytes; meshio takes a backslash for a sign of its own.
 LONGEST_GROUP = 120
-ALIKE = 0.75  # names that are more alike than this (difflib's ratio) are one, misspelt
+MISSPELLING_RATIO = 0.75  # similarity (difflib's ratio) above which one name is a misspelling of the other
 
 
 def naming_problems(names: Sequence[str]) -> Iterator[str]:
@@ -39,5 +39,5 @@ def without_other_tables(data: Mapping[str, Any], names: Iterable[str]) -> dict[
     return {
         key: value
         for key, value in data.items()
-        if not isinstance(value, Mapping) or get_close_matches(key, known, n=1, cutoff=ALIKE)
+        if not isinstance(value, Mapping) or get_close_matches(key, known, n=1, cutoff=MISSPELLING_RATIO)
     }

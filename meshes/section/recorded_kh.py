@@ -21,5 +21,5 @@ def _each_once(values: tuple[float, ...]) -> tuple[float, ...]:
     return values
 
 
-LARGEST = 5.0  # seismic coefficient that is meant; a larger one is a percentage, or an acceleration
-RecordedKh = Annotated[tuple[Annotated[float, Field(ge=0.0, le=LARGEST)], ...], AfterValidator(_each_once)]
+LARGEST_KH = 5.0  # seismic coefficient; a larger number is a percentage or an acceleration
+RecordedKh = Annotated[tuple[Annotated[float, Field(ge=0.0, le=LARGEST_KH)], ...], AfterValidator(_each_once)]

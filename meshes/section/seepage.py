@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 # Bounds of the fall of the pressure head with height up to the phreatic line; 1 is that of still water.
 FALL = (0.2, 2.0)
-# A discharge of less than this share of the largest permeability times the height of the section is rounding.
-STILL = 1e-12
+# Discharge over the largest permeability times the height of the section that counts as rounding.
+SMALLEST_DISCHARGE = 1e-12
 # The line of the water may pass its points at this share of the distance of vertical lines.
 LINE = 0.25
 
@@ -176,7 +176,7 @@ def steady_seepage(
     # Water that enters and leaves by the same free water, as near its shore, does not flow through the section.
     _, pond = np.unique(np.round(heads[np.isfinite(heads)] / tolerance), return_inverse=True)
     discharge = float(np.maximum(np.bincount(pond, flow.inflow[np.isfinite(heads)]), 0.0).sum())
-    if discharge <= STILL * float(permeability.max() * np.ptp(grid.points[:, 1])):
+    if discharge <= SMALLEST_DISCHARGE * float(permeability.max() * np.ptp(grid.points[:, 1])):
         discharge = 0.0
     seeps = flow.seeps & ~np.isfinite(heads)
     head = _continued(grid, _below_highest_head(grid, flow, float(np.nanmax(heads)), tolerance))

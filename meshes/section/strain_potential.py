@@ -11,9 +11,9 @@ below shallow water this stress is 1.4 % of the vertical effective stress before
 
 import numpy as np
 
-HOLDS = 0.014  # of the vertical effective stress: shear stress at γ_max
-LARGEST_SHARE = 0.5  # of the residual strength: that stress at most
-BEYOND = 0.1  # shear strain past γ_max at which the residual strength is reached
+STRESS_AT_POTENTIAL = 0.014  # shear stress at γ_max over the vertical effective stress
+LARGEST_SHARE = 0.5  # largest value of this stress over the residual strength
+REGAINING_STRAIN = 0.1  # shear strain beyond γ_max at which the residual strength is reached
 
 
 def stress_at_potential(effective: np.ndarray, strength: np.ndarray) -> np.ndarray:
@@ -28,4 +28,4 @@ def stress_at_potential(effective: np.ndarray, strength: np.ndarray) -> np.ndarr
     -------
     Shear stress (n,) in Pa.
     """
-    return np.minimum(HOLDS * np.maximum(effective, 0.0), LARGEST_SHARE * strength)
+    return np.minimum(STRESS_AT_POTENTIAL * np.maximum(effective, 0.0), LARGEST_SHARE * strength)

@@ -22,7 +22,7 @@ from meshes.section.polyline import ElevationOrLine, Line, crossings, level_at, 
 from meshes.section.quantity import HEIGHT
 from meshes.section.section import Section
 
-STEEP = 10.0  # rise over run
+STEEP_SLOPE = 10.0  # rise over run
 # Water runs out of cracks only where the ground beside them is lower by more than this share of their depth. A crest
 # with a crossfall of 2 % would otherwise have a dry film along all of its length, which no mesh needs.
 SPILL_SHARE = 0.05
@@ -210,22 +210,24 @@ def _level_in(section: Section, k: int) -> np.ndarray | None:
 
 
 def _without_faces(line: np.ndarray) -> np.ndarray:
-    """Return a line (n, 2) that steps, at the lower end, where it is steeper than ``STEEP``. Cracks beside a nearly
-    vertical face reach down from the ground above the face, not from the face."""
+    """Return a line (n, 2) that steps, at the lower end, where it is steeper than ``STEEP_SLOPE``. Cracks beside a
+    nearly vertical face reach down from the ground above the face, not from the face."""
     width, rise = np.diff(line, axis=0).T
-    steep = np.flatnonzero((np.abs(rise) > STEEP * width) & (width > 0.0))
+    steep = np.flatnonzero((np.abs(rise) > STEEP_SLOPE * width) & (width > 0.0))
     lower = steep + (rise[steep] < 0.0)
     new = np.column_stack([line[lower, 0], np.maximum(line[steep, 1], line[steep + 1, 1])])
     return np.insert(line, steep + 1, new, axis=0)
 
 
 def _without_steps(level: np.ndarray) -> np.ndarray:
-    """Return the highest level (k, 2) that is nowhere above ``level`` (n, 2) and nowhere steeper than ``STEEP``, since
-    a level of water may not step."""
+    """Return the highest level (k, 2) that is nowhere above ``level`` (n, 2) and nowhere steeper than ``STEEP_SLOPE``,
+    since a level of water may not step."""
     width, rise = np.diff(level, axis=0).T
-    steep = np.flatnonzero(np.abs(rise) > STEEP * width)
-    foot = level[steep + (rise[steep] < 0.0), 0] + rise[steep] / STEEP
+    steep = np.flatnonzero(np.abs(rise) > STEEP_SLOPE * width)
+    foot = level[steep + (rise[steep] < 0.0), 0] + rise[steep] / STEEP_SLOPE
     x = np.unique(np.concatenate([level[:, 0], foot]))
     x = x[(x >= level[0, 0]) & (x <= level[-1, 0])]
     z = np.minimum.reduce([level_at(level, x, x + 1.0), level_at(level, x, x - 1.0)])
-    return np.column_stack([x, np.minimum(z, (level[:, 1] + STEEP * np.abs(x[:, None] - level[:, 0])).min(axis=1))])
+    return np.column_stack(
+        [x, np.minimum(z, (level[:, 1] + STEEP_SLOPE * np.abs(x[:, None] - level[:, 0])).min(axis=1))]
+    )

@@ -16,8 +16,9 @@ from meshes.section.layering import Layering
 from meshes.section.stratum import Stratum
 from meshes.section.surcharge import SurfaceLoads
 
-# A pore pressure above the weight by less (Pa) is none: what 1 cm of water weighs, as close as points are one.
-LEAST = 100.0
+# Excess of the pore pressure over the weight (Pa) up to which there is no uplift: 1 cm of water, the tolerance of
+# points.
+SMALLEST_UPLIFT = 100.0
 # The same where water flows, as the head of this share of the step of its grid: where a shore lies between two of its
 # points, the pressure at the ground beside it is off by so much.
 LEAST_OF_STEP = 0.1
@@ -76,11 +77,11 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
     water = loads.water
     if not water.still:
         return None
-    x, least, shares = np.union1d(layers.x, water.kinks), LEAST, WITHIN_FLOW[:: len(WITHIN_FLOW) - 1]
+    x, least, shares = np.union1d(layers.x, water.kinks), SMALLEST_UPLIFT, WITHIN_FLOW[:: len(WITHIN_FLOW) - 1]
     if water.flow is not None:
         grid = water.flow.grid.x
         x, shares = np.union1d(layers.x, grid), WITHIN_FLOW
-        least = max(LEAST, LEAST_OF_STEP * water.unit_weight * float(np.diff(grid).max()))
+        least = max(SMALLEST_UPLIFT, LEAST_OF_STEP * water.unit_weight * float(np.diff(grid).max()))
     worst: Uplift | None = None
     spans, bare = [], False
     for k, share in product(range(len(strata)), shares):

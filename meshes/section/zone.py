@@ -83,7 +83,7 @@ OWN_KEYS = ("name", "points", "material")
 # Lines whose depths are those below the ground before zones raised it.
 OF_GROUND = ("piezometric_level", "consolidated_below")
 AnyModel = TypeVar("AnyModel", bound=BaseModel)
-BELOW = "\n"  # what lies below the base; no stratum is called so
+BELOW_BASE = "\n"  # what lies below the base; no stratum is called so
 # A zone of which no more than the first share lies in the section lies outside; less than the second is not reported.
 MISSED, NOTABLE = 1e-6, 1e-3
 
@@ -175,10 +175,10 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
     inside = [clipped(np.array(zone.points, dtype=float), *ground[[0, -1], 0]) for zone in zones]
     whole = [(stratum.name, polygon) for k, stratum in enumerate(strata) for polygon in layers.polygons(k)]
     columns = columns_of(
-        [BELOW, *(zone.material or zone.name for zone in zones), *(name for name, _ in whole)],
+        [BELOW_BASE, *(zone.material or zone.name for zone in zones), *(name for name, _ in whole)],
         [_region_below(layers, zones), *inside, *(polygon for _, polygon in whole)],
         [-1.0] + [0.0] * len(zones) + [1.0] * len(whole),
-        without=BELOW,
+        without=BELOW_BASE,
     )
     problems, notices = _of_zones(zones, inside, columns.tally, layers.tolerance)
     if problems:

@@ -21,7 +21,7 @@ import numpy as np
 
 from docs.verify.slides.case import Ground, SlideCase
 from meshes.section.quantity import GRAVITY
-from meshes.section.strain_potential import BEYOND, stress_at_potential
+from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potential
 from workflow.stages.shaking import shaking_of
 
 ACTIVE_STRAIN, PASSIVE_STRAIN = 0.005, 0.04  # strains of the crust at its active and passive earth pressure
@@ -62,7 +62,11 @@ class ThinGround:
         """Return shear stress (Pa), its initial stiffness (Pa) and plastic strain for displacements of the crust
         (m)."""
         knee = stress_at_potential(self.effective, np.full(len(way), self.strength))
-        first, last = (self.potential, self.potential + BEYOND) if self.potential else (0.5 * BEYOND, BEYOND)
+        first, last = (
+            (self.potential, self.potential + REGAINING_STRAIN)
+            if self.potential
+            else (0.5 * REGAINING_STRAIN, REGAINING_STRAIN)
+        )
         knee = knee if self.potential else np.full(len(way), 0.5 * self.strength)
         strain = way / self.layer - plastic
         elastic = np.clip(strain, -last, last)
@@ -80,7 +84,7 @@ class ThinGround:
         layer = self.layer / np.maximum(1.0 + 0.5 * stretch, LEAST_LENGTH_SHARE)
         crust = self.crust / np.maximum(1.0 + stretch, LEAST_LENGTH_SHARE)
         liquid = self.crust_weight * crust * layer + 0.5 * self.layer_weight * layer**2
-        slips = np.clip((np.hypot(way / self.layer, stretch) - self.potential) / BEYOND, 0.0, 1.0)
+        slips = np.clip((np.hypot(way / self.layer, stretch) - self.potential) / REGAINING_STRAIN, 0.0, 1.0)
         lateral = 0.5 * np.pi * self.strength * layer * slips * np.clip(stretch / SLIP_STRAIN, -1.0, 1.0)
         return np.asarray(liquid - lateral + 0.5 * earth * self.crust_weight * crust**2)
 

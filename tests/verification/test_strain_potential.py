@@ -17,7 +17,7 @@ from fem.mpm.points import MaterialPoints, PointSoil
 from fem.mpm.slide import CREEP_TIME
 from meshes.section.liquefies import Remains
 from meshes.section.quantity import GRAVITY
-from meshes.section.strain_potential import BEYOND, stress_at_potential
+from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potential
 from tests.support.material_points import UNIT_WEIGHT as SOIL
 from tests.support.material_points import EndlessSlope
 from workflow.config import Config
@@ -29,7 +29,7 @@ def strain(stress: np.ndarray, effective: np.ndarray) -> np.ndarray:
     """Shear strain (n,) on the two straight lines at shear stresses (Pa) and effective stresses (Pa)."""
     knee = stress_at_potential(effective, np.full(len(effective), STRENGTH))
     first = POTENTIAL * np.minimum(stress / knee, 1.0)
-    return np.asarray(first + BEYOND * np.clip((stress - knee) / (STRENGTH - knee), 0.0, None))
+    return np.asarray(first + REGAINING_STRAIN * np.clip((stress - knee) / (STRENGTH - knee), 0.0, None))
 
 
 def point() -> MaterialPoints:
@@ -37,7 +37,7 @@ def point() -> MaterialPoints:
     points = MaterialPoints.of(np.zeros((1, 2)), np.ones(1), PointSoil(1900.0, 2e7, 0.3, STRENGTH, 0.0))
     knee = float(stress_at_potential(np.array([5e4]), np.array([STRENGTH]))[0])
     points.properties[0, [kernel.SOFT, kernel.KNEE]] = knee / POTENTIAL, knee
-    points.properties[0, kernel.SHEAR] = (STRENGTH - knee) / BEYOND
+    points.properties[0, kernel.SHEAR] = (STRENGTH - knee) / REGAINING_STRAIN
     return points
 
 
@@ -70,7 +70,7 @@ def test_a_point_holds_its_residual_strength_past_its_potential() -> None:
     points.properties[0, kernel.VISCOUS] = CREEP_TIME * points.properties[0, kernel.SOFT]
     stress, lost = sheared(points, np.full(400, 0.01))
     assert stress[60:] == pytest.approx(STRENGTH, rel=1e-9)
-    assert lost == pytest.approx((4.0 - POTENTIAL - BEYOND) * STRENGTH, rel=0.05)
+    assert lost == pytest.approx((4.0 - POTENTIAL - REGAINING_STRAIN) * STRENGTH, rel=0.05)
 
 
 def crust_of_points(slope: EndlessSlope, cell: float) -> float:
@@ -81,7 +81,7 @@ def crust_of_points(slope: EndlessSlope, cell: float) -> float:
     effective = -points.stress[layer, 1]
     knee = stress_at_potential(effective, np.full(len(effective), STRENGTH))
     points.properties[layer, kernel.SOFT], points.properties[layer, kernel.KNEE] = knee / POTENTIAL, knee
-    points.properties[layer, kernel.SHEAR] = (STRENGTH - knee) / BEYOND
+    points.properties[layer, kernel.SHEAR] = (STRENGTH - knee) / REGAINING_STRAIN
     points.properties[layer, kernel.VISCOUS] = CREEP_TIME * knee / POTENTIAL
     points.scale_shear(layer, 0.0)
     engine.run(50.0)

@@ -29,9 +29,9 @@ from workflow.uncertain.path import changed, mutable_copy
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
 
 # Settings that name a file, by table and key.
-K_MAX = "k_max"  # in place of the Kh of the slides: what the record gives the ground above the slip surface
-# Settings of [slide] that other tables can decide, and the words that say which.
-OPEN = {"kh": (K_MAX, EARTHQUAKE), **dict.fromkeys(CYCLES, (EARTHQUAKE,))}
+K_MAX = "k_max"  # setting of the Kh of the slides: peak of the average acceleration above the slip surface
+# Settings of [slide] that can follow from other tables, and the words for these tables.
+DECIDED_ELSEWHERE = {"kh": (K_MAX, EARTHQUAKE), **dict.fromkeys(CYCLES, (EARTHQUAKE,))}
 PLACEHOLDER = 0.1  # of numbers that `config_after_triggering` computes; all of these keys allow it
 FILES = (
     ("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("earthquake", "record"),
@@ -112,7 +112,7 @@ class Config(Tables):
         the settings in use."""
         settings = set(self.tables()) - {"uncertain", "study"}
         used = self.model_dump(mode="python", exclude_none=True, by_alias=True, include=settings)
-        unset = OPEN.keys() - self.slide.model_fields_set
+        unset = DECIDED_ELSEWHERE.keys() - self.slide.model_fields_set
         slide = {key: value for key, value in used["slide"].items() if key not in unset}
         left = {key: word for key, word in self._left_open.items() if f"slide.{key}" not in self.uncertain.numbers}
         return {**self._written, **used, "slide": {**slide, **left}}
@@ -185,7 +185,11 @@ class Config(Tables):
                 data = merged(data, {"slide": {"cases": [case.model_dump() for case in CASES["paper"]]}})
             elif left_to_blow_counts(data):
                 data = merged(data, {"slide": {"cases": []}, "triggering": {"cases": list(CASE_NAMES)}})
-            left_open = {key: slide[key] for key in OPEN if isinstance(slide.get(key), str) and slide[key] in OPEN[key]}
+            left_open = {
+                key: slide[key]
+                for key in DECIDED_ELSEWHERE
+                if isinstance(slide.get(key), str) and slide[key] in DECIDED_ELSEWHERE[key]
+            }
             if left_open:
                 data = merged(data, {"slide": dict.fromkeys(left_open, PLACEHOLDER)})
         config = cls._validated(data, source)

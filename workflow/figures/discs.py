@@ -28,7 +28,7 @@ PALE = "#e3e6e8"
 WHOLE = "#2c7a3f"
 CRACKED = "#d0342c"
 SPEEDS = "viridis"
-FAR = "YlOrRd"
+DISPLACEMENT_COLOURS = "YlOrRd"
 NO_LINE = np.zeros((0, 2))
 
 
@@ -164,7 +164,8 @@ def state(model: DiscModel, before: DiscModel, title: str) -> Sheet:
 def displacement_scale(sheet: Sheet, norm: Normalize) -> None:
     """Draw the colour bar of displacements, whose range is not stretched by a few discs that roll away."""
     sheet.colour_bar(
-        ScalarMappable(norm, FAR), "displacement (m); larger displacements have the last colour of the scale"
+        ScalarMappable(norm, DISPLACEMENT_COLOURS),
+        "displacement (m); larger displacements have the last colour of the scale",
     )
 
 
@@ -185,7 +186,12 @@ def draw_values(plotter: pv.Plotter, model: Circles, values: np.ndarray, norm: N
     mesh = discs(model, ~dark)
     mesh["value"] = values[mesh["disc"]]
     plotter.add_mesh(
-        mesh, scalars="value", cmap=FAR, clim=(norm.vmin, norm.vmax), lighting=False, show_scalar_bar=False
+        mesh,
+        scalars="value",
+        cmap=DISPLACEMENT_COLOURS,
+        clim=(norm.vmin, norm.vmax),
+        lighting=False,
+        show_scalar_bar=False,
     )
     fixed = discs(model, dark)
     if fixed.n_points:

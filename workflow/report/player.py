@@ -17,7 +17,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
 from workflow.figures.canvas import soil_colours
-from workflow.figures.discs import FAR
+from workflow.figures.discs import DISPLACEMENT_COLOURS
 from workflow.figures.fem import MOBILISED, MOBILISED_COLOURS, nice_number
 from workflow.figures.slides import Frame, name_of
 from workflow.results.disc_grids import case_name, frames
@@ -92,7 +92,7 @@ def _slide(results: Results, title: str, states: list[Frame], history: SlideHist
         "times": [round(state.seconds, 3) for state in states],
         "surface": _surface(first).tolist(),
         "far": float(last.scale().vmax or 1.0),
-        "shades": [to_hex(colour) for colour in colormaps[FAR](np.linspace(0.0, 1.0, SHADES))],
+        "shades": [to_hex(colour) for colour in colormaps[DISPLACEMENT_COLOURS](np.linspace(0.0, 1.0, SHADES))],
         "soils": soil_colours([stratum.name for stratum in results.config.section.strata]),
         "history": [
             [round(row.time_s, 2), round(row.slide_max_m, 6), round(row.settlement_uphill_m, 6)] for row in rows

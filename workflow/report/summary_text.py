@@ -236,7 +236,7 @@ def moved_lately(cases: Sequence[CaseNumbers]) -> str:
 
 
 # Words for properties of a case that are not factors on properties of the layers.
-APART = {
+PROPERTY_WORDS = {
     "residual": "a residual strength of {} of the vertical effective stress",
     "residual_strength": "a residual strength of {}",
     "strain_potential": "a shear strain of {} before strength is regained",
@@ -254,11 +254,13 @@ def _cases_are(config: Config) -> Iterator[str]:
     whose = "its" if len(layers) == 1 else "their"
     for name in [name for name in cases[0] if name != "name"]:
         shown = _shown(name, [case[name] for case in cases])
-        if shown == "1" and name not in APART:
+        if shown == "1" and name not in PROPERTY_WORDS:
             continue  # as it was
         if shown != "0":
-            phrases.append(APART.get(name, "{} of {whose} " + name.replace("_", " ")).format(shown, whose=whose))
-        elif name not in APART:
+            phrases.append(
+                PROPERTY_WORDS.get(name, "{} of {whose} " + name.replace("_", " ")).format(shown, whose=whose)
+            )
+        elif name not in PROPERTY_WORDS:
             lost.append(name.replace("_", " "))
     called = [case["name"] for case in cases if case["name"]]
     nothing = f", and none of {whose} {listed(lost)}" if lost else ""

@@ -12,7 +12,12 @@ from workflow.earthquake.triggering.assessment import assess
 
 Item = TypeVar("Item", bound=Hashable)
 
-LOST = ("cohesion", "friction", "residual", "residual_strength")  # of a case, what it does to the strength of strata
+STRENGTH_KEYS = (
+    "cohesion",
+    "friction",
+    "residual",
+    "residual_strength",
+)  # keys of a case that change the strength of strata
 
 
 def liquefying(config: Config) -> dict[int, list[int]]:

@@ -11,7 +11,7 @@ from workflow.results.answer import SectionLabel
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.run.stage import Job, Stage, unless_it_liquefies
 from workflow.stages.bearing import WITHOUT_EFFECT, bearing_of
-from workflow.stages.liquefaction import LOST, cases_as_data, remaining
+from workflow.stages.liquefaction import STRENGTH_KEYS, cases_as_data, remaining
 
 if TYPE_CHECKING:
     from meshes.quad_mesh import QuadMesh
@@ -107,7 +107,7 @@ STAGE = Stage(
     needs=("mesh",),
     reads=("fem",),
     ignores=lambda config: WITHOUT_EFFECT,
-    takes=lambda config: {"what liquefies": cases_as_data(config, LOST)},
+    takes=lambda config: {"what liquefies": cases_as_data(config, STRENGTH_KEYS)},
     concurrent_after=("mesh",),
     results=(LiquefiedAnswer.FILE,),
     read=LiquefiedAnswer.read,

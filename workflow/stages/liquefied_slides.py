@@ -23,7 +23,7 @@ from workflow.stages.case_pictures import case_pictures, draw_cases
 from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 from workflow.stages.liquefaction import liquefying
 from workflow.stages.random_packings import PackingTask, RandomPackingsWanted, calibrated_packing
-from workflow.stages.sliding import ALONE, PlannedSlide, SlideTask, first_alike, slide_of_discs, task
+from workflow.stages.sliding import KH_ALONE, PlannedSlide, SlideTask, first_alike, slide_of_discs, task
 
 SLIDES_PER_PACKING = 6.0  # slides that take as long as a packing, which is calibrated before its slides
 # Of the time that a slide may last, when it is at rest as a rule; what is done by then.
@@ -91,7 +91,7 @@ def _starts(config: Config, store: Store) -> dict[str, tuple[DiscModel, Ground]]
 def _tasks(config: Config, starts: dict[str, tuple[DiscModel, Ground]], wanted: list[int]) -> list[PlannedSlide]:
     """Return the slides of all cases, and of Kh alone, on every set of springs. Discs with the law "paper", the
     slowest, come first."""
-    numbers = sorted({ALONE, *wanted}, reverse=True) if wanted else []
+    numbers = sorted({KH_ALONE, *wanted}, reverse=True) if wanted else []
     return [task(config, springs, number, *starts[springs]) for springs in reversed(starts) for number in numbers]
 
 
@@ -99,7 +99,7 @@ def _cases(slides: dict[PlannedSlide, Slide], springs: str) -> dict[int, CaseAns
     """Return the cases of one set of springs, in the order of their numbers."""
     of_springs = {each.number: (each, slide) for each, slide in slides.items() if each.springs == springs}
     return {
-        number: CaseAnswer.of(slide, of_springs[ALONE][1], each.case.stiffness)
+        number: CaseAnswer.of(slide, of_springs[KH_ALONE][1], each.case.stiffness)
         for number, (each, slide) in sorted(of_springs.items())
         if each.case is not None
     }
@@ -129,7 +129,7 @@ class Hearer:
         self.progress(line, work / sum(self.costs))
 
     def _name(self, task: PlannedSlide) -> str:
-        name = "Kh without liquefaction" if task.number == ALONE else self.config.called(task.number)
+        name = "Kh without liquefaction" if task.number == KH_ALONE else self.config.called(task.number)
         return name if task.springs == "calibrated" else f"{name}, springs of Table 2"
 
     def ended(self, place: int, _: Any) -> None:

@@ -17,7 +17,7 @@ from workflow.run.store import Store
 from workflow.stages.liquefaction import first_equal, liquefying
 from workflow.stages.shaking import shaking_of
 
-ALONE = 0  # the number of the case without liquefaction, Kh alone
+KH_ALONE = 0  # the number of the case without liquefaction, Kh alone
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class PlannedSlide:
     Attributes
     ----------
     springs : set of springs, "calibrated" or "table2", or name of the random packing
-    number : number of the case; `ALONE` for Kh without liquefaction
+    number : number of the case; `KH_ALONE` for Kh without liquefaction
     start : discs at rest under their weight
     ground : place of the discs in the section
     strata : indices of the strata that liquefy
@@ -60,12 +60,12 @@ def first_alike(config: Config, tasks: Sequence[PlannedSlide]) -> dict[PlannedSl
 
 def task(config: Config, springs: str, number: int, start: DiscModel, ground: Ground) -> PlannedSlide:
     """Return the input of the slide of a case, which starts from given discs at rest. The case is given by its number
-    in the input, or is `ALONE` for Kh without liquefaction.
+    in the input, or is `KH_ALONE` for Kh without liquefaction.
 
     ``config``: config of the run; ``springs``: set of the discs; ``start``: discs at rest; ``ground``: the ground in
     which the discs lie.
     """
-    case = None if number == ALONE else config.cases[number - 1]
+    case = None if number == KH_ALONE else config.cases[number - 1]
     return PlannedSlide(springs, number, start, ground, liquefying(config).get(number, []), case)
 
 
@@ -104,7 +104,7 @@ def slide_of_discs(run: SlideTask, tell: Tell) -> Slide:
 
     def look(_model: DiscModel, row: Row, keep: bool) -> None:
         tell((row.time_s, row.slide_max_m, row.settlement_uphill_m, row.surface_speed_m_s))
-        if run.frames and keep and task.number != ALONE:
+        if run.frames and keep and task.number != KH_ALONE:
             write_frame(store, frame_file(name, frame()), slider.model, slider.start, task.ground, row.time_s)
 
     slide = slider.run(look)

@@ -148,7 +148,7 @@ def test_of_several_free_meshes_the_best_is_written_and_no_other_file(here: pyte
         angles.append(float(corner_angles(mesh.points, mesh.cells).min()))
         return angles[-1]
 
-    here.setattr(gmsh_model, "NARROW", 180.0)
+    here.setattr(gmsh_model, "NARROW_ANGLE", 180.0)
     here.setattr(gmsh_model, "_narrowest", narrowest)
     mesh = generate(Section.parse(slope()), MeshSettings(method="free", size=2.0), tmp_path / "section.msh")
     assert len(set(angles)) > 1

@@ -12,7 +12,7 @@ from docs.verify.slides.points import uniform_section
 from docs.verify.slides.predict import predict
 from docs.verify.slides.record import SlideAnswer
 from docs.verify.slides.verdict import judge
-from meshes.section.strain_potential import BEYOND, stress_at_potential
+from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potential
 from tests.support.published import PUBLISHED, slides
 from tests.support.shear_column import crust_slide
 from workflow.estimates.slide_error import TABLE
@@ -78,7 +78,7 @@ def test_gentle_slopes_move_by_points_as_the_strain_potential_does_in_closed_for
             continue  # it flows
         knee = stress_at_potential(effective, strength)
         potential = slope.left.remains_of(uniform_section(slope), 1).strain_potential
-        beyond = potential + BEYOND * (stress - knee) / (strength - knee)
+        beyond = potential + REGAINING_STRAIN * (stress - knee) / (strength - knee)
         expected = layer * float(np.mean(np.where(stress < knee, potential * stress / knee, beyond)))
         assert 0.9 * expected < points < (1.1 if layer > 2.0 else 1.5) * expected, name
 
