@@ -1,8 +1,8 @@
 """Refuses identifiers that hold no noun of the field, in the packages, the documentation and the tests:
 `python docs/names.py`.
 
-A name says what it holds: `fixed` components, not `held`; `messages`, not `told`. Fields of pydantic models are left
-out, since they are keys of files; so are the names of tests, which are sentences.
+A name says what it holds: `fixed` components, not `held`; `messages`, not `told`; `REST_DISPLACEMENT`, not `STILL`.
+Fields of pydantic models are left out, since they are keys of files; so are the names of tests, which are sentences.
 """
 
 import ast
@@ -43,6 +43,13 @@ WHOLE = {
     "own": "what it is of",
     "some": "subset",
 }
+# Words that are refused as whole names of constants, which are named after the quantity that they limit.
+NO_QUANTITY = {
+    "little", "much", "more", "hard", "sure", "short", "nearly", "every", "together", "later", "early", "late",
+    "lately", "nothing", "deep", "full", "fine", "large", "larger", "best", "seen", "unlike", "often", "safe",
+    "still", "alike", "steep", "narrow", "thin", "most", "least", "alone", "slips", "moves", "stands", "settles",
+    "rests", "lasts", "leaves", "fades", "touches", "risen", "changed", "keep", "tell", "warm", "poor", "met",
+}  # fmt: skip
 
 
 def bound(tree: ast.Module) -> Iterator[tuple[int, str]]:
@@ -80,6 +87,8 @@ def faults(source: str) -> Iterator[tuple[int, str, str]]:
         words = [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", name)]
         if (whole := name.strip("_").lower()) in WHOLE and name != "ONE":  # the number 1 of kernels
             yield line, name, WHOLE[whole]
+        if name.isupper() and whole in NO_QUANTITY:
+            yield line, name, "the quantity that the constant limits"
         yield from ((line, name, PARTS[word]) for word in words if word in PARTS)
 
 

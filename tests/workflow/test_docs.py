@@ -260,6 +260,13 @@ def test_words_that_the_glossary_replaced_are_seen_in_a_page() -> None:
     assert [word for _, word, _ in prose.faults("What Kh hangs on, `hangs on`.\n\n    hangs on\n")] == ["hangs on"]
 
 
+def test_names_without_a_noun_are_refused() -> None:
+    names = program("names")
+    source = "STILL = 1e-3\nREST_DISPLACEMENT = 1e-3\nstill = told = 1\n"
+    assert [(line, name) for line, name, _ in names.faults(source)] == [(1, "STILL"), (3, "told")]
+    assert names.messages() == []
+
+
 def test_readmes_of_packages_are_a_page() -> None:
     for package in PACKAGES:
         text = (TOP / package / "README.md").read_text(encoding="utf-8")

@@ -33,14 +33,14 @@ class TimeLeft:
     constant speed. Work is reported in pieces: during a piece the share is constant, and the remaining time counts
     down. If a piece takes longer than expected, the remaining time is constant, as a lower bound, until the piece is
     finished. The time before the first report, in which kernels are compiled and meshes are made, is left
-    out of the speed if the first reported share is below `EARLY`. No time is shown until a further share of `EARLY` is
-    finished.
+    out of the speed if the first reported share is below `FIRST_SHARE`. No time is shown until a further share of
+    `FIRST_SHARE` is finished.
     """
 
-    EARLY = 0.03
+    FIRST_SHARE = 0.03
 
-    PATIENCE = 0.5  # of what the elapsed time alone says: less is never reported
-    TOO_LITTLE = 1.5  # where the elapsed time says that many times what is reported, it is reported as a lower bound
+    SMALLEST_ESTIMATE = 0.5  # reported time over that by the elapsed time alone, at least
+    LOWER_BOUND_RATIO = 1.5  # of the time by the elapsed time to the reported one, from which this is a lower bound
 
     def __init__(self, start: float) -> None:
         self.start, self.share, self.end = start, 0.0, math.inf
@@ -52,14 +52,14 @@ class TimeLeft:
         if share is None:
             return None
         if self.before is None and share > 0.0:
-            self.before = share if share < self.EARLY else 0.0
+            self.before = share if share < self.FIRST_SHARE else 0.0
             self.start = now if self.before else self.start
-        if not self.EARLY + (self.before or 0.0) <= share <= 1.0:
+        if not self.FIRST_SHARE + (self.before or 0.0) <= share <= 1.0:
             return None
         plain = self._plain(now, share)
         if share > self.share:
             self.share, self.end = share, now + plain
-        self.shown = min(self.shown, max(self.end - now, self.PATIENCE * plain))
+        self.shown = min(self.shown, max(self.end - now, self.SMALLEST_ESTIMATE * plain))
         return self.shown
 
     def words(self, now: float, share: float | None) -> str:
@@ -67,7 +67,7 @@ class TimeLeft:
         left = self.seconds(now, share)
         if left is None or share is None:
             return ""
-        bound = "more than " if self._plain(now, share) > self.TOO_LITTLE * left else ""
+        bound = "more than " if self._plain(now, share) > self.LOWER_BOUND_RATIO * left else ""
         return f"{bound}{duration(left)} left"
 
     def _plain(self, now: float, share: float) -> float:
