@@ -214,9 +214,9 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     if ends:
         place_words = ", ".join(f"{x:g}" for x in answer.load_ends)
         yield (
-            f"Sand without cohesion has no bearing capacity below the end of a load next to bare ground (x = {place_words} "
-            f"m). In elements and bounds, this sand has a cohesion of half the pressure of the load, down to "
-            f"{answer.least_depth:g} m."
+            f"Sand without cohesion has no bearing capacity below the end of a load next to bare ground (x = "
+            f"{place_words} m). In elements and bounds, this sand has a cohesion of half the pressure of the load, "
+            f"down to {answer.least_depth:g} m."
         )
     name = proven(answer.strengthened_faces, ends)
     yield f"{name} with ψ = φ (the upper bound holds for every ψ ≤ φ): {answer.words}."
