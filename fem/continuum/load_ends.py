@@ -9,12 +9,14 @@ given an apparent cohesion, and carries the load with this cohesion. Any failure
 strengthened ground.
 """
 
+from collections.abc import Mapping
+
 from fem.continuum.shallow_failure import STRIP_SUFFIX, strip_bottom
 from meshes.section.polyline import Line
 from meshes.section.section import Section, Stratum
 
-# Part of the name of such ground between the name of its stratum and the x of the end of the load.
-END_SUFFIX = ", below the end of a load at x = "
+# Part of the name of ground around a point of the surface, between the name of its stratum and the x of the point.
+POINT_SUFFIX = ", strengthened at x = "
 # Cohesion over the pressure of the load. A strip load on weightless ground without friction fails at (2 + π) c (Prandtl
 # 1920), so that this cohesion also resists a horizontal force of the load.
 COHESION_SHARE = 0.5
@@ -33,36 +35,46 @@ def with_strengthened_load_ends(section: Section, least_depth: float) -> Section
     -------
     The strengthened section; ``section`` itself where no surcharge ends on bare ground without cohesion.
     """
-    ends: dict[float, float] = {}
+    cohesion: dict[float, float] = {}
     for number, x, _ in section.surface_loads.bare_ends():
         load = section.surcharges[number - 1]
-        ends[x] = max(ends.get(x, 0.0), load.pressure[0 if x == load.start else 1])
-    if not ends:
+        pressure = float(load.pressure[0 if x == load.start else 1])
+        cohesion[x] = max(cohesion.get(x, 0.0), COHESION_SHARE * pressure)
+    return with_cohesion_around(section, cohesion, least_depth)
+
+
+def with_cohesion_around(section: Section, cohesion: Mapping[float, float], least_depth: float) -> Section:
+    """Return the section with a cohesion (Pa) of ground without cohesion around points of the surface.
+
+    Parameters
+    ----------
+    section : the ground
+    cohesion : the cohesion by the x of the points (m)
+    least_depth : half of the width, and the depth, of the ground that is strengthened (m)
+
+    Returns
+    -------
+    The strengthened section; ``section`` itself without points.
+    """
+    if not cohesion:
         return section
     left, right = section.extent
     strata: list[Stratum] = []
     for k, stratum in enumerate(section.strata):
-        for x, pressure in ends.items() if not stratum.has_cohesion else ():
+        for x, strength in cohesion.items() if not stratum.has_cohesion else ():
             start, end = max(x - least_depth, left), min(x + least_depth, right)
             points = strip_bottom(section.layering, start, end, k, least_depth)
             if points:
-                strata.append(
-                    stratum.model_copy(
-                        update={
-                            "name": f"{stratum.name}{END_SUFFIX}{x:.10g} m",
-                            "bottom": Line(elevation=points),
-                            "cohesion": COHESION_SHARE * float(pressure),
-                        }
-                    )
-                )
+                name, bottom = f"{stratum.name}{POINT_SUFFIX}{x:.10g} m", Line(elevation=points)
+                strata.append(stratum.model_copy(update={"name": name, "bottom": bottom, "cohesion": strength}))
         strata.append(stratum)
     return section.with_strata(strata)
 
 
 def soil_of_strip(name: str) -> str:
-    """Return the name of the stratum from which a strengthened strip was cut, below a face or below the end of a load.
-    The name of a stratum that is no strip is returned unchanged.
+    """Return the name of the stratum from which strengthened ground was cut, below a face or around a point of the
+    surface. Other names are returned unchanged.
     """
-    for mark in (STRIP_SUFFIX, END_SUFFIX):
+    for mark in (STRIP_SUFFIX, POINT_SUFFIX):
         name = name.rpartition(mark)[0] or name
     return name

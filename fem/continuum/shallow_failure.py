@@ -334,6 +334,13 @@ def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: Fe
     return section.with_strata(strata)
 
 
+def apparent_cohesion(face: ShallowFailure, soil: Stratum, friction: float, depth: float) -> float:
+    """Return the cohesion (Pa) with which ground of a ``friction`` angle (rad) down to a ``depth`` (m) below a face of
+    a ``soil`` does not fail alone: that of `strengthened`."""
+    weight = GRAVITY * face.ratio * soil.density_seismic
+    return max(float(weight * depth * np.sin(2.0 * face.angle) / (2.0 * np.cos(friction) ** 2)), 0.0)
+
+
 def without_strips(mesh: QuadMesh, section: Section) -> QuadMesh:
     """Return a mesh of the strengthened ``section`` whose cells have the stratum numbers of the section without
     strengthening."""
@@ -351,14 +358,12 @@ def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, setting
     stratum; nothing if there is no such ground."""
     soil, face_soil = section.strata[k], section.strata[of_face]
     points = strip_bottom(section.layering, face.start, face.end, k, settings.least_depth)
-    weight = GRAVITY * face.ratio * face_soil.density_seismic
-    cohesion = weight * settings.least_depth * np.sin(2.0 * face.angle) / (2.0 * np.cos(soil.friction_angle) ** 2)
     if points:
         yield soil.model_copy(
             update={
                 "name": f"{soil.name}{STRIP_SUFFIX}{face.start:.10g} m",
                 "bottom": Line(elevation=points),
-                "cohesion": max(float(cohesion), 0.0),
+                "cohesion": apparent_cohesion(face, face_soil, soil.friction_angle, settings.least_depth),
             }
         )
 

@@ -20,6 +20,7 @@ from fem.continuum.shallow_failure import (
     strengthened,
 )
 from fem.continuum.strength import davis_factors, flow_of, is_dilating_fully, strengths, tensile_strengths
+from fem.continuum.water_exits import with_strengthened_exits
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
 from fem.limit.bracket import Limits
@@ -68,7 +69,8 @@ class KhBounds(SmallerKhBounds):
     shallow_failures : cohesionless faces whose shallow failure has a smaller Kh than the bounds. If there is one, the
         ground below all these faces is strengthened down to the least depth, as in the finite elements, and the bounds
         are strict for the strengthened ground: they are bounds of the whole slope. Without shallow failures the bounds
-        are strict for the ground of the section file.
+        are strict for the ground of the section file, except at ends of loads on bare sand and where water comes out of
+        it.
     shallow : an upper bound of Kh of the ground without strengthening, if it is below the bounds and below the Kh of
         all ``shallow_failures``: ground above the least depth then slips where faces of different water or slope meet,
         or where water seeps out of a face or stands close below it. The ground of this slip is strengthened as well.
@@ -103,8 +105,9 @@ class DirectionGround:
 
     ``shallow_failures`` are the faces that may fail at a smaller Kh than the whole slope. ``as_given`` is an upper
     bound, on coarse triangles, of Kh of the section without strengthening (inf if there are no such faces). ``section``
-    is the ground with these faces strengthened. ``work`` is the computing work of the coarse bounds (seconds on the
-    reference machine of ``cone_program``).
+    is the ground with these faces strengthened, ``without_faces`` the ground in which only the points are strengthened
+    where water comes out of bare sand. ``work`` is the computing work of the coarse bounds (seconds on the reference
+    machine of ``cone_program``).
     """
 
     fem: FemSettings
@@ -112,6 +115,7 @@ class DirectionGround:
     shallow_failures: tuple[ShallowFailure, ...]
     as_given: float
     section: Section
+    without_faces: Section
     work: float = 0.0
 
     @classmethod
@@ -130,11 +134,12 @@ class DirectionGround:
         most_work = LARGEST_COARSE_SHARE * seconds
         upper, work = _coarse_upper_bound(strengthened_section, fem, most_work) if faces else (-np.inf, 0.0)
         govern = [face for face in faces if face.kh < upper]
+        bare = with_strengthened_exits(section, faces, fem.least_depth)
         if not govern and not faces_at_rest:
-            return cls(fem, max_cells, (), np.inf, section, work)
-        ground = strengthened_section if govern else strengthened(section, faces_at_rest, fem)
+            return cls(fem, max_cells, (), np.inf, bare, bare, work)
+        ground = strengthened_section if govern else strengthened(bare, faces_at_rest, fem)
         as_given, more_work = _coarse_upper_bound(section, fem, most_work)
-        return cls(fem, max_cells, (*govern, *faces_at_rest), as_given, ground, work + more_work)
+        return cls(fem, max_cells, (*govern, *faces_at_rest), as_given, ground, bare, work + more_work)
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
         """Return the search for bounds. ``after``, the search for ψ = φ, is given if the search is for Davis's
@@ -195,7 +200,7 @@ def kh_bounds(
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
     bounds = search_all(section, tuple(searches.values()), limits, observer)
     strong = {direction: (ground, searches[direction]) for direction, ground in grounds.items()}
-    dropped = _drop_needless_strength(section, grounds, searches, limits, bounds.upper)
+    dropped = _drop_needless_strength(grounds, searches, limits, bounds.upper)
     bounds = search_all(section, tuple(searches.values()), limits, observer)
     wet = [way for way, search in searches.items() if _fails_shallow(section, fem, search, *strong[way])]
     for way in wet:  # a shallow failure where water emerges from a face governs before the faces themselves
@@ -229,19 +234,18 @@ def kh_bounds(
 
 
 def _drop_needless_strength(
-    section: Section,
     grounds: dict[Direction, DirectionGround],
     searches: dict[Direction, DirectionSearch],
     limits: Limits,
     upper: float,
 ) -> float:
-    """Replace grounds whose faces fail at no smaller Kh than ``upper`` by the section without strengthening, with new
-    searches; return the work of the replaced searches. The coarse triangles resisted too much.
+    """Replace grounds whose faces fail at no smaller Kh than ``upper`` by the ground without strengthened faces, with
+    new searches; return the work of the replaced searches. The coarse triangles resisted too much.
     """
     dropped = 0.0
     for direction, ground in grounds.items():
-        if ground.section is not section and not any(face.kh < upper for face in ground.shallow_failures):
-            grounds[direction] = replace(ground, section=section, shallow_failures=())
+        if ground.section is not ground.without_faces and not any(face.kh < upper for face in ground.shallow_failures):
+            grounds[direction] = replace(ground, section=ground.without_faces, shallow_failures=())
             dropped += searches[direction].work
             remaining_limits = replace(limits, seconds=limits.seconds - dropped)
             searches[direction] = grounds[direction].search(remaining_limits)

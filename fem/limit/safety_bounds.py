@@ -19,6 +19,7 @@ from typing import Literal
 from fem.continuum.loads import Direction, direction_of
 from fem.continuum.shallow_failure import faces_at, has_uncounted_water, least_rolling_factor, strengthened
 from fem.continuum.strength import strengths
+from fem.continuum.water_exits import with_strengthened_exits
 from fem.limit.bounds import COARSE_CELLS, KhBounds, as_analysed
 from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch
 from fem.limit.factor_trial import BoundsTrial, FactorWork, TrialStart, gap_of_factors
@@ -54,8 +55,8 @@ class SafetyBounds:
     in the ground without strengthening. The ground down to the least depth below such faces is then strengthened, as in
     the finite elements, and the bounds are strict for this strengthened ground: they are bounds of the whole slope.
     Without a shallow failure they are strict for the ground of the section file, except at ends of loads on bare sand
-    (``load_ends.py``). ``direction`` is the direction of the seismic force at failure, None without force; ``ended``
-    says why the bounds are not closer.
+    and where water comes out of it (``load_ends.py``, ``water_exits.py``). ``direction`` is the direction of the
+    seismic force at failure, None without force; ``ended`` says why the bounds are not closer.
     """
 
     kh: float
@@ -109,11 +110,12 @@ def safety_bounds(
         deeper = _bounds_of(strengthened_section, fem, settings, start, work.part(share))
         if shallow < deeper.upper:
             return replace(deeper, shallow_failure=_coarse(section, fem, settings, start, work).least_failing(shallow))
+    bare = with_strengthened_exits(section, faces, fem.least_depth)
     if not meet:
-        return _bounds_of(section, fem, settings, start, work)
+        return _bounds_of(bare, fem, settings, start, work)
     deeper = deeper or _bounds_of(strengthened_section, fem, settings, start, work.part(WORK_SHARE_OF_WHOLE))
     work.spent += sum(trial.work for trial in deeper.trials)
-    return _with_given_ground(section, deeper, fem, settings, start, work)
+    return _with_given_ground(bare, deeper, fem, settings, start, work)
 
 
 def _with_given_ground(

@@ -183,7 +183,7 @@ def _picture(path: Path, name: str, caption: Caption, words: str, width: int) ->
 
 
 def compressed(image: Image.Image) -> bytes:
-    """Compress a picture as lossless WebP with few colours, of half the size of lossy WebP with all of them for drawings.
+    """Compress a picture as lossless WebP with few colours: half the size of lossy WebP for drawings.
 
     Pillow's default effort takes 1.7 times as long for pictures 1 % smaller.
     """

@@ -180,8 +180,14 @@ class BoundsAnswer(BracketPart, Answer):
     load_ends: tuple[float, ...] = Field(
         default=(), description="x of ends of loads on bare sand (m), at which the ground was given a cohesion"
     )
+    water_exits: tuple[float, ...] = Field(
+        default=(), description="x where water comes out of bare sand (m), at which the ground was given a cohesion"
+    )
     least_depth: float = Field(
-        description="depth (m) up to which failures of cohesionless faces, and at ends of loads, are disregarded"
+        description=(
+            "depth (m) up to which failures of cohesionless faces, at ends of loads and where water comes out of bare "
+            "sand are disregarded"
+        )
     )
     sides: Sides
     vertical: float = Field(description="vertical seismic coefficient, positive upwards")
@@ -195,5 +201,6 @@ class BoundsAnswer(BracketPart, Answer):
 
     @property
     def strengthened(self) -> bool:
-        """Return whether the bounds are of ground in which bare faces, or the ends of loads, were given a cohesion."""
-        return self.strengthened_faces or bool(self.load_ends)
+        """Return whether the bounds are of ground in which bare faces, the ends of loads, or the points where water
+        comes out of bare sand, were given a cohesion."""
+        return self.strengthened_faces or bool(self.load_ends or self.water_exits)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from fem.continuum.load_ends import END_SUFFIX, soil_of_strip, with_strengthened_load_ends
+from fem.continuum.load_ends import POINT_SUFFIX, soil_of_strip, with_strengthened_load_ends
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
@@ -29,7 +29,7 @@ def bank(load: tuple[float, float], **changes: object) -> Section:
 def test_only_bare_ends_on_sand_are_held() -> None:
     ground = with_strengthened_load_ends(bank((0.0, 20.0)), 0.5)
     [strip, sand] = ground.strata
-    assert strip.name == f"Sand{END_SUFFIX}20 m"
+    assert strip.name == f"Sand{POINT_SUFFIX}20 m"
     assert (strip.cohesion, strip.friction_angle) == (15e3, sand.friction_angle)
     assert soil_of_strip(strip.name) == sand.name == soil_of_strip(sand.name) == "Sand"
     assert ground.layering.areas()[0] == pytest.approx(1.0 * 0.5)

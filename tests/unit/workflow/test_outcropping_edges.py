@@ -1,7 +1,8 @@
 """A narrow edge of a layer without cohesion is no shallow failure of a face."""
 
 from fem.settings import FemSettings
-from workflow.report.console import bounds_sentences, comparison_sentences
+from workflow.report.bounds_text import bounds_sentences
+from workflow.report.console import comparison_sentences
 from workflow.results.bounds import BoundsAnswer, ShallowBoundPart
 from workflow.results.continuum import FemAnswer, ShallowFailurePart
 
@@ -19,8 +20,8 @@ def elements(width: float) -> str:
 def bounds(width: float) -> str:
     face = ShallowBoundPart(stratum="Liner", start=32.9, end=32.9 + width, kh=0.05)
     answer = BoundsAnswer.model_construct(
-        shallow_failures=(face,), shallow=None, least_depth=0.5, load_ends=(), words="0.1 <= Kh", verdict="bracketed",
-        safety=(), substitute=None,
+        shallow_failures=(face,), shallow=None, least_depth=0.5, load_ends=(), water_exits=(), words="0.1 <= Kh",
+        verdict="bracketed", safety=(), substitute=None,
     )  # fmt: skip
     return next(iter(bounds_sentences(answer)))
 

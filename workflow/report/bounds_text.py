@@ -1,0 +1,74 @@
+"""Puts the strict bounds of fem/bounds.json into sentences of the console and the report."""
+
+from collections.abc import Iterator
+
+from meshes.section.cutting import shown_name
+from workflow.report.numbers import coefficient
+from workflow.results.bounds import BoundsAnswer
+
+
+def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
+    """Return the edge of a layer without cohesion, from ``start`` to ``end`` (m), that fails locally at ``kh``."""
+    when = f"at Kh = {coefficient(kh)}" if kh > 0.0 else "by its own weight"
+    width = f"{end - start:.2g} m wide where it comes out of the ground at x = {start:g} m"
+    local = f"The edge of {shown_name(stratum)}, {width}, has no cohesion and fails locally {when}"
+    return f"{local}: this is no slope failure."
+
+
+def proven(faces: bool, load_ends: bool, water_exits: bool) -> str:
+    """Return the name of bounds: of the ground as it is, or of ground with strengthened cohesionless ``faces`` or
+    strengthened bare ground at ``load_ends`` and ``water_exits``."""
+    places = {"the faces": faces, "the ends of loads": load_ends, "the points where water comes out": water_exits}
+    strengthened = [place for place, is_strengthened in places.items() if is_strengthened]
+    failures = "Bounds of failures below the cohesionless faces" if faces else "Bounds"
+    return f"{failures} ({' and '.join(strengthened)} given a cohesion)" if strengthened else "Strict bounds"
+
+
+def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
+    """Yield sentences on the strict bounds of fem/bounds.json, and the shallow failures of faces before them."""
+    for face in answer.shallow_failures:
+        if face.is_edge(answer.least_depth):
+            yield edge_sentence(face.stratum, face.start, face.end, face.kh)
+            continue
+        when = f"at Kh = {face.kh:.3f}" if face.kh > 0.0 else "by its own weight"
+        yield (
+            f"Shallow failure of the face of {shown_name(face.stratum)} from x = {face.start:g} to {face.end:g} m "
+            f"{when}. The bounds below are for failures deeper than {answer.least_depth:g} m."
+        )
+    if answer.shallow is not None:
+        when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
+        water = "water seeps out of bare ground or stands close below"
+        place_words = "two cohesionless faces meet" if answer.shallow_failures else water
+        yield (
+            f"Where {place_words}, ground less than {answer.least_depth:g} m deep slips {when}: this ground requires "
+            "cohesion, or protection."
+        )
+    ends = bool(answer.load_ends)
+    if ends:
+        place_words = ", ".join(f"{x:g}" for x in answer.load_ends)
+        yield (
+            f"Sand without cohesion has no bearing capacity below the end of a load next to bare ground (x = "
+            f"{place_words} m). In elements and bounds, this sand has a cohesion of half the pressure of the load, "
+            f"down to {answer.least_depth:g} m."
+        )
+    exits = bool(answer.water_exits)
+    if exits:
+        place_words = ", ".join(f"{x:g}" for x in answer.water_exits)
+        yield (
+            f"Where water comes out of a face without cohesion (x = {place_words} m), a small part of the sand is at its "
+            f"limit before the slope is. In the bounds below, the sand within {answer.least_depth:g} m has an apparent "
+            "cohesion."
+        )
+    name = proven(answer.strengthened_faces, ends, exits)
+    yield f"{name} with ψ = φ (the upper bound holds for every ψ ≤ φ): {answer.words}."
+    if answer.verdict != "bracketed":
+        yield answer.reason
+    for factor in answer.safety:
+        name_of_factor = proven(factor.shallow_failure is not None, ends, exits)
+        yield f"{name_of_factor} for the factor of safety, ψ = φ: {factor.words}."
+        if factor.reason:
+            yield factor.reason
+    if answer.substitute:
+        yield f"{name} of Davis's estimate for ψ < φ: {answer.substitute.words}."
+        if answer.substitute.verdict != "bracketed":
+            yield answer.substitute.reason
