@@ -55,9 +55,9 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     if exits:
         place_words = ", ".join(f"{x:g}" for x in answer.water_exits)
         yield (
-            f"Where water comes out of a face without cohesion (x = {place_words} m), a small part of the sand is at its "
-            f"limit before the slope is. In the bounds below, the sand within {answer.least_depth:g} m has an apparent "
-            "cohesion."
+            f"Where water comes out of a face without cohesion (x = {place_words} m), a small part of the sand is at "
+            f"its limit before the slope is. In the bounds below, the sand within {answer.least_depth:g} m has an "
+            "apparent cohesion."
         )
     name = proven(answer.strengthened_faces, ends, exits)
     yield f"{name} with ψ = φ (the upper bound holds for every ψ ≤ φ): {answer.words}."
