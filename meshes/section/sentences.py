@@ -129,29 +129,40 @@ def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], other_
             hint = f"; expected {other[0]}{other[1]}"
         return [f"{key}: unknown key{hint}"]
     value = error["input"]
-    shown = f" = {shortened(repr(value))}" if isinstance(value, str | int | float | bool) else ""
+    written = str(value).lower() if isinstance(value, bool) else repr(value)
+    shown = f" = {shortened(written)}" if isinstance(value, str | int | float) else ""
     if error["type"] == "too_short" and len(error["input"]) > 0:
         return []  # none of the entries is sound, and each has its own sentence
     if error["type"] == "value_error":
         return [f"{key}{shown}: {text}" if key else text for text in str(error["ctx"]["error"]).split("\n")]
-    expected = _description(error["loc"], model)
-    meaning = _first_part(expected)
+    return [f"{key}{shown}: {_expectation(error, _description(error['loc'], model))}"]
+
+
+def _expectation(error: ErrorDetails, description: str) -> str:
+    """Return in words what was expected in place of a value, with the description of its key."""
+    meaning, plain = _first_part(description), PLAIN_WORDS.get(error["type"])
+    note = f" ({meaning})" if meaning else ""
+    hint = _similar_word(error["input"], description)
     if number := NUMBERS.get(error["type"]):
-        return [f"{key}{shown}: {number}" + (f" ({meaning})" if meaning else "")]
+        return f"{number}{note}{hint}"
     if limit := limit_words(error):
-        return [f"{key}{shown}: expected {limit}" + (f" ({meaning})" if meaning else "")]
+        return f"expected {limit}{note}"
     if error["type"] == "literal_error":
         choices = str(error["ctx"]["expected"])
-        if all(choice.strip("'") in meaning for choice in re.split(", | or ", choices)):
-            return [f"{key}{shown}: expected {meaning}"]
-        return [f"{key}{shown}: expected {choices}" + (f" ({meaning})" if meaning else "")]
-    plain = PLAIN_WORDS.get(error["type"])
-    if error["type"] == "bool_type" and expected.startswith("true ") and not expected.startswith("true or"):
-        return [f"{key}{shown}: {plain}; {expected}"]
+        described = all(choice.strip("'") in meaning for choice in re.split(", | or ", choices))
+        return f"expected {meaning if described else choices + note}{hint}"
+    if error["type"] == "bool_type" and description.startswith("true ") and not description.startswith("true or"):
+        return f"{plain}; {description}"
     if plain:
-        return [f"{key}{shown}: " + (f"expected {expected}" if expected else plain)]
+        return f"expected {description}" if description else plain
     message = error["msg"][0].lower() + error["msg"][1:]
-    return [f"{key}{shown}: {message}" + (f"; expected {expected}" if expected else "")]
+    return message + (f"; expected {description}" if description else "")
+
+
+def _similar_word(value: Any, description: str) -> str:
+    """Return a question with the word of a description that is similar to a value; empty if there is none."""
+    close = difflib.get_close_matches(str(value), re.findall(r'"([^" ]+)"', description), n=1)
+    return f'; did you mean "{close[0]}"?' if close else ""
 
 
 def limit_words(error: ErrorDetails) -> str:

@@ -201,12 +201,15 @@ def test_a_command_that_cannot_answer_says_so_before_it_computes(
 
 
 def test_a_number_beyond_its_limit_and_an_unknown_word_are_told_with_what_is_expected() -> None:
-    config = {**slope(), "fem": {"accuracy": 3, "sides": "rollers"}, "structures": [{"name": "levee", "feet": 3}]}
+    tables = {"fem": {"accuracy": 3, "sides": "rollers"}, "slide": {"kh": "k_maxx"}, "mesh": {"size": True}}
+    config = {**slope(), **tables, "structures": [{"name": "levee", "feet": 3}]}
     with pytest.raises(InputError) as caught:
         Config.parse(config)
     said = "\n".join(caught.value.problems)
     assert "fem, accuracy = 3: expected at most 0.5 (largest remaining discretisation error, such as 0.01" in said
     assert "fem, sides = 'rollers': expected \"free-field\" (free horizontally under the K0 stress" in said
     assert "a section file that does not say" not in said
+    assert said.count('; did you mean "k_max"?') == 1
+    assert "mesh, size = true: " in said
     assert 'structures 1 "levee", feet: unknown key; expected one of name, from, to, kind' in said
     assert 'structures 1 "levee", from: missing; expected x of the left foot of the structure' in said

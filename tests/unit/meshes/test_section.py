@@ -41,7 +41,7 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
     "infinite": (upper(cohesion=math.inf), "cohesion = inf", "a stress of 0 or more"),
     "wrong dimension": (upper(youngs_modulus="30 deg"), "youngs_modulus = '30 deg'", "wrong dimension (degree)"),
     "no unit": (upper(youngs_modulus="30"), "youngs_modulus = '30'", "or a plain number in Pa"),
-    "truth value": (upper(poissons_ratio=True), "poissons_ratio = True", "expected a Poisson's ratio"),
+    "truth value": (upper(poissons_ratio=True), "poissons_ratio = true", "expected a Poisson's ratio"),
     "list for a quantity": (upper(cohesion=[1.0]), "cohesion", "expected a stress"),
     "text for a list": (upper(liquefies_in="all"), "liquefies_in = 'all'", "such as [1, 2, 3]"),
     "truth value in a list": (upper(liquefies_in=[True]), "liquefies_in: True among the cases", "whole numbers from 1"),
