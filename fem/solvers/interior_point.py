@@ -103,7 +103,7 @@ class InteriorPointMethod:
     def __init__(self, standard: Standard, unit: float, tolerance: Tolerance, matrix: CornerMatrix) -> None:
         """Begin with the program in standard form, whose costs are ``unit`` times the multiplier of the loads, and the
         ``matrix`` of its normal equations; the program is solved to a ``tolerance``."""
-        self.program, self.wanted, self.stiffness_matrix = standard, tolerance, matrix
+        self.program, self.tolerance, self.stiffness_matrix = standard, tolerance, matrix
         self.least, self.floor = tolerance.least * unit, tolerance.floor * unit
         corners = standard.corners
         self.a, self.a_t = standard.matrix, standard.matrix.T.tocsr()
@@ -114,21 +114,21 @@ class InteriorPointMethod:
             int(part.max(initial=-1)) + 1 for part in (corners.clay, corners.single, corners.triple)
         )
         count = len(corners.sine)
-        self.first, self.cones = 1 + clays, count + triples
-        self.lones = self.first + 3 * self.cones  # first row of single openings
+        self.first_cone_row, self.cones = 1 + clays, count + triples
+        self.first_single_row = self.first_cone_row + 3 * self.cones  # first row of single openings
         self.velocities = standard.rates.shape[1]
         at_corners = corners.sine, corners.clay, corners.single, corners.triple, corners.torn_sine
         self.eliminated = *at_corners, self.velocities, clays, self.velocities + clays + singles
         self.corners = at_corners
         self.axis, self.size = np.zeros((self.cones, 3)), np.zeros(self.cones)
-        self.square, self.lone = np.zeros((self.cones, 3, 3)), np.zeros(singles)
+        self.square, self.single_scaling = np.zeros((self.cones, 3, 3)), np.zeros(singles)
         self.c_inverse = np.zeros((count, 3, 3))
         self.degree = self.cones + singles
-        self.soft = CLAY_COMPLIANCE
+        self.compliance = CLAY_COMPLIANCE
 
     def cone(self, v: np.ndarray) -> np.ndarray:
         """Return the cones of a vector of rows, as a view (cones, 3)."""
-        return v[self.first : self.lones].reshape(-1, 3)
+        return v[self.first_cone_row : self.first_single_row].reshape(-1, 3)
 
     def run(self, start: Place | None, most_iterations: int) -> Iterate:
         """Iterate until the tolerances are met or no more progress is possible, at most ``most_iterations`` times.
@@ -138,36 +138,36 @@ class InteriorPointMethod:
         the iterations; with an iterate near the solution the method often breaks down.
         """
         y, z, s = start or self.start()
-        warm, wanted = start, self.wanted
+        warm, criteria = start, self.tolerance
         best: Iterate | None = None
-        late, least, since = 0, np.inf, 0
+        iterations_below_gap, smallest_residual, last_halving = 0, np.inf, 0
         for iteration in range(1 + (most_iterations if start is None else min(most_iterations, MOST_WARM_ITERATIONS))):
             check_cancelled()
             ry, rz = self.a_t @ z + self.c, self.b - self.a @ y - s
             primal, dual = float(self.c @ y), -float(self.b @ z)
-            product = float(s[self.first :] @ z[self.first :])
+            product = float(s[self.first_cone_row :] @ z[self.first_cone_row :])
             of_velocities = np.abs(rz).max() / max(1.0, np.abs(self.b).max() + np.abs(y).max() + np.abs(s).max())
             residual = max(
                 of_velocities,
                 np.abs(ry).max() / max(1.0, np.abs(self.c).max() + np.abs(z).max()),
             )
             gap = max(abs(primal - dual), product) / max(abs(dual), self.least)
-            now = Iterate(y, z, s, primal, dual, gap, float(residual), iteration)
-            if primal < self.floor and of_velocities <= wanted.nearly:
-                best = replace(now, below_floor=True)
+            iterate = Iterate(y, z, s, primal, dual, gap, float(residual), iteration)
+            if primal < self.floor and of_velocities <= criteria.nearly:
+                best = replace(iterate, below_floor=True)
                 break
-            if best is None or now.rank(wanted.nearly) < best.rank(wanted.nearly):
-                best = now
+            if best is None or iterate.rank(criteria.nearly) < best.rank(criteria.nearly):
+                best = iterate
             if warm is None and product <= WARM_START_GAP * max(abs(dual), self.least):
                 warm = y, z, s
-            if (now is best and residual <= wanted.residual and gap <= wanted.gap) or not np.isfinite(gap):
+            if (iterate is best and residual <= criteria.residual and gap <= criteria.gap) or not np.isfinite(gap):
                 break
-            late += gap < wanted.gap and residual > wanted.residual
-            if late > MOST_ITERATIONS_BELOW_GAP:
+            iterations_below_gap += gap < criteria.gap and residual > criteria.residual
+            if iterations_below_gap > MOST_ITERATIONS_BELOW_GAP:
                 break
-            if residual < 0.5 * least:
-                least, since = float(residual), iteration
-            elif least > wanted.nearly and iteration - since >= STALLED_ITERATIONS:
+            if residual < 0.5 * smallest_residual:
+                smallest_residual, last_halving = float(residual), iteration
+            elif smallest_residual > criteria.nearly and iteration - last_halving >= STALLED_ITERATIONS:
                 break
             if iteration > ITERATIONS_TO_FEASIBILITY and best.residual > FEASIBLE_RESIDUAL:  # as without a solution
                 break
@@ -187,36 +187,44 @@ class InteriorPointMethod:
         solution."""
         if not scalings(self.cone(s), self.cone(z), self.axis, self.size, self.square):
             raise _BreakdownError
-        lone_s, lone_z = s[self.lones :], z[self.lones :]
-        self.lone[:] = lone_s / lone_z
+        single_s, single_z = s[self.first_single_row :], z[self.first_single_row :]
+        self.single_scaling[:] = single_s / single_z
         self.factorise()
 
-        def solved(d: np.ndarray, start: tuple[np.ndarray, np.ndarray] | None, within: float, most: int) -> _Trial:
+        def solved(
+            d: np.ndarray, start: tuple[np.ndarray, np.ndarray] | None, allowed_residual: float, most: int
+        ) -> _Trial:
             right = rz + d
-            dy, dz = self.refined(-ry, right, start or self.once(-ry, right), within, most)
+            dy, dz = self.refined(-ry, right, start or self.once(-ry, right), allowed_residual, most)
             ds = -d - self.squared(dz)
-            ds[: self.first] = 0.0
+            ds[: self.first_cone_row] = 0.0
             return _Trial(d, dy, dz, ds, min(1.0, self.longest(s, ds)), min(1.0, self.longest(z, dz)))
 
-        affine = solved(np.concatenate([np.zeros(self.first), s[self.first :]]), None, PREDICTOR_RESIDUAL, 1)
-        nearer = (s + affine.primal * affine.ds)[self.first :] @ (z + affine.dual * affine.dz)[self.first :]
-        aim = max(min(1.0, max(nearer / self.degree / mean, 0.0) ** 3), SMALLEST_CENTRING) * mean
+        affine = solved(
+            np.concatenate([np.zeros(self.first_cone_row), s[self.first_cone_row :]]), None, PREDICTOR_RESIDUAL, 1
+        )
+        predicted_product = (s + affine.primal * affine.ds)[self.first_cone_row :] @ (z + affine.dual * affine.dz)[
+            self.first_cone_row :
+        ]
+        aim = max(min(1.0, max(predicted_product / self.degree / mean, 0.0) ** 3), SMALLEST_CENTRING) * mean
         d = np.zeros(len(s))
         corrections(self.axis, self.size, self.cone(z), self.cone(affine.ds), self.cone(affine.dz), aim, self.cone(d))
-        d[self.lones :] = (lone_s * lone_z + affine.ds[self.lones :] * affine.dz[self.lones :] - aim) / lone_z
+        d[self.first_single_row :] = (
+            single_s * single_z + affine.ds[self.first_single_row :] * affine.dz[self.first_single_row :] - aim
+        ) / single_z
         best = solved(d, None, PREDICTOR_RESIDUAL, 1)
         for _ in range(CORRECTORS):
             if min(best.primal, best.dual) > 0.95:
                 break
-            other = solved(best.d - self.centring(s, z, best, aim), None, PREDICTOR_RESIDUAL, 1)
-            if other.primal + other.dual < best.primal + best.dual + 0.1 * LENGTH_GAIN:
+            corrected = solved(best.d - self.centring(s, z, best, aim), None, PREDICTOR_RESIDUAL, 1)
+            if corrected.primal + corrected.dual < best.primal + best.dual + 0.1 * LENGTH_GAIN:
                 break
-            best = other
-        within = min(LARGEST_RESIDUAL, max(SMALLEST_RESIDUAL, tolerance))
+            best = corrected
+        allowed_residual = min(LARGEST_RESIDUAL, max(SMALLEST_RESIDUAL, tolerance))
         start: tuple[np.ndarray, np.ndarray] | None = (best.dy, best.dz)
         for _ in range(DIRECTION_ATTEMPTS):
-            best = solved(best.d, start, within, MOST_REFINEMENTS)
-            if self.is_exact(-ry, rz + best.d, best, within):
+            best = solved(best.d, start, allowed_residual, MOST_REFINEMENTS)
+            if self.is_exact(-ry, rz + best.d, best, allowed_residual):
                 break
             self.factorise()
             start = None
@@ -231,8 +239,8 @@ class InteriorPointMethod:
         ez = np.abs(rz - self.a @ trial.dy + self.squared(trial.dz)).max()
         beyond = max(ey, ez) / (1e-12 + within * max(np.abs(ry).max(), np.abs(rz).max()))
         if beyond > 1.0:
-            much = COMPLIANCE_RATIO if ey > ez else 1.0 / COMPLIANCE_RATIO
-            self.soft = min(max(self.soft * much, SMALLEST_COMPLIANCE), LARGEST_COMPLIANCE)
+            ratio = COMPLIANCE_RATIO if ey > ez else 1.0 / COMPLIANCE_RATIO
+            self.compliance = min(max(self.compliance * ratio, SMALLEST_COMPLIANCE), LARGEST_COMPLIANCE)
         return bool(beyond <= POOR_RESIDUAL_RATIO)
 
     def centring(self, s: np.ndarray, z: np.ndarray, trial: "_Trial", aim: float) -> np.ndarray:
@@ -242,14 +250,14 @@ class InteriorPointMethod:
         residual = np.zeros(len(s))
         cones = (self.cone(v) for v in (z, s_next, z_next))
         centrality(self.axis, self.size, *cones, aim, SMALLEST_PRODUCT, LARGEST_PRODUCT, self.cone(residual))
-        product = s_next[self.lones :] * z_next[self.lones :]
-        back = np.clip(product, SMALLEST_PRODUCT * aim, LARGEST_PRODUCT * aim) - product
-        residual[self.lones :] = np.maximum(back, -LARGEST_PRODUCT * aim) / z[self.lones :]
+        product = s_next[self.first_single_row :] * z_next[self.first_single_row :]
+        correction = np.clip(product, SMALLEST_PRODUCT * aim, LARGEST_PRODUCT * aim) - product
+        residual[self.first_single_row :] = np.maximum(correction, -LARGEST_PRODUCT * aim) / z[self.first_single_row :]
         return residual
 
     def longest(self, v: np.ndarray, dv: np.ndarray) -> float:
         """Return the largest step after which all of v is still in its cones."""
-        lone, change = v[self.lones :], dv[self.lones :]
+        lone, change = v[self.first_single_row :], dv[self.first_single_row :]
         shrink = change < 0.0
         alone = (-lone[shrink] / change[shrink]).min(initial=1e30)
         return float(min(longest_step(self.cone(v), self.cone(dv)), alone))
@@ -259,12 +267,12 @@ class InteriorPointMethod:
         first."""
         squares = np.zeros(len(v))
         add_products(self.square, self.cone(v), self.cone(squares))
-        squares[self.lones :] = self.lone * v[self.lones :]
+        squares[self.first_single_row :] = self.single_scaling * v[self.first_single_row :]
         return squares
 
     def factorise(self) -> None:
         """Factorise the stiffness matrix, and solve for the load."""
-        stiffnesses(self.axis, self.size, self.lone, *self.corners, self.soft, self.c_inverse)
+        stiffnesses(self.axis, self.size, self.single_scaling, *self.corners, self.compliance, self.c_inverse)
         self.stiffness_matrix.factorise(self.c_inverse)
         self.to_load = self.without_load(self.load, np.zeros(len(self.b)))
         self.load_work = float(self.load @ self.to_load[0])
@@ -275,7 +283,7 @@ class InteriorPointMethod:
         """Solve Aᵀ dz = ry, A dy - W² dz = rz, where A lacks its first row, which holds the load."""
         g, force = np.empty((2, len(self.corners[0]), 3))
         dy, dz = np.zeros(len(ry)), np.zeros(len(rz))
-        at = self.c_inverse, self.square, self.lone, *self.eliminated
+        at = self.c_inverse, self.square, self.single_scaling, *self.eliminated
         condense(ry, rz, *at, g, force)
         n = self.velocities
         dy[:n] = self.stiffness_matrix.solve(ry[:n] + self.q_t @ force.ravel())
@@ -329,10 +337,10 @@ class InteriorPointMethod:
         squares = self.a.multiply(self.a).sum(axis=1)
         rows = np.sqrt(np.asarray(squares).ravel())
         weight = np.maximum(self.cone(rows).max(axis=1), 1e-12)
-        lone = np.maximum(rows[self.lones :], 1e-12)
+        lone = np.maximum(rows[self.first_single_row :], 1e-12)
         self.axis[:], self.size[:] = [1.0, 0.0, 0.0], weight
         self.square[:] = np.eye(3) * (weight**2)[:, None, None]
-        self.lone[:] = lone**2
+        self.single_scaling[:] = lone**2
         self.factorise()
         nothing = np.zeros(len(self.c)), np.zeros(len(self.b))
         y, z_of_y = self.refined(nothing[0], self.b, self.once(nothing[0], self.b), 1e-8, MOST_REFINEMENTS)
@@ -343,7 +351,7 @@ class InteriorPointMethod:
     def led_inside(self, v: np.ndarray, weight: np.ndarray, lone: np.ndarray) -> np.ndarray:
         """Return a vector of rows over the weights, moved along the axes of all cones until it is inside them."""
         v = v.copy()
-        cone, rest = self.cone(v), v[self.lones :]
+        cone, rest = self.cone(v), v[self.first_single_row :]
         cone *= weight[:, None]
         rest *= lone
         least = float(min((cone[:, 0] - np.hypot(cone[:, 1], cone[:, 2])).min(), rest.min(initial=np.inf)))
