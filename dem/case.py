@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
 from meshes.section.cutting import value_of_stratum, whole_soil
-from meshes.section.liquefies import Remains
+from meshes.section.liquefies import RemainingStrength
 from meshes.section.quantity import Quantity, Strength
 from meshes.section.section import Model, Section
 
@@ -107,19 +107,19 @@ class Case(Model):
         potential = self.strain_potential
         return value_of_stratum(potential, stratum) or 0.0 if isinstance(potential, dict) else potential
 
-    def residual_remains(self, stratum: str) -> Remains:
+    def residual_remains(self, stratum: str) -> RemainingStrength:
         """Return the strength that a stratum retains after liquefaction, from its residual strength alone."""
         remains = self.residual_of(stratum), self.strength_of(stratum), self.strain_potential_of(stratum)
-        return Remains(0.0, 0.0, *remains)
+        return RemainingStrength(0.0, 0.0, *remains)
 
-    def remains_of(self, section: Section, number: int) -> Remains:
+    def remains_of(self, section: Section, number: int) -> RemainingStrength:
         """Return the strength of a stratum after liquefaction: its residual strength, or shares of cohesion and
         friction if the strength that these shares leave is larger. The two strengths are not added, since residual
         strengths that were back-calculated from failures are the whole strength of liquefied soil.
         """
         stratum, field = section.strata[number], section.cohesion_field
         residual = self.residual_remains(stratum.name)
-        shares = Remains(self.cohesion, self.friction, 0.0)
+        shares = RemainingStrength(self.cohesion, self.friction, 0.0)
         if not (self.cohesion or self.friction):
             return residual
         stress, cohesion = field.mean_effective_stress(number), field.means()[number].cohesion

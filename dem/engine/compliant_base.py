@@ -30,7 +30,7 @@ def acceleration_on_discs(model: DiscState) -> Acceleration:
     return acceleration.plus(-model.base_rate * x, -model.base_rate * z)
 
 
-def felt_until(model: DiscState, end: float, look: "Look | None") -> Acceleration:
+def felt_until(model: DiscState, end: float, look: "MeasurementInterval | None") -> Acceleration:
     """Return the acceleration that acts on the discs from now to a time (s), including the acceleration of a compliant
     base."""
     if look is None:
@@ -49,7 +49,7 @@ def momentum(model: DiscState) -> float:
     return float(np.sum(model.mass[free] * (x * model.vx_half[free] + z * model.vz_half[free])))
 
 
-class Look:
+class MeasurementInterval:
     """Holds the interval of steps from one measurement of the force on the base to the next. A new neighbour list may
     end the interval early.
 

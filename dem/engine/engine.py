@@ -15,9 +15,9 @@ from numba import config
 
 from dem.chunked_map import threaded
 from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
-from dem.engine.compliant_base import Look, acceleration_on_discs, felt_until
+from dem.engine.compliant_base import MeasurementInterval, acceleration_on_discs, felt_until
 from dem.engine.energy_balance import EnergyBalance
-from dem.engine.memory import Room, keep_freed_arrays
+from dem.engine.memory import ReusedMemory, keep_freed_arrays
 from dem.engine.packer import CrackBy, law_of, pack, springs_of, unpack, unpack_motion
 from dem.engine.sharing import neighbour_slices
 from dem.errors import DemError, StepTooLargeError
@@ -195,12 +195,12 @@ class EngineRun:
         self.pool = None if alone else ThreadPoolExecutor(self.threads)
         self.working: list[Future[tuple[int, float, int]]] = []
         self.in_ranges = threaded(self.pool, self.threads)
-        self.room = Room(len(model))
+        self.room = ReusedMemory(len(model))
         self.layout: Layout | None = None  # while there is one, the model has no pairs
         self.springs, self.law = springs_of(model), engine.law_of(model)  # as they were when the layout was made
         self.stable: StableStep | None = None  # as it was when the list was made, if that was in this run
         self.share: float | None = None  # of the stable step, that steps with a new list are at most; None: refused
-        self.look: Look | None = None  # at a compliant base
+        self.look: MeasurementInterval | None = None  # at a compliant base
         self.when_whole: Callable[[], None] = lambda: None  # called when a call of the kernel is over and booked
         self.pack()
         self.begin_energy_balance()
@@ -314,7 +314,7 @@ class EngineRun:
         model, dt = self.model, self.dt
         if model.base_impedance == 0.0:
             return self.call_kernel(steps)
-        self.look = self.look or Look(model, dt)
+        self.look = self.look or MeasurementInterval(model, dt)
         since, left = model.time, self.look.steps_left(model, dt)
         reason = self.call_kernel(min(steps, left))
         self.look.follow(model, since)

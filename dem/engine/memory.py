@@ -24,11 +24,11 @@ def large_zeros(*shape: int) -> np.ndarray:
     return values
 
 
-class Room:
+class ReusedMemory:
     """Reuses memory, by name, for arrays of about the same size. The earlier contents of the memory are lost.
 
-    `Room` serves arrays above `LARGEST_ARRAY`, which glibc otherwise returns to the system: for 300,000 discs a quarter
-    of the time of a new neighbour list was spent on new pages.
+    `ReusedMemory` serves arrays above `LARGEST_ARRAY`, which glibc otherwise returns to the system: for 300,000 discs a
+    quarter of the time of a new neighbour list was spent on new pages.
     """
 
     def __init__(self, discs: int = MANY_DISCS + 1) -> None:

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from dem.chunked_map import Ranges, serial
-from dem.engine.memory import Room, large_zeros
+from dem.engine.memory import ReusedMemory, large_zeros
 from dem.kernels.arguments import Law, Springs
 from dem.kernels.contact import KPN
 from dem.kernels.layout import (
@@ -40,14 +40,16 @@ _LINE_MEMORY = {2: "line_shear", 4: "line_force_x", 5: "line_force_z"}
 _LINE_ROLLING = {1: "line_rolled", 2: "line_torque"}
 
 
-def pack(model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = serial, room: Room | None = None) -> Layout:
+def pack(
+    model: DiscModel, *, keep_pairs: bool = True, in_ranges: Ranges = serial, room: ReusedMemory | None = None
+) -> Layout:
     """Return the layout of a model for the stepping kernel; the same model always gives the same layout.
 
     keep_pairs: False removes the pairs from the model until `unpack` restores them, so that they are not stored twice.
     room: reusable memory for the largest arrays; an earlier layout in it becomes invalid. in_ranges: function that runs
     loops over contacts, in this thread or in several.
     """
-    room = Room() if room is None else room
+    room = ReusedMemory() if room is None else room
     n = len(model)
     slices = n // LANES + 1
     order = model.order

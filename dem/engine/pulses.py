@@ -10,7 +10,7 @@ from dem.engine.engine import Engine, EngineRun, largest_step
 from dem.model import DiscModel
 
 
-class Pulses:
+class ShortRuns:
     """Runs discs in short sections. Inside the ``with`` block, positions and velocities of the model are current, but
     its contacts only after a call of `whole`.
 
@@ -25,7 +25,7 @@ class Pulses:
         self.run = EngineRun(Engine(energies=False, threads=threads), model, share * stable.seconds)
         self.run.stable, self.run.share = stable, share
 
-    def __enter__(self) -> "Pulses":
+    def __enter__(self) -> "ShortRuns":
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:

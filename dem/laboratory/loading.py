@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from dem.errors import ConfinementError, DemError
-from dem.laboratory.patch import Patch, Press, StressState
+from dem.laboratory.patch import Patch, StrainControl, StressState
 from dem.laboratory.plane_elastic import PlaneElastic, lattice_elastic
 
 LoadingKind = Literal["biaxial", "simple shear"]
@@ -88,7 +88,7 @@ def confine(patch: Patch, pressure: float) -> None:
     """
     modulus = lattice_elastic(patch.model.springs.layers[0], pores=False).M
     unit = patch.time_unit
-    with Press(patch) as press:
+    with StrainControl(patch) as press:
         for _ in range(int(LONGEST_SETTLING / 3.0)):
             now = patch.stress_state()
             error = 0.5 * (now.stress + now.stress.T) + pressure * np.eye(2)
@@ -119,7 +119,7 @@ def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
     for name, direction in directions.items():
         probed = patch.copy()
         unit = patch.time_unit
-        with Press(probed) as press:
+        with StrainControl(probed) as press:
             press.strain(direction * size / (PROBE_TIME * unit), PROBE_TIME * unit)
             press.strain(np.zeros((2, 2)), HOLD_TIME * unit)
         responses[name] = probed.stress_state().stress / size
@@ -160,7 +160,7 @@ def load(
     bonds = max(1, int((patch.model.pore_length != 0.0).sum()))
     rows: list[np.ndarray] = []
     stopped = ""
-    with Press(patch) as press:
+    with StrainControl(patch) as press:
         try:
             now = patch.stress_state()
             for interval in lengths:

@@ -160,7 +160,7 @@ class StressState:
     cracked: int
 
 
-class Press:
+class StrainControl:
     """Imposes strain on a patch: steps of the engine with constant velocity gradients of the frame.
 
     Inside the ``with`` block the contacts are only in the layout of the kernels, since writing the contacts back takes
@@ -172,7 +172,7 @@ class Press:
         engine = Engine(dt=STEP * largest_step(patch.model).seconds, threads=patch.threads, energies=False)
         self.run = EngineRun(engine, patch.model, engine.step_of(patch.model))
 
-    def __enter__(self) -> "Press":
+    def __enter__(self) -> "StrainControl":
         self.patch.run = self.run
         return self
 

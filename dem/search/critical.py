@@ -9,7 +9,7 @@ import numpy as np
 
 from dem.ground import Ground
 from dem.model import DiscModel
-from dem.search.equilibrium import Rise, Trial, displacement, try_kh
+from dem.search.equilibrium import KhRise, Trial, displacement, try_kh
 from dem.settings import DemSettings, SearchVerdict
 
 PROBE_KH = 0.02  # under which the elastic displacement is measured
@@ -104,7 +104,7 @@ def critical_kh(
         model = stood.copy()
         # an elastic displacement is not known before the probe has stood
         known = search.flexibility_m or float("inf")
-        trial = try_kh(model, settled, ground, settings, Rise(search.kc_lower, kh, known), threads)
+        trial = try_kh(model, settled, ground, settings, KhRise(search.kc_lower, kh, known), threads)
         search.trials.append(trial)
         if on_trial is not None:
             on_trial(trial, model)

@@ -14,7 +14,7 @@ import numpy as np
 
 from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces, keep_slip, resultants
-from dem.engine.pulses import Pulses
+from dem.engine.pulses import ShortRuns
 from dem.errors import DemError
 from dem.ground import Ground
 from dem.liquefied_ground import pressure_forces
@@ -52,7 +52,7 @@ class Rest:
     displacement: float
 
 
-class Rise(NamedTuple):
+class KhRise(NamedTuple):
     """Holds the rise of Kh in a trial.
 
     Attributes
@@ -230,7 +230,7 @@ def advance_damped(model: DiscModel, seconds: float, last: float, threads: int =
     """
     count = round(CHECK_INTERVAL / SETTLING_CHECK_INTERVAL)
     most = 0.0
-    with Pulses(model, STEP_SHARE, threads) as pulses:
+    with ShortRuns(model, STEP_SHARE, threads) as pulses:
         for _ in range(count):
             pulses.on(seconds / count)
             energy = moving_energy(model)
@@ -257,7 +257,7 @@ def moving_energy(model: DiscModel) -> float:
 
 def step_on(model: DiscModel, seconds: float, threads: int = 1) -> None:
     """Advance the discs without energy balance, at the longest step that is safely stable."""
-    with Pulses(model, STEP_SHARE, threads) as pulses:
+    with ShortRuns(model, STEP_SHARE, threads) as pulses:
         pulses.on(seconds)
 
 
@@ -266,7 +266,7 @@ def try_kh(
     before: DiscModel,
     ground: Ground,
     settings: DemSettings,
-    rise: Rise,
+    rise: KhRise,
     threads: int = 1,
 ) -> Trial:
     """Raise Kh for discs that stand at a smaller Kh, and decide whether they still stand. `model` is changed.

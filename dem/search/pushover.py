@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dem.engine.pulses import Pulses
+from dem.engine.pulses import ShortRuns
 from dem.errors import DemError
 from dem.ground import Ground
 from dem.model import DiscModel
@@ -185,7 +185,7 @@ def _points(
     moved, speed, end = 0.0, 0.0, 0.0
     most, count, curving, ended = 0.0, 0, True, ""
     since: list[tuple[float, float]] = []
-    with Pulses(model, STEP_SHARE, threads) as pulses:
+    with ShortRuns(model, STEP_SHARE, threads) as pulses:
         while curving or not (ended := _end_reason(model, before, ground, machine, moved)):
             driven = machine.speed(moved, cycle)
             end += driven * pulse

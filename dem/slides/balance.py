@@ -109,7 +109,7 @@ def deepest_overlap(model: DiscModel) -> float:
     return float(np.max(((2.0 * mean - model.distance()) / mean)[inside], initial=0.0))
 
 
-class AtSide(NamedTuple):
+class SideEffect(NamedTuple):
     """Describes how a side of the box affects a slide.
 
     Attributes
@@ -128,7 +128,7 @@ class AtSide(NamedTuple):
     piled: bool
 
 
-def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSide]:
+def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[SideEffect]:
     """Return how each side of the box affects a slide from `start` to `model`; empty for periodic ground."""
     if model.period is not None:
         return []
@@ -143,11 +143,11 @@ def both_sides(model: DiscModel, start: DiscModel, ground: Ground) -> list[AtSid
         near_before, near_after = (line[np.abs(line[:, 0] - side) < reach, 1] for line in (before, after))
         rise = float(near_after.mean() - near_before.mean()) if len(near_before) and len(near_after) else 0.0
         furthest = float(slide[came].max() / slide.max()) if came.any() else 0.0
-        sides.append(AtSide(name, int(came.sum()), furthest, rise, rise > PILED_RISE * ground.radius))
+        sides.append(SideEffect(name, int(came.sum()), furthest, rise, rise > PILED_RISE * ground.radius))
     return sides
 
 
-def stopped_by(sides: Sequence[AtSide]) -> str | None:
+def stopped_by(sides: Sequence[SideEffect]) -> str | None:
     """Return the side of the box ("left" or "right") that stopped a slide, None if the slide ended without a side.
 
     A side counts as having stopped the slide if ground piled up there, or if ground there slid at least half as far as
@@ -157,7 +157,7 @@ def stopped_by(sides: Sequence[AtSide]) -> str | None:
     return max(reached, key=lambda side: (side.furthest, side.rise)).name if reached else None
 
 
-def at_the_sides(sides: Sequence[AtSide]) -> list[str]:
+def at_the_sides(sides: Sequence[SideEffect]) -> list[str]:
     """Return the sides that affect the slide: discs of the surface come near them, or ground piles up there."""
     notes = []
     for side in sides:

@@ -5,7 +5,7 @@ volume.
 import math
 from collections.abc import Mapping
 
-from meshes.section.liquefies import Remains
+from meshes.section.liquefies import RemainingStrength
 from meshes.section.section import Section
 
 # Poisson's ratio of undrained liquefied ground: it keeps its volume and presses on the sides nearly as a liquid does,
@@ -16,7 +16,7 @@ UNDRAINED_POISSON = 0.49
 LEAST_STRENGTH_RATIO = 1e-3
 
 
-def liquefied_section(section: Section, remains: Mapping[int, Remains]) -> Section:
+def liquefied_section(section: Section, remains: Mapping[int, RemainingStrength]) -> Section:
     """Return the section after liquefaction of the strata with these numbers; liquefied strata have ψ = 0 and ν =
     0.49."""
     strata = list(section.strata)

@@ -147,7 +147,7 @@ def _with_given_ground(
 
 
 @dataclass(frozen=True)
-class _Coarse:
+class _CoarseBounds:
     """Holds the coarse triangles of a section and its upper bounds on them, with the seismic force to either side."""
 
     searches: tuple[FactorSearch, FactorSearch]
@@ -181,11 +181,11 @@ def _is_unsafe(search: FactorSearch, factor: float) -> bool:
 
 def _coarse(
     section: Section, fem: FemSettings, settings: BoundsSettings, start: TrialStart, work: FactorWork
-) -> _Coarse:
+) -> _CoarseBounds:
     section = as_analysed(section, fem)
     mesh = first_mesh(section, COARSE_CELLS, fem.sides)
     downslope, upslope = (FactorSearch(section, mesh, fem, settings, sign, start, work) for sign in (1, -1))
-    return _Coarse((downslope, upslope))
+    return _CoarseBounds((downslope, upslope))
 
 
 def _first_mesh(

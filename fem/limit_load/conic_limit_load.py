@@ -71,7 +71,7 @@ class _Cells:
 
 
 @dataclass(frozen=True, eq=False)
-class Discretised:
+class DiscreteEquilibrium:
     """Holds the dimensionless equilibrium of the elements of all MPI ranks under nodal forces, gathered on the first
     rank.
 
@@ -125,10 +125,10 @@ class Discretised:
 
     def solved(
         self,
-        program: "Callable[[Discretised], cone_program.ConeProgram]",
+        program: "Callable[[DiscreteEquilibrium], cone_program.ConeProgram]",
         start: cone_program.Warm | None = None,
         least: float = 1.0,
-    ) -> "tuple[Discretised, cone_program.Solution]":
+    ) -> "tuple[DiscreteEquilibrium, cone_program.Solution]":
         """Solve the cone program, and return the solution with the problem in the unit of stress that was used. If the
         solver is not certain, or finds no stress because forces were rounded, the program is solved again with a larger
         unit of stress. Only the first of the two solutions begins at ``start``. The gap at which the solver ends is a
@@ -202,7 +202,7 @@ def of_first_rank(problem: "PlaneStrain", answer: A | NoAnswerError | None) -> A
     return cast(A, answer)
 
 
-def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Discretised:
+def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> DiscreteEquilibrium:
     """Return the elements of all ranks under nodal forces (dofs,), gathered on the first rank; each other rank gets its
     own elements only.
     """
@@ -220,11 +220,11 @@ def gathered(problem: "PlaneStrain", mesh: QuadMesh, *forces: np.ndarray) -> Dis
     length = float(np.ptp(mesh.points[:, 1]))
     unit = FORCE_UNIT * float(np.abs(all_forces[0][free]).sum()) / length
     strain = _strain_matrix(cells, np.sqrt(cells.weights), grid.size)[:, np.flatnonzero(free)].tocsr()
-    return Discretised(cells, free, tuple(all_forces), length, unit, strain)
+    return DiscreteEquilibrium(cells, free, tuple(all_forces), length, unit, strain)
 
 
 def _limit_load_of(
-    problem: "PlaneStrain", mesh: QuadMesh, ground: Discretised, solution: cone_program.Solution, ratio: float
+    problem: "PlaneStrain", mesh: QuadMesh, ground: DiscreteEquilibrium, solution: cone_program.Solution, ratio: float
 ) -> ConicLimitLoad | NoAnswerError:
     """Return the limit load from a ``solution``, in whose program the live load is multiplied by ``ratio``, or the
     reason why there is no limit load.

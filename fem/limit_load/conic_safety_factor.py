@@ -26,7 +26,7 @@ import numpy as np
 from fem.continuum.fields import FieldState
 from fem.continuum.strength import strength_of
 from fem.errors import UnstableError
-from fem.limit_load.conic_limit_load import Discretised, gathered, of_first_rank
+from fem.limit_load.conic_limit_load import DiscreteEquilibrium, gathered, of_first_rank
 from fem.solvers import cone_program
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
@@ -143,7 +143,7 @@ class _FactorSearch:
         self,
         problem: "PlaneStrain",
         mesh: QuadMesh,
-        ground: Discretised,
+        ground: DiscreteEquilibrium,
         mean: np.ndarray,
         start: FactorStart | None = None,
     ) -> None:
@@ -193,7 +193,7 @@ class _FactorSearch:
         strength, softening = self.problem.strength, self.softening(at, self.elastic)
         softening = np.maximum(softening, LEAST_SOFTENING * softening.mean())
 
-        def program(ground: Discretised) -> cone_program.ConeProgram:
+        def program(ground: DiscreteEquilibrium) -> cone_program.ConeProgram:
             dead = ground.load(0)
             return ground.program(strength, dead, np.zeros_like(dead), softening)
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.sparse import linalg
 
-from fem.limit_load.conic_limit_load import Discretised, gathered
+from fem.limit_load.conic_limit_load import DiscreteEquilibrium, gathered
 from fem.solvers.elastic_cone_program import ElasticConeProgram
 from meshes.quad_mesh import QuadMesh
 
@@ -90,7 +90,7 @@ def nonassociated_limit_load(
 class _Step:
     """Iterates on the pressures (cells,), over the unit of stress, of one elastoplastic step from rest."""
 
-    def __init__(self, problem: "PlaneStrain", ground: Discretised) -> None:
+    def __init__(self, problem: "PlaneStrain", ground: DiscreteEquilibrium) -> None:
         self.ground, self.programs, self.reason = ground, 0, ""
         self.at_rest: np.ndarray | None = None
         cells, strength, strata = ground.cells, problem.strength, problem.strata

@@ -16,7 +16,7 @@ from fem.mpm.points import UNLIMITED_TENSION
 from fem.mpm.slide_record import PointSlide
 from fem.mpm.weak_edges import edge_strength, thickness_over_width
 from meshes.files import read_checkpoint, write_checkpoint
-from meshes.section.liquefies import Remains
+from meshes.section.liquefies import RemainingStrength
 from meshes.section.strain_potential import LARGEST_SHARE, REGAINING_STRAIN, stress_at_potential
 from meshes.slip_line import running_median
 
@@ -68,7 +68,7 @@ class SlideProgramme:
 
     shaking: ShakingHistory
     starts: Mapping[int, float]
-    remains: Mapping[int, Remains]
+    remains: Mapping[int, RemainingStrength]
     onset: float
     rest_from: float
     duration: float

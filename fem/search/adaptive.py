@@ -23,7 +23,7 @@ from fem.search.mesh_sequence import (
     AdaptiveResult,
     MeshRound,
     MeshSequence,
-    Wish,
+    RefinementCriteria,
     no_other_kh,
 )
 from fem.search.slip_surface import slip_surface
@@ -168,7 +168,7 @@ class AdaptiveSearch:
     ) -> AdaptiveResult[LimitLoadResult]:
         one_way = settings.changed(direction=direction)
         faces = self._rough_faces(one_way)
-        request = Wish(settings.accuracy, self._most_cells(settings), other, LEAST_KH)
+        request = RefinementCriteria(settings.accuracy, self._most_cells(settings), other, LEAST_KH)
         sequence = MeshSequence[LimitLoadResult](self.first, request)
         while (mesh := sequence.mesh) is not None:
             self.tell(f"limit load of {len(mesh.cells)} cells, {direction}")
@@ -280,7 +280,7 @@ class AdaptiveSearch:
         similar = adapted_to(like, faces) if like is not None else None
         guess = self._rough_safety(settings, kh) if similar is None else factor_like(similar, kh)
         remade = partial(self._next, faces=faces, settings=settings)
-        request = Wish(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
+        request = RefinementCriteria(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
         first, fits = (self.first, None) if similar is None else (similar.mesh, similar.is_as_fine_along)
         sequence = MeshSequence[SafetyFactor](first, request, fits)
         while (mesh := sequence.mesh) is not None:

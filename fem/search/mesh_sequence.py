@@ -146,7 +146,7 @@ def no_other_kh() -> float:
 
 
 @dataclass(frozen=True)
-class Wish:
+class RefinementCriteria:
     """Holds the criteria that end the sequence of meshes.
 
     Attributes
@@ -186,7 +186,9 @@ class MeshSequence(Generic[F]):
         The mesh on which the next answer is to be computed, for `take`; None at the end.
     """
 
-    def __init__(self, first: QuadMesh, wish: Wish, fits: Callable[[FieldState], bool] | None = None) -> None:
+    def __init__(
+        self, first: QuadMesh, wish: RefinementCriteria, fits: Callable[[FieldState], bool] | None = None
+    ) -> None:
         self.mesh: QuadMesh | None = first
         self._wish, self._rounds = wish, list[MeshRound]()
         self._fits, self._is_adapted, self._earlier = fits, False, list[AdaptiveResult[F]]()
@@ -257,7 +259,7 @@ class MeshSequence(Generic[F]):
         return MeshRound(cells, value, abs(value - previous.value) / size, rest, tells)
 
 
-def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wish: Wish) -> str:
+def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wish: RefinementCriteria) -> str:
     """Return the reason why no further mesh of ``wanted`` cells is made; empty if one is made."""
     last = rounds[-1]
     if wish.is_met(last):

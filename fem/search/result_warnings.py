@@ -27,7 +27,7 @@ class ResultWarning:
 
 
 @dataclass(frozen=True)
-class Computed:
+class ComparedKh:
     """Holds a critical Kh that was computed in another way, for comparison.
 
     Attributes
@@ -72,7 +72,7 @@ def of_bounds(
         )
 
 
-def of_others(kc: float, others: Iterable[Computed]) -> Iterator[ResultWarning]:
+def of_others(kc: float, others: Iterable[ComparedKh]) -> Iterator[ResultWarning]:
     """Yield the warnings of notable differences to ``others``: the critical Kh by another mesh or element."""
     for other in others:
         without = other.without or kc

@@ -20,7 +20,7 @@ OFF_LINE = 20.0  # m, beside the line, beyond which a boring does not belong to 
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedBoring:
     """Holds a boring, its place along the section, and its distance from the line of the section (m)."""
 
     log: Log
@@ -29,7 +29,7 @@ class Placed:
 
 
 @dataclass(frozen=True)
-class Connected:
+class ConnectedBorings:
     """Holds the parts of a section that borings determine.
 
     Attributes
@@ -43,16 +43,16 @@ class Connected:
     notices : notices on how layers were connected, one sentence each
     """
 
-    borings: tuple[Placed, ...]
+    borings: tuple[PlacedBoring, ...]
     names: tuple[str, ...]
     x: np.ndarray
     ground: np.ndarray
     bottoms: np.ndarray
-    soundings: tuple[Placed, ...] = ()
+    soundings: tuple[PlacedBoring, ...] = ()
     notices: tuple[str, ...] = ()
 
 
-def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...]:
+def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[PlacedBoring, ...]:
     """Place the borings at the x that they give, or along the line through the two borings with layers that are
     farthest apart.
 
@@ -70,7 +70,7 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
     if problems:
         raise InputError("borings", problems)
     if all(along):
-        borings = [Placed(log, log.place[0], 0.0) for log in logs]
+        borings = [PlacedBoring(log, log.place[0], 0.0) for log in logs]
     else:
         points = np.array([log.place for log in logs])
         apart = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
@@ -84,7 +84,7 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[Placed, ...
         problems = [f"boring {log.name}: {abs(away):.1f} m off the line of the section; {REMEDY}, --off allows more "
                     f"than {off_line:g} m"
                     for log, away in zip(logs, offsets, strict=True) if abs(away) > off_line]  # fmt: skip
-        borings = [Placed(log, round(float(a), 3), float(b)) for log, a, b in zip(logs, x, offsets, strict=True)]
+        borings = [PlacedBoring(log, round(float(a), 3), float(b)) for log, a, b in zip(logs, x, offsets, strict=True)]
     borings.sort(key=lambda at: at.x)
     layers = [at for at in borings if at.log.layers]
     problems += [f"borings {a.log.name} and {b.log.name} stand at the same x = {a.x:g} m; {REMEDY}"
@@ -122,7 +122,7 @@ def _piece(log: Log, layer: LogLayer) -> Piece:
     return Piece(layer.name, ends, ends)
 
 
-def _numbered(borings: Sequence[Placed]) -> tuple[tuple[Placed, ...], Stack]:
+def _numbered(borings: Sequence[PlacedBoring]) -> tuple[tuple[PlacedBoring, ...], Stack]:
     """Return the borings and the strata. If a layer lies above and below other layers, its names get numbers."""
     stack = stacked([[_piece(boring.log, layer) for layer in boring.log.layers] for boring in borings])
     numbered = []
@@ -133,7 +133,7 @@ def _numbered(borings: Sequence[Placed]) -> tuple[tuple[Placed, ...], Stack]:
     return tuple(numbered), stack
 
 
-def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
+def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> ConnectedBorings:
     """Connect the strata of neighbouring borings by straight lines. A stratum that is missing in the next boring ends
     half-way. The fill of an embankment ends at the ground of the next boring.
 
@@ -166,7 +166,7 @@ def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> Connected:
                 level = _end_at_the_ground(known_values[0], levels[left if values[0] is None else left + 1], level)
             bottoms[k, place] = min(level, float(above[place]))
     notices = [*alike, *notices, *_water_above(borings)]
-    return Connected(borings, names, x, ground, bottoms, soundings, tuple(notices))
+    return ConnectedBorings(borings, names, x, ground, bottoms, soundings, tuple(notices))
 
 
 def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
@@ -188,7 +188,7 @@ def _spelled_alike(logs: Sequence[Log]) -> tuple[list[Log], list[str]]:
     return unified, notices
 
 
-def _water_above(borings: Sequence[Placed]) -> list[str]:
+def _water_above(borings: Sequence[PlacedBoring]) -> list[str]:
     """Return a sentence for each boring whose water level is above the ground, which is either open water, an artesian
     head, or an error of the file."""
     above = [(at.log, at.log.water_level - at.log.ground_level) for at in borings if at.log.water_level is not None]

@@ -8,7 +8,7 @@ import numpy as np
 
 from meshes.borings.blows import is_refusal
 from meshes.borings.boring import Sample
-from meshes.borings.connect import Connected
+from meshes.borings.connect import ConnectedBorings
 from meshes.borings.log import Log
 
 CLAYEY = 50.0  # % of fines from which a layer is taken for cohesive
@@ -16,13 +16,13 @@ STEEPEST = 45.0  # degrees
 WIDER = 1.5  # heights of the section by which it extends beyond the borings, so that its sides are far from a slide
 
 
-def text_of(connected: Connected, name: str) -> str:
+def text_of(connected: ConnectedBorings, name: str) -> str:
     """Return the section as TOML. Quantities that were not measured are comments, which the user has to replace by
     values."""
     return "\n".join([*_head_lines(connected, name), *_strata(connected), *_borings(connected)]) + "\n"
 
 
-def _head_lines(connected: Connected, name: str) -> Iterator[str]:
+def _head_lines(connected: ConnectedBorings, name: str) -> Iterator[str]:
     logs = [boring.log for boring in connected.borings]
     yield "# Section from borings: " + ", ".join(log.name for log in logs) + "."
     yield "# Layers are connected by name; a layer that the next boring has not ends half-way, fill of an"
@@ -54,7 +54,7 @@ def _head_lines(connected: Connected, name: str) -> Iterator[str]:
     yield ""
 
 
-def _strata(connected: Connected) -> Iterator[str]:
+def _strata(connected: ConnectedBorings) -> Iterator[str]:
     for k, name in enumerate(connected.names):
         layers = [layer for boring in connected.borings for layer in boring.log.layers if layer.name == name]
         counts = [sample for boring in connected.borings for layer in boring.log.layers if layer.name == name
@@ -100,7 +100,7 @@ def _soil(counts: list[Sample]) -> Iterator[str]:
         yield '# liquefies_in = "triggered"      # with a table [earthquake]'
 
 
-def _borings(connected: Connected) -> Iterator[str]:
+def _borings(connected: ConnectedBorings) -> Iterator[str]:
     yield "[slide]"
     yield "# kh = 0                          # slides under the weight alone; else Kh by [earthquake], or 0.1"
     yield '# accelerogram = "record.AT2"     # or a record of the motion of the base'

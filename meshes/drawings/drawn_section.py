@@ -22,14 +22,14 @@ TOP = re.compile(r"(?<![^\W_])top(?![^\W_])", re.IGNORECASE)  # a word of the na
 SOIL = ("density", "youngs_modulus", "poissons_ratio", "cohesion", "friction_angle")
 
 
-class Drawn(NamedTuple):
+class DrawnSection(NamedTuple):
     """Holds a section as TOML, and notices on how the drawing was read, one sentence each."""
 
     text: str
     notices: list[str]
 
 
-def drawn_section(shapes: Shapes, path: Path, name: str) -> Drawn:
+def drawn_section(shapes: Shapes, path: Path, name: str) -> DrawnSection:
     """Return the section of a drawing, without the properties of its soils.
 
     Outlines are strata with the names of their drawing layers. Without outlines, or if lines continue beyond them, the
@@ -52,7 +52,7 @@ def drawn_section(shapes: Shapes, path: Path, name: str) -> Drawn:
     strata = [(stratum, columns.points(bottom))
               for stratum, bottom in zip(columns.stack.names, bottoms, strict=True)]  # fmt: skip
     base = strata[-1][1]
-    return Drawn(_text(name, notices, columns.points(ground), base, table, strata), notices)
+    return DrawnSection(_text(name, notices, columns.points(ground), base, table, strata), notices)
 
 
 def _without_water(shapes: Shapes) -> tuple[list[Shape], list[Shape], list[str]]:
@@ -138,7 +138,7 @@ def _of_lines(
     notices: list[str],
     path: Path,
     name: str,
-) -> Drawn:
+) -> DrawnSection:
     if len(lines) < 2:
         expected = (
             "expected one for each stratum, on a layer of its name, or a line for the ground and one for each bottom"
@@ -171,7 +171,7 @@ def _of_lines(
         )
     strata = [(stratum, _thinned_points(points)) for stratum, (_, points) in zip(names, below, strict=False)]
     zones = [(zone, outline.points) for zone, outline in zip(names[len(below) :], outlines, strict=True)]
-    return Drawn(_text(name, notices, _thinned_points(ground), strata[-1][1], table, strata, zones), notices)
+    return DrawnSection(_text(name, notices, _thinned_points(ground), strata[-1][1], table, strata, zones), notices)
 
 
 def _from_the_ground_down(lines: Sequence[Shape], notices: list[str]) -> list[tuple[str, np.ndarray]]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from meshes.drawings.drawn_section import Drawn, drawn_section
+from meshes.drawings.drawn_section import DrawnSection, drawn_section
 from meshes.drawings.shapes import shapes_of
 from meshes.drawings.water_line import WATER
 from meshes.errors import InputError
@@ -78,7 +78,7 @@ def layer_names(names: Sequence[str]) -> list[str]:
     return result
 
 
-def read_dxf(path: Path, name: str, unit: float | None = None) -> Drawn:
+def read_dxf(path: Path, name: str, unit: float | None = None) -> DrawnSection:
     """Read the section of a drawing as TOML, without the properties of its soils.
 
     Parameters

@@ -33,7 +33,7 @@ class Columns:
     x: np.ndarray
     pieces: list[list[Piece]]
     stack: Stack
-    tally: "Tally"
+    tally: "ColumnFindings"
     problems: list[str]
 
     def interfaces(self, bare: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
@@ -78,7 +78,7 @@ def columns_of(
     areas = [polygon_area(points) for points in outlines]
     x = _breakpoints(outlines)
     edges = _edges(outlines, x)
-    tally = Tally(list(names), areas, x)
+    tally = ColumnFindings(list(names), areas, x)
     pieces, problems = [], []
     for column in range(len(x) - 1):
         cells = _cells(edges, x, column, areas if rank is None else rank, tally)
@@ -91,7 +91,7 @@ def columns_of(
     return Columns(x, pieces, stacked(pieces), tally, problems)
 
 
-class Tally:
+class ColumnFindings:
     """Holds findings of all columns: gaps, and the numbers of outlines that overlap."""
 
     def __init__(self, names: list[str], areas: list[float], x: np.ndarray) -> None:
@@ -209,7 +209,7 @@ class _Cell:
     bottom: np.ndarray
 
 
-def _cells(edges: _Edges, x: np.ndarray, column: int, rank: Sequence[float], tally: Tally) -> list[_Cell]:
+def _cells(edges: _Edges, x: np.ndarray, column: int, rank: Sequence[float], tally: ColumnFindings) -> list[_Cell]:
     """Return the cells of a column, from the top down."""
     crossing = np.flatnonzero((edges.first <= column) & (edges.last > column))
     start, end = x[edges.first[crossing]], x[edges.last[crossing]]
@@ -232,7 +232,7 @@ def _cells(edges: _Edges, x: np.ndarray, column: int, rank: Sequence[float], tal
     return cells
 
 
-def _layer_pieces(cells: Sequence[_Cell], tally: Tally, column: int) -> list[Piece]:
+def _layer_pieces(cells: Sequence[_Cell], tally: ColumnFindings, column: int) -> list[Piece]:
     """Return the cells of a column as pieces of layers. Neighbouring cells of one name are one piece, and gaps belong
     to the piece below."""
     pieces: list[Piece] = []

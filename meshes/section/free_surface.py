@@ -58,7 +58,7 @@ class FreeSurfaceFlow:
 
 
 @dataclass(frozen=True, eq=False)
-class _Falls:
+class _FallingEdges:
     """Holds the edges (e,) along which water falls: upper and lower points, area (m) and permeability."""
 
     upper: np.ndarray
@@ -143,7 +143,7 @@ def free_surface_flow(
     return FreeSurfaceFlow(np.where(dry, 0.0, np.maximum(wanted, 0.0)), full, seeping, inflow, converged)
 
 
-def _discretised(grid: FlowGrid, permeability: np.ndarray) -> tuple[csr_array, _Falls]:
+def _discretised(grid: FlowGrid, permeability: np.ndarray) -> tuple[csr_array, _FallingEdges]:
     """Return conductances (n, n), none of them negative between two points, and the edges along which water falls."""
     size, cells, z = len(grid.points), grid.cells, grid.points[:, 1]
     blocks = element_conductances(grid, permeability)
@@ -165,7 +165,7 @@ def _discretised(grid: FlowGrid, permeability: np.ndarray) -> tuple[csr_array, _
     upper, lower = np.where(z[start] > z[end], start, end), np.where(z[start] > z[end], end, start)
     places = (np.concatenate([start, end, start, end]), np.concatenate([start, end, end, start]))
     added = coo_array((np.concatenate([lacking, lacking, -lacking, -lacking]), places), shape=(size, size))
-    return (matrix + added).tocsr(), _Falls(
+    return (matrix + added).tocsr(), _FallingEdges(
         np.concatenate([upright[0], upper]),
         np.concatenate([upright[1], lower]),
         np.concatenate([area, lacking * (z[upper] - z[lower]) / most[upper]]),

@@ -53,7 +53,7 @@ CaseNumbers = Annotated[Cases, PlainValidator(read), PlainSerializer(lambda case
 
 
 @dataclass(frozen=True)
-class Remains:
+class RemainingStrength:
     """Holds the strength that a stratum retains once it has liquefied.
 
     Attributes

@@ -7,7 +7,7 @@ from typing import Annotated, Any, TypeVar
 import numpy as np
 from pydantic import BaseModel, Field, PlainSerializer, PlainValidator, SerializerFunctionWrapHandler, model_serializer
 
-from meshes.section.columns import JOINED, Columns, Tally, columns_of, polygon_area
+from meshes.section.columns import JOINED, ColumnFindings, Columns, columns_of, polygon_area
 from meshes.section.cutting import named_strata, part_name
 from meshes.section.layering import Layering, elevations_below, layering
 from meshes.section.polyline import Line, Points, pairs_of, written
@@ -143,7 +143,7 @@ def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 @dataclass(frozen=True)
-class Zoned:
+class ZonedGround:
     """Holds the ground including its zones, as strata from the top down.
 
     Attributes
@@ -162,7 +162,7 @@ class Zoned:
     problems: list[str]
 
 
-def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequence[Zone]) -> Zoned:
+def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequence[Zone]) -> ZonedGround:
     """Replace the ground by the zones, within their outlines.
 
     Parameters
@@ -182,7 +182,7 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
     )
     problems, notices = _of_zones(zones, inside, columns.tally, layers.tolerance)
     if problems:
-        return Zoned(surface, base, tuple(strata), [], problems)
+        return ZonedGround(surface, base, tuple(strata), [], problems)
     before = _ground_at(layers, columns.x)
     line, bottoms = columns.interfaces(before)
     above = float((line - before).max())
@@ -198,7 +198,7 @@ def zoned(surface: Points, base: Line, strata: Sequence[Stratum], zones: Sequenc
     thick = _thick(ground, base, parts)
     named = named_strata(stratum.name for stratum in thick)
     faults = layering(ground, base, [stratum.bottom for stratum in thick], names=named).problems
-    return Zoned(surface, base, thick, notices, [f"zones: {text}" for text in faults])
+    return ZonedGround(surface, base, thick, notices, [f"zones: {text}" for text in faults])
 
 
 def without_depth(ground: np.ndarray, line: Line | None) -> Line | None:
@@ -221,7 +221,7 @@ def _region_below(layers: Layering, zones: Sequence[Zone]) -> np.ndarray:
 
 
 def _of_zones(
-    zones: Sequence[Zone], inside: Sequence[np.ndarray], tally: Tally, tolerance: float
+    zones: Sequence[Zone], inside: Sequence[np.ndarray], tally: ColumnFindings, tolerance: float
 ) -> tuple[list[str], list[str]]:
     """Return the faults of zones, which are outlines 1 to n of the ``tally``, and notices on parts of them that are
     left out.

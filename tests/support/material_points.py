@@ -18,7 +18,7 @@ from fem.mpm import (
 from fem.mpm.slide import DECAY_RATES
 from fem.mpm.weak_edges import edge_strength
 from fem.settings import Sides
-from meshes.section.liquefies import Remains
+from meshes.section.liquefies import RemainingStrength
 from meshes.section.polyline import downhill
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
@@ -139,7 +139,7 @@ class EndlessSlope:
         def acceleration(time: np.ndarray) -> np.ndarray:
             return kh * GRAVITY * np.minimum(1.0, time / self.rise) * (time < self.hold)
 
-        remains = Remains(0.0, 0.0, *((self.strength, 0.0) if self.as_ratio else (0.0, self.strength)))
+        remains = RemainingStrength(0.0, 0.0, *((self.strength, 0.0) if self.as_ratio else (0.0, self.strength)))
         slide = slider.run(
             SlideProgramme(acceleration, {1: 0.0}, {1: remains}, 0.05, end, end, still=1e-9), decay=DECAY_RATES[1]
         )

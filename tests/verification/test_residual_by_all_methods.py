@@ -17,7 +17,7 @@ from dem.slides.liquefied_strength import onset
 from fem.continuum.liquefied_ground import liquefied_section
 from fem.mpm.ground import ground_of
 from fem.mpm.slide import PointSlider, SlideProgramme
-from meshes.section.liquefies import Remains
+from meshes.section.liquefies import RemainingStrength
 from meshes.section.section import Section
 from meshes.triangles import triangulate
 from tests.support.dem_cases import RADIUS
@@ -36,13 +36,13 @@ def section(consolidated: float) -> Section:
     })  # fmt: skip
 
 
-def of_elements(ground: Section, remaining: Remains, place: tuple[float, float]) -> float:
+def of_elements(ground: Section, remaining: RemainingStrength, place: tuple[float, float]) -> float:
     """Cohesion (kPa) by the field of elements and slices."""
     at = np.array([place])
     return float(liquefied_section(ground, {1: remaining}).cohesion_field.at(at, at, np.array([1]))[0]) / 1e3
 
 
-def of_bounds(ground: Section, remaining: Remains, place: tuple[float, float], above: bool) -> float:
+def of_bounds(ground: Section, remaining: RemainingStrength, place: tuple[float, float], above: bool) -> float:
     """Cohesion (kPa) in the middle of the triangle around a place."""
     section = liquefied_section(ground, {1: remaining})
     mesh = triangulate(section, 1.0)
@@ -53,7 +53,7 @@ def of_bounds(ground: Section, remaining: Remains, place: tuple[float, float], a
     return float(result.mean()) / 1e3 + height * 18.0 * remaining.residual
 
 
-def of_points(ground: Section, remaining: Remains, x: float) -> np.ndarray:
+def of_points(ground: Section, remaining: RemainingStrength, x: float) -> np.ndarray:
     """Cohesion times cos φ (kPa), less what 18 kN/m³ above makes of the ratio, of the material points of the sand."""
     points = ground_of(ground, 600)
     slider = PointSlider(points, 1)
@@ -77,7 +77,7 @@ def of_discs(ground: Section, case: Case) -> tuple[DiscModel, np.ndarray]:
 def test_a_ratio_counts_the_load_to_which_the_ground_has_consolidated(share: float) -> None:
     ground, case, place = section(share), Case(residual=0.1), (15.1, 3.1)
     remains = case.remains_of(ground, 1)
-    assert remains == Remains(0.0, 0.0, 0.1)
+    assert remains == RemainingStrength(0.0, 0.0, 0.1)
     expected = 0.1 * (18.0 * 6.9 + share * LOAD)
     assert of_elements(ground, remains, place) == pytest.approx(expected)
     for above in (False, True):
@@ -100,14 +100,14 @@ def test_the_mean_stress_that_reports_divide_by_is_the_same() -> None:
 @pytest.mark.parametrize(
     ("case", "counts"),
     [
-        (Case(residual=0.1, friction=0.5), Remains(0.0, 0.5, 0.0)),  # 0.29 σ'v
-        (Case(residual=0.1, friction=0.1, cohesion=0.5), Remains(0.0, 0.0, 0.1)),  # 12.6 kPa for 2 + 7.3
-        (Case(residual_strength="5 kPa", cohesion=0.5), Remains(0.0, 0.0, 0.0, 5e3)),
-        (Case(residual_strength="1 kPa", cohesion=0.5), Remains(0.5, 0.0, 0.0)),
-        (Case(friction=0.2), Remains(0.0, 0.2, 0.0)),
+        (Case(residual=0.1, friction=0.5), RemainingStrength(0.0, 0.5, 0.0)),  # 0.29 σ'v
+        (Case(residual=0.1, friction=0.1, cohesion=0.5), RemainingStrength(0.0, 0.0, 0.1)),  # 12.6 kPa for 2 + 7.3
+        (Case(residual_strength="5 kPa", cohesion=0.5), RemainingStrength(0.0, 0.0, 0.0, 5e3)),
+        (Case(residual_strength="1 kPa", cohesion=0.5), RemainingStrength(0.5, 0.0, 0.0)),
+        (Case(friction=0.2), RemainingStrength(0.0, 0.2, 0.0)),
     ],
 )
-def test_residual_strength_or_what_friction_and_cohesion_leave(case: Case, counts: Remains) -> None:
+def test_residual_strength_or_what_friction_and_cohesion_leave(case: Case, counts: RemainingStrength) -> None:
     """The larger one at the mean stress of the stratum counts for every method, and never their sum."""
     ground = section(0.0)
     remains = case.remains_of(ground, 1)

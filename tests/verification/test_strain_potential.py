@@ -15,7 +15,7 @@ from fem.kernels import material_points as kernel
 from fem.mpm import PointSlider, SlideProgramme, ground_of
 from fem.mpm.points import MaterialPoints, PointSoil
 from fem.mpm.slide import CREEP_TIME
-from meshes.section.liquefies import Remains
+from meshes.section.liquefies import RemainingStrength
 from meshes.section.quantity import GRAVITY
 from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potential
 from tests.support.material_points import UNIT_WEIGHT as SOIL
@@ -123,7 +123,7 @@ def crust_on_thin_layer(crust: float, thickness: float, cell: float) -> tuple[fl
     }
     slider = PointSlider(ground_of(Config.parse(data).section, round(4.0 * top / cell), "periodic"), 1)
     slider.settle()
-    remains = {1: Remains(0.0, 0.0, ratio, 0.0, potential)}
+    remains = {1: RemainingStrength(0.0, 0.0, ratio, 0.0, potential)}
     slide = slider.run(SlideProgramme(np.zeros_like, {1: 0.0}, remains, 5.0, 5.0, 60.0))
     effective = 1900.0 * GRAVITY * (crust + 0.5 * thickness)
     knee = stress_at_potential(np.array([effective]), np.array([ratio * effective]))[0]

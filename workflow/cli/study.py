@@ -42,7 +42,7 @@ def study(
 
     If the study was stopped, the same command continues it, and computes only missing samples.
     """
-    from workflow.cli.terminal import Counted, say, say_data
+    from workflow.cli.terminal import TaskCounter, say, say_data
     from workflow.report.study import sentences, write_page
     from workflow.study.ensemble import Ensemble
     from workflow.study.study import draw_all, run
@@ -51,7 +51,7 @@ def study(
     overrides = {"study": {key: value for key, value in options.items() if value is not None}}
     parts, verbosity = only or ["fem", "block"], Verbosity.of(quiet, False, json)
     config, store, warnings = _opened("study", section, folder, settings, parts, verbosity, overrides)
-    with Counted(silent=quiet or json) as counted:
+    with TaskCounter(silent=quiet or json) as counted:
         result = run(config, store, parts, Ensemble(store.folder, workers or config.dem.workers, scheduler), counted)
     draw_all(config.section, result.table, result.answer, store)
     answer = result.answer
@@ -85,7 +85,7 @@ def converge(
 
     If the computation was stopped, the same command continues it.
     """
-    from workflow.cli.terminal import Counted, say, say_data
+    from workflow.cli.terminal import TaskCounter, say, say_data
     from workflow.figures.study import convergence
     from workflow.study.converge import run
     from workflow.study.ensemble import Ensemble
@@ -93,7 +93,7 @@ def converge(
     verbosity = Verbosity.of(quiet, False, json)
     config, store, warnings = _opened("converge", section, folder, settings, ["slide"], verbosity)
     ensemble = Ensemble(store.folder, workers or config.dem.workers, scheduler)
-    with Counted(silent=quiet or json) as counted:
+    with TaskCounter(silent=quiet or json) as counted:
         answer = run(config, store, within / 100.0, ensemble, counted)
     store.save("figures/converge.png", convergence(answer.series, config.section.heading))
     if json:

@@ -244,7 +244,7 @@ def show_runs(runs: "Sequence[ComparedRun]") -> None:
         say("The inputs of these runs are the same.")
 
 
-class Counted:
+class TaskCounter:
     """Shows the number of finished tasks; used as a context manager."""
 
     def __init__(self, silent: bool = False) -> None:
@@ -253,7 +253,7 @@ class Counted:
         self.left = TimeLeft(self.start)
         self.before: int | None = None
 
-    def __enter__(self) -> "Counted":
+    def __enter__(self) -> "TaskCounter":
         return self
 
     def __exit__(self, *what: object) -> None:

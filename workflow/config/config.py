@@ -22,7 +22,7 @@ from workflow.earthquake.records_in_use import remarks
 from workflow.earthquake.settings import CYCLES, EARTHQUAKE
 from workflow.earthquake.triggering.assessment import below_loads, off_the_section
 from workflow.earthquake.triggering.settings import CASE_NAMES, implausible_triggering, left_to_blow_counts
-from workflow.uncertain.limits import Reach, reach_of
+from workflow.uncertain.limits import AdmissibleRange, reach_of
 from workflow.uncertain.path import changed, mutable_copy
 
 # Options of the command line that take the place of other settings in the file.
@@ -103,7 +103,7 @@ class Config(Tables):
         return Config.parse(data if judged else {**data, "unusual": True}, self.section.name)
 
     @cached_property
-    def reach(self) -> dict[str, Reach]:
+    def reach(self) -> dict[str, AdmissibleRange]:
         """Return the range of the distribution of each uncertain number, by its path."""
         return reach_of(self._before_the_cut(), self.uncertain.numbers, (Section, Tables))
 

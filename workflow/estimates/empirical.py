@@ -14,7 +14,7 @@ from meshes.section.stratum import cases_of
 from workflow.config.tables import Tables
 from workflow.earthquake.attenuation import PeakMotion
 from workflow.earthquake.column import MAKDISI, column_of
-from workflow.earthquake.triggering.assessment import Judged, assess, normalised_counts
+from workflow.earthquake.triggering.assessment import TestResult, assess, normalised_counts
 from workflow.earthquake.triggering.consequences import mean_of_tests
 from workflow.estimates import truss
 from workflow.estimates.estimate import Estimate, depth_below_ground, flow_words, mean_inclination
@@ -170,7 +170,7 @@ def _outside(*values: tuple[str, float, tuple[float, float]]) -> str:
     return "; ".join(messages)
 
 
-def _spreading(section: Section, settings: Tables, tests: Sequence[Judged]) -> Iterator[Estimate]:
+def _spreading(section: Section, settings: Tables, tests: Sequence[TestResult]) -> Iterator[Estimate]:
     yield _zhang(section, settings, tests)
     distance, magnitude = settings.earthquake.distance, settings.earthquake.magnitude
     if magnitude is None or distance is None:
@@ -214,8 +214,8 @@ def _slope(section: Section, settings: Tables) -> float:
     return 100.0 * math.tan(mean_inclination(section))
 
 
-def _zhang(section: Section, settings: Tables, tests: Sequence[Judged]) -> Estimate:
-    def index(tests_of_boring: Sequence[Judged]) -> float:
+def _zhang(section: Section, settings: Tables, tests: Sequence[TestResult]) -> Estimate:
+    def index(tests_of_boring: Sequence[TestResult]) -> float:
         return displacement_index(
             [
                 (t.top, t.bottom, maximum_shear_strain(t.factor, normalised_counts(t, settings.triggering)[1]))
@@ -238,9 +238,9 @@ def _zhang(section: Section, settings: Tables, tests: Sequence[Judged]) -> Estim
     return Estimate("spread", ZHANG_TITLE, None if outside else slide, words, ZHANG, ZHANG_RANGE)
 
 
-def _mean_of_borings(tests: Sequence[Judged], of_one: Callable[[Sequence[Judged]], float]) -> float:
+def _mean_of_borings(tests: Sequence[TestResult], of_one: Callable[[Sequence[TestResult]], float]) -> float:
     """Return a mean over the borings, weighted by the length of the section that is nearest to each boring."""
-    borings: dict[str, list[Judged]] = {}
+    borings: dict[str, list[TestResult]] = {}
     for test in tests:
         borings.setdefault(test.boring, []).append(test)
     lengths = [tests_of_boring[0].length for tests_of_boring in borings.values()]

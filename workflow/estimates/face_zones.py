@@ -9,14 +9,14 @@ from fem.search.strong_zones import StrongZone
 from meshes.section.section import Section
 from workflow.estimates.crest import LEAST_SLOPE
 from workflow.estimates.slices import LEFT
-from workflow.estimates.structures import Standing
+from workflow.estimates.structures import CrestedStructure
 
 Surface = Sequence[Sequence[float]] | np.ndarray
 # Thickness of a face that moves as one body, over the height from the exit of a failure to the crest.
 FACE_THICKNESS = 0.1
 
 
-def is_of_face(structure: Standing, towards: int, surface: Surface) -> bool:
+def is_of_face(structure: CrestedStructure, towards: int, surface: Surface) -> bool:
     """Return whether a part of the crest slides in a failure towards a side; ``surface``: points (m) of the slip
     surface, from left to right."""
     points = [(float(x), float(z)) for x, z in surface]
@@ -30,7 +30,7 @@ def _slides(surface: Surface) -> int:
 
 def zones_against(
     section: Section,
-    structure: Standing,
+    structure: CrestedStructure,
     towards: int,
     surface: Surface,
     circle: Surface,

@@ -11,7 +11,7 @@ from workflow.estimates.slip_circles import NO_CRACK, SlipCircle, critical_circl
 
 
 @dataclass(frozen=True)
-class Standing:
+class CrestedStructure:
     """Holds a structure of the section file, or an embankment found in the ground surface, with its crest."""
 
     name: str
@@ -23,24 +23,24 @@ class Standing:
         return surface[0][0] <= self.crest.right and surface[-1][0] >= self.crest.left
 
 
-def structures_of(section: Section) -> tuple[Standing, ...]:
+def structures_of(section: Section) -> tuple[CrestedStructure, ...]:
     """Return the structures of a section: the structures in the section file or, if it has none, the embankments found
     in the ground surface."""
     ground = section.ground
     if section.structures:
         return tuple(
-            Standing(structure.name, structure.kind, crest_between(ground, structure.start, structure.end))
+            CrestedStructure(structure.name, structure.kind, crest_between(ground, structure.start, structure.end))
             for structure in section.structures
         )
     return tuple(
-        Standing(f"embankment at x = {0.5 * (crest.left + crest.right):.0f} m", "levee", crest)
+        CrestedStructure(f"embankment at x = {0.5 * (crest.left + crest.right):.0f} m", "levee", crest)
         for crest in embankments(ground)
     )
 
 
 def face_circle(
     section: Section,
-    structure: Standing,
+    structure: CrestedStructure,
     towards: int,
     critical: SlipCircle | None,
     kh: float | None,

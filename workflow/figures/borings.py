@@ -7,13 +7,13 @@ from matplotlib.artist import Artist
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from meshes.borings.connect import Connected
+from meshes.borings.connect import ConnectedBorings
 from workflow.figures.canvas import INK, WATER, Frames, soil_colour
 
 HEIGHT = 5.0  # inches
 
 
-def draw(connected: Connected, title: str) -> Frames:
+def draw(connected: ConnectedBorings, title: str) -> Frames:
     """Draw the interpolated strata, and the borings to their depth with blow counts N; heights are exaggerated."""
     picture = Frames(HEIGHT)
     axes = picture.figure.add_subplot()
@@ -48,7 +48,7 @@ def draw(connected: Connected, title: str) -> Frames:
     return picture
 
 
-def _signs(connected: Connected) -> Iterator[Line2D]:
+def _signs(connected: ConnectedBorings) -> Iterator[Line2D]:
     """Yield the legend entries for blow counts, water and cones, if there are any."""
     logs = [boring.log for boring in connected.borings]
     if any(log.samples for log in logs):

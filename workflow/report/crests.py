@@ -11,7 +11,7 @@ from workflow.earthquake.triggering.assessment import assess
 from workflow.earthquake.triggering.consequences import residual_strengths
 from workflow.estimates.crest import Crest
 from workflow.estimates.crest_settlement import crest_settlement, freeboard, reconsolidation_settlement
-from workflow.estimates.structures import Standing, structures_of
+from workflow.estimates.structures import CrestedStructure, structures_of
 from workflow.report.numbers import signed_span, span
 from workflow.report.summary_text import at_rest
 from workflow.results.cases import CasesAnswer, Profile
@@ -56,7 +56,9 @@ def _over_packings(value: float | None, profile: Profile | None, crest: Crest) -
     return value, min(ends), max(ends)
 
 
-def _part(config: Config, structure: Standing, by: str, case: int, slide: Settlements, at_rest: bool) -> CrestPart:
+def _part(
+    config: Config, structure: CrestedStructure, by: str, case: int, slide: Settlements, at_rest: bool
+) -> CrestPart:
     drained = reconsolidation_below(config, structure.crest, case)
     added = 0.0 if config.cases[case - 1].volumetric_strain > 0.0 else drained or 0.0
     value, low, high = (settlement + added for settlement in slide)

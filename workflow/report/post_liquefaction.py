@@ -80,7 +80,7 @@ def _case_words(case: LiquefiedCase) -> str:
 
 
 @dataclass(frozen=True)
-class Enough:
+class SufficientStrength:
     """Holds the residual strength (kPa) of each stratum for a factor of safety of 1, and whether it is a bound."""
 
     how: str
@@ -100,7 +100,7 @@ class Enough:
         return f"The residual strength required to stand without shaking is {self.how} {listed(phrases)}{addition}"
 
 
-def just_enough(cases: Sequence[LiquefiedCase], required: Strata = ()) -> Enough | None:
+def just_enough(cases: Sequence[LiquefiedCase], required: Strata = ()) -> SufficientStrength | None:
     """Return the residual strength with which the ground just stands without shaking; None without a factor of safety.
 
     If all cases flow, this is the ``required`` strength by finite elements, if there is one. Between a case that flows
@@ -115,16 +115,18 @@ def just_enough(cases: Sequence[LiquefiedCase], required: Strata = ()) -> Enough
              and not any(s.friction_deg for s in case.strata)]  # fmt: skip
     at_one = next((case for _, case in known if (case.factor_lower or 0.0) <= 1.0 <= (case.factor_upper or 0.0)), None)
     if at_one is not None:
-        return Enough("about", at_one.strata)
+        return SufficientStrength("about", at_one.strata)
     flowing = [case for f, case in sorted(known, key=_first) if f < 1.0]
     standing = [case for f, case in sorted(known, key=_first) if f >= 1.0]
     if flowing and standing and _alike(flowing[-1], standing[0]):
-        return Enough("about", _on_the_line(_middle(flowing[-1]), flowing[-1], _middle(standing[0]), standing[0]))
+        return SufficientStrength(
+            "about", _on_the_line(_middle(flowing[-1]), flowing[-1], _middle(standing[0]), standing[0])
+        )
     if required:
-        return Enough("about", required)
+        return SufficientStrength("about", required)
     if flowing:
-        return Enough("more than", _at_least(flowing))
-    return Enough("at most", _over(standing[0], standing[0].factor_lower)) if standing else None
+        return SufficientStrength("more than", _at_least(flowing))
+    return SufficientStrength("at most", _over(standing[0], standing[0].factor_lower)) if standing else None
 
 
 def _at_least(flowing: Sequence[LiquefiedCase]) -> Strata:

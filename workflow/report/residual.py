@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 from meshes.section.cutting import shown_name
 from workflow.report.post_liquefaction import factors
-from workflow.results.stability import TwoSteps
+from workflow.results.stability import PeakAndResidual
 from workflow.texts.report_texts import Texts, listed
 
 
-def residual_verdict(steps: TwoSteps, _: Texts) -> str:
+def residual_verdict(steps: PeakAndResidual, _: Texts) -> str:
     """Return the verdict from peak and residual strength together, in a sentence."""
     if steps.verdict == "stands":
         return _("With residual strength in all strata that have one the ground still stands without shaking.")
@@ -33,7 +33,7 @@ def residual_verdict(steps: TwoSteps, _: Texts) -> str:
     )
 
 
-def residual_details(steps: TwoSteps) -> Iterator[str]:
+def residual_details(steps: PeakAndResidual) -> Iterator[str]:
     """Yield sentences on the strengths, the factors of safety of the verdict, and missing results."""
     # Parts of a stratum that zones or cracks divide are named once.
     strata = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa and {s.friction_deg:.3g}°" for s in steps.strata]
@@ -53,7 +53,7 @@ def residual_details(steps: TwoSteps) -> Iterator[str]:
         yield f"Warning: {note}."
 
 
-def residual_sentences(steps: TwoSteps) -> Iterator[str]:
+def residual_sentences(steps: PeakAndResidual) -> Iterator[str]:
     """Yield sentences on the verdict and its details, for the terminal."""
     yield residual_verdict(steps, Texts("en"))
     yield from (f"    {sentence}" for sentence in residual_details(steps))

@@ -15,7 +15,7 @@ from workflow.report.numbers import coefficient, number, rough_coefficient
 from workflow.report.slices import factor_on_surface
 from workflow.results.accuracy import exceeds, strict_factor, strict_kh
 from workflow.results.bounds import SafetyPart
-from workflow.results.continuum import FemAnswer, OtherWay
+from workflow.results.continuum import FemAnswer, OtherCriticalKh
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart
 from workflow.texts.report_texts import Texts
@@ -45,7 +45,7 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
         most = _("at most {kc} on this mesh", kc=coefficient(fem.kc_upper)) if _more(fem.kc_upper, fem.kc) else ""
         above = _bound_words(fem.kc, strict_kh(results, fem, fem.flow, fem.direction), _)
         yield StabilityRow(name, coefficient(fem.kc), most, f"{sides}, {_(FLOW[fem.flow])}{above}")
-    others: tuple[tuple[OtherWay | None, Flow], ...] = ((fem.davis, "davis"), (fem.associated, "associated"))
+    others: tuple[tuple[OtherCriticalKh | None, Flow], ...] = ((fem.davis, "davis"), (fem.associated, "associated"))
     for other, flow in others:
         if other is not None and other.verdict in ("plateau", "peak"):
             above = _bound_words(other.kc, strict_kh(results, fem, flow, other.direction), _)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from meshes.section.cutting import shown_name
-from workflow.results.triggering import LeftPart, StratumPart, TriggeringAnswer
+from workflow.results.triggering import ResidualPart, StratumPart, TriggeringAnswer
 
 
 def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
@@ -19,7 +19,7 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
         yield f"{boring.name}: liquefaction potential index P_L = {boring.potential:.1f}, risk {boring.risk}."
 
 
-def _left_sentence(stratum: LeftPart) -> str:
+def _left_sentence(stratum: ResidualPart) -> str:
     """Return a sentence on the residual strength and strains of a stratum where F_L is below 1."""
     phrases = [f"{pascals / 1e3:.1f} kPa or {stratum.residual[title]:.2f} σ'v ({title})"
             for title, pascals in stratum.strength_Pa.items()]  # fmt: skip

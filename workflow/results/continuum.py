@@ -74,7 +74,7 @@ class FactorOfSafety(Part):
     slip_surface: Line = Field(default=(), description="points [x, elevation] of the slip surface (m)")
 
 
-class OtherWay(Part):
+class OtherCriticalKh(Part):
     """Holds the critical Kh for the opposite direction, or with another flow rule."""
 
     kc: float
@@ -158,11 +158,13 @@ class FemAnswer(Answer):
     direction: Direction = Field(description="direction of the seismic force at failure, by the ends of the surface")
     towards: Literal["left", "right"]
     at_sides: tuple[str, ...] = Field(default=(), description="sides, left or right, that the failing ground reaches")
-    opposite: OtherWay | None = Field(
+    opposite: OtherCriticalKh | None = Field(
         description="critical Kh for a seismic force in the opposite direction, if both were computed"
     )
-    associated: OtherWay | None = Field(description="critical Kh with ψ = φ, if the answer has another flow rule")
-    davis: OtherWay | None = Field(
+    associated: OtherCriticalKh | None = Field(
+        description="critical Kh with ψ = φ, if the answer has another flow rule"
+    )
+    davis: OtherCriticalKh | None = Field(
         default=None,
         description=(
             "Davis's estimate of the critical Kh (low, no bound), if the answer is with ψ = φ and ψ is smaller"
@@ -195,7 +197,7 @@ class FemAnswer(Answer):
         """Return the name of Davis's estimate for these dilation angles."""
         return davis_words(self.dilation_deg.values())
 
-    def is_rough(self, other: OtherWay) -> bool:
+    def is_rough(self, other: OtherCriticalKh) -> bool:
         """Return whether another critical Kh is that of one mesh, while this one is that of a sequence: with a seismic
         force in the direction that does not govern, whose Kh may be some per cent less on finer meshes."""
         return other.meshes == 1 and len(self.meshes) > 1 and other.verdict in ("plateau", "peak")

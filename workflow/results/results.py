@@ -6,7 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from fem.search.result_warnings import Computed, ResultWarning, of_bounds, of_others
+from fem.search.result_warnings import ComparedKh, ResultWarning, of_bounds, of_others
 from workflow.config import Config
 from workflow.estimates.comparison import estimates
 from workflow.estimates.estimate import Estimate, with_flow_failure
@@ -141,7 +141,7 @@ class Results:
         of_fem = list(self.fem.warnings) if self.fem is not None else []
         looked_at = ("mesh",) if self._bracketed else ("mesh", "element")
         others = [
-            Computed(variant.change, variant.kc, decisive=variant.name == "mesh", without=variant.kc_without)
+            ComparedKh(variant.change, variant.kc, decisive=variant.name == "mesh", without=variant.kc_without)
             for variant in (self.variants.variants if self.variants is not None else ())
             if self.kc and variant.kc is not None and variant.name in looked_at
         ]

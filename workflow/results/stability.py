@@ -59,7 +59,7 @@ class AlongSurface(Part):
     )
 
 
-class TwoSteps(Part):
+class PeakAndResidual(Part):
     """Holds the verdict of two steps: first with peak strength, then with residual strength."""
 
     strata: tuple[SoftenedStratum, ...]
@@ -90,7 +90,7 @@ class ResidualAnswer(Answer):
 
     section: SectionLabel
     sides: Sides
-    steps: TwoSteps
+    steps: PeakAndResidual
 
 
 class LiquefiedStratum(Part):

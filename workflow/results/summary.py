@@ -15,7 +15,7 @@ from workflow.results.continuum import MeshCount, PathVerdict
 from workflow.results.faces import FaceStrength
 from workflow.results.material_points import PointCase
 from workflow.results.slices import SlicesAnswer
-from workflow.results.stability import LiquefiedCase, TwoSteps
+from workflow.results.stability import LiquefiedCase, PeakAndResidual
 from workflow.results.triggering import StratumPart
 from workflow.results.verdicts import CrestPart, HeadlinePart, VerdictPart, WarningPart
 
@@ -214,7 +214,7 @@ class Summary(Answer):
     )
     comparison: tuple[EstimateSummary, ...]
     triggering: tuple[StratumPart, ...] | None = Field(default=None, description="strata that liquefy, by blow counts")
-    residual: TwoSteps | None = Field(default=None, description="stability with residual strength")
+    residual: PeakAndResidual | None = Field(default=None, description="stability with residual strength")
     liquefied: tuple[LiquefiedCase, ...] | None = Field(default=None, description="stability after liquefaction")
     paper: tuple[PaperRow, ...] | None = None
     no_answer: dict[str, NoAnswer]

@@ -7,7 +7,7 @@ from pydantic import Field
 from meshes.borings.boring import Cone, Sample
 from workflow.config import Config
 from workflow.earthquake.attenuation import GAL
-from workflow.earthquake.triggering.assessment import SOURCE, Judged, TriggeringAssessment, risk
+from workflow.earthquake.triggering.assessment import SOURCE, TestResult, TriggeringAssessment, risk
 from workflow.earthquake.triggering.consequences import (
     ISHIHARA_YOSHIMINE,
     PRESSURE_VALIDITY,
@@ -64,7 +64,7 @@ class TestPart(Part):
     reason: str = Field(description="reason why the test was not assessed")
 
     @classmethod
-    def of(cls, test: Judged, stratum: str) -> Self:
+    def of(cls, test: TestResult, stratum: str) -> Self:
         """Return the place, stresses and F_L of one penetration test in the stratum with this name."""
         stresses = (
             vars(test.outcome) if test.outcome else dict.fromkeys(("normalised", "corrected", "load", "resistance"))
@@ -114,7 +114,7 @@ class BoringPart(Part):
     risk: str
 
 
-class LeftPart(Part):
+class ResidualPart(Part):
     """Holds the residual strength of a stratum from its blow counts with F_L below 1."""
 
     stratum: str
@@ -150,7 +150,7 @@ class TriggeringAnswer(Answer):
     strata: tuple[StratumPart, ...]
     borings: tuple[BoringPart, ...]
     tests: tuple[TestPart, ...]
-    left: tuple[LeftPart, ...]
+    left: tuple[ResidualPart, ...]
     relations: tuple[RelationPart, ...] = Field(
         description="relations used for residual strength, volumetric strain and pore pressure"
     )
@@ -179,7 +179,7 @@ class TriggeringAnswer(Answer):
             ),
             tests=tuple(TestPart.of(test, config.section.strata[test.where.stratum].name) for test in assessment.tests),
             left=tuple(
-                LeftPart(
+                ResidualPart(
                     stratum=config.section.strata[layer.stratum].name,
                     residual=layer.ratios,
                     strength_Pa=layer.strengths,

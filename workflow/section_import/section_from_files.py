@@ -7,7 +7,7 @@ from pathlib import Path
 
 from meshes.borings.ags4_file import read_ags4
 from meshes.borings.bro_file import read_bro
-from meshes.borings.connect import OFF_LINE, Connected, connected
+from meshes.borings.connect import OFF_LINE, ConnectedBorings, connected
 from meshes.borings.csv_file import read_csv
 from meshes.borings.gef_file import read_gef
 from meshes.borings.log import BoringFile, Log
@@ -184,7 +184,7 @@ def _by_stratum(problems: Sequence[str]) -> list[str]:
     return [*strata, *(f"{key}: expected {text}" for key, text in expected.items()), *others]
 
 
-def _summary(connection: Connected) -> list[str]:
+def _summary(connection: ConnectedBorings) -> list[str]:
     everything = (*connection.borings, *connection.soundings)
     distant = [f"{item.log.name} {abs(item.off_line):.1f} m" for item in everything if abs(item.off_line) > 0.05]
     notice = [f"Not on the line of the section: {', '.join(distant)}."] if distant else []

@@ -114,7 +114,7 @@ def calibrate_stage(config: Config, store: Store, progress: Progress, executor: 
 
 
 @dataclass(frozen=True)
-class Searched:
+class DiscSearches:
     """Holds the searches of one set of discs: uncalibrated, and calibrated (None if not computed)."""
 
     base: Search
@@ -133,7 +133,7 @@ class Searched:
 
 def _all_searches(
     config: Config, store: Store, progress: Progress, executor: Executor
-) -> tuple[Searched, Search | None, tuple[LayerCheck, ...]]:
+) -> tuple[DiscSearches, Search | None, tuple[LayerCheck, ...]]:
     """Return the searches of the discs. Concurrently, the search of the paper's own discs, if the settings request
     them, and element tests of the discs of every layer are computed. The FEM counterpart is computed first, while the
     discs settle. Threads of one search wait for each other at every step, and so a search has several threads only
@@ -189,7 +189,7 @@ def _at_rest(config: Config, store: Store, tell: Tell) -> None:
     discs_at_rest(config, store, config.dem, SETTLED, lambda what: tell((what, None)))
 
 
-def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor: Executor = SERIAL) -> Searched:
+def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor: Executor = SERIAL) -> DiscSearches:
     """Return the discs of the section at rest, their critical Kh, and the factor with which their critical Kh is equal
     to the critical Kh of the continuum; ``threads`` is the number of threads of a search.
     """
@@ -206,8 +206,8 @@ def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor
     calibrator = calibrator_for(discs, store, config.dem, JOURNAL, on_trial, continuum, executor, threads=threads)
     base = calibrator.search("", 1.0)
     if base.kc is None:
-        return Searched(base)
-    searched = Searched(base, calibrated(calibrator, continuum, one_at_a_time=not soil) if calibrates else None)
+        return DiscSearches(base)
+    searched = DiscSearches(base, calibrated(calibrator, continuum, one_at_a_time=not soil) if calibrates else None)
     parameter, factor = next(iter(searched.factor.items()), ("", 1.0))
     store.save(CALIBRATED, calibrator.settled_with(parameter, factor))
     keys: dict[SetOfSprings, Key] = {"before": key_of("", 1.0), "after": key_of(parameter, factor)}
@@ -218,7 +218,7 @@ def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor
 
 
 def calibration_answer(
-    config: Config, searched: Searched, continuum: Continuum | None, **more: Any
+    config: Config, searched: DiscSearches, continuum: Continuum | None, **more: Any
 ) -> CalibrationAnswer:
     """Return the calibration as an answer. For soil discs the answer includes their uncalibrated critical Kh compared
     with that of the ``continuum``. ``more`` are tests of the layers.
@@ -255,7 +255,7 @@ def _paper_answer(config: Config, store: Store, search: Search) -> tuple[PaperDi
 
 
 def _layer_tests(
-    config: Config, discs: Deposit, searched: Searched, progress: Progress, executor: Executor
+    config: Config, discs: Deposit, searched: DiscSearches, progress: Progress, executor: Executor
 ) -> tuple[LayerTest, ...]:
     """Return the element tests of discs with the law "paper" of every layer after calibration, if the settings request
     them."""
@@ -270,7 +270,7 @@ def _layer_tests(
 def discs_answer(
     config: Config,
     discs: Deposit,
-    searched: Searched,
+    searched: DiscSearches,
     stored: StoredStates,
     surfaces: SlipSurfaces,
     sliding: DiscModel,

@@ -7,7 +7,7 @@ import numpy as np
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.search.critical import Search
-from dem.search.equilibrium import Rise, try_kh
+from dem.search.equilibrium import KhRise, try_kh
 from dem.search.pushover import Continuum, pushover_critical_kh
 from dem.settings import DemSettings
 from dem.slides.slip import cracked_shares, slip_surface
@@ -66,9 +66,9 @@ def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) ->
     surface of every set at the upper end of its bracket. ``config``: config of the run; ``store``: store of the folder
     with the results; ``sets``: discs before and after calibration; ``executor``: computes in parallel.
     """
-    recorded = [Goal(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in config.dem.kh]
+    recorded = [StateAtKh(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in config.dem.kh]
     ends = [
-        Goal(which, start, start.search.kc_upper, FAILING, store)
+        StateAtKh(which, start, start.search.kc_upper, FAILING, store)
         for which, start in sets.items()
         if start.search.kc_upper is not None and start.search.flexibility_m
     ]
@@ -78,7 +78,7 @@ def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) ->
 
 
 @dataclass(frozen=True)
-class Goal:
+class StateAtKh:
     """Holds a Kh to which one set of discs is brought from rest, and the name of the state in the store."""
 
     which: SetOfSprings
@@ -88,7 +88,7 @@ class Goal:
     store: Store
 
 
-def _at_the_end(goal: Goal, continuum: Continuum, file: str) -> DiscModel:
+def _at_the_end(goal: StateAtKh, continuum: Continuum, file: str) -> DiscModel:
     """Return the discs at the end of the test for their critical Kh, from the test itself or from its repetition."""
     start = goal.start
     if goal.store.has(file):
@@ -98,7 +98,7 @@ def _at_the_end(goal: Goal, continuum: Continuum, file: str) -> DiscModel:
     return model
 
 
-def _reached(goal: Goal, _: Tell) -> RecordedDiscs:
+def _reached(goal: StateAtKh, _: Tell) -> RecordedDiscs:
     """Compute the state at this Kh, or at failure of the discs, and store it in a file."""
     start = goal.start
     before, ground = start.settled, start.ground
@@ -107,7 +107,7 @@ def _reached(goal: Goal, _: Tell) -> RecordedDiscs:
         model, trial = _at_the_end(goal, start.continuum, file), start.search.trials[-1]
     else:
         model = before.copy()
-        trial = try_kh(model, before, ground, start.dem, Rise(0.0, goal.kh, start.search.flexibility_m))
+        trial = try_kh(model, before, ground, start.dem, KhRise(0.0, goal.kh, start.search.flexibility_m))
         goal.store.save(file, model)
     far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
     return RecordedDiscs.taken(

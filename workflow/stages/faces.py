@@ -17,7 +17,7 @@ from meshes.executor import Tell
 from workflow.config import Config
 from workflow.estimates.face_zones import Surface, is_of_face, zones_against
 from workflow.estimates.slices import LEFT, RIGHT
-from workflow.estimates.structures import Standing, structures_of
+from workflow.estimates.structures import CrestedStructure, structures_of
 from workflow.results.answer import SectionLabel, line
 from workflow.results.continuum import FemAnswer
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, StrongZonePart
@@ -49,7 +49,7 @@ class FaceTask:
     """
 
     config: Config
-    structure: Standing
+    structure: CrestedStructure
     side: int
     quantity: Quantity
     first: "FaceLimit | str"
@@ -141,7 +141,7 @@ def unchanged_value(config: Config, task: tuple[Quantity, int], tell: Tell) -> "
 
 def _tasks(
     config: Config,
-    structure: Standing,
+    structure: CrestedStructure,
     side: int,
     part: FacePart,
     unchanged: Mapping[tuple[Quantity, int], "FaceLimit | str"],

@@ -16,7 +16,7 @@ from workflow.results.continuum import (
     Gravity,
     MeshCount,
     MeshStep,
-    OtherWay,
+    OtherCriticalKh,
     OwnDilationPart,
     ShallowFailurePart,
     StoredState,
@@ -138,12 +138,12 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
     )
 
 
-def _other_way(adapted: "AdaptiveResult[Any] | None") -> OtherWay | None:
+def _other_way(adapted: "AdaptiveResult[Any] | None") -> OtherCriticalKh | None:
     if adapted is None:
         return None
     result = adapted.result
     meshes = max(len(adapted.rounds), 1)
-    return OtherWay.taken(result, kc_upper=result.upper, at_sides=_at_sides(adapted), meshes=meshes)
+    return OtherCriticalKh.taken(result, kc_upper=result.upper, at_sides=_at_sides(adapted), meshes=meshes)
 
 
 def _at_sides(adapted: "AdaptiveResult[Any]") -> tuple[str, ...]:

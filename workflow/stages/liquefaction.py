@@ -4,7 +4,7 @@ from collections.abc import Collection, Hashable, Mapping
 from typing import Any, TypeVar
 
 from meshes.errors import InputError
-from meshes.section.liquefies import Remains
+from meshes.section.liquefies import RemainingStrength
 from meshes.section.section import Section
 from meshes.section.stratum import cases_of, liquefying_strata
 from workflow.config import Config
@@ -35,7 +35,7 @@ def refuse_unless_liquefying(section: Section) -> None:
         )
 
 
-def remaining(config: Config) -> dict[int, dict[int, Remains]]:
+def remaining(config: Config) -> dict[int, dict[int, RemainingStrength]]:
     """For every case, return the remaining strength of the strata that liquefy in it, by their indices."""
     return {
         n: {k: config.cases[n - 1].remains_of(config.section, k) for k in strata}

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from meshes.errors import NoAnswerError
-from meshes.section.liquefies import Remains
+from meshes.section.liquefies import RemainingStrength
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
@@ -62,22 +62,22 @@ def _required(job: Job, mesh: "QuadMesh", answers: list[LiquefiedCase]) -> tuple
     return tuple(stratum.scaled(multiple) for stratum in strongest.strata)
 
 
-def _liquefied_section(config: Config, remains: Mapping[int, Remains]) -> "Section":
+def _liquefied_section(config: Config, remains: Mapping[int, RemainingStrength]) -> "Section":
     """Return the section after liquefaction."""
     from fem.continuum.liquefied_ground import liquefied_section
 
     return liquefied_section(config.section, remains)
 
 
-def _different(config: Config) -> dict[tuple[tuple[int, Remains], ...], list[int]]:
+def _different(config: Config) -> dict[tuple[tuple[int, RemainingStrength], ...], list[int]]:
     """Return the numbers of the cases, grouped by the residual strength of their liquefied strata."""
-    groups: dict[tuple[tuple[int, Remains], ...], list[int]] = {}
+    groups: dict[tuple[tuple[int, RemainingStrength], ...], list[int]] = {}
     for number, remains in remaining(config).items():
         groups.setdefault(tuple(remains.items()), []).append(number)
     return groups
 
 
-def _case(config: Config, mesh: "QuadMesh", remains: dict[int, Remains], numbers: list[int]) -> LiquefiedCase:
+def _case(config: Config, mesh: "QuadMesh", remains: dict[int, RemainingStrength], numbers: list[int]) -> LiquefiedCase:
     """Return the stability of the ground in cases of equal residual strengths."""
     section = _liquefied_section(config, remains)
     mean = section.cohesion_field.means()

@@ -22,7 +22,7 @@ from workflow.run.store import Store
 from workflow.stages.case_pictures import case_pictures, draw_cases
 from workflow.stages.discs_at_rest import PAPER, SETTLED, ground_for
 from workflow.stages.liquefaction import liquefying
-from workflow.stages.random_packings import PackingTask, RandomPackingsWanted, calibrated_packing
+from workflow.stages.random_packings import PackingTask, RandomPackingsRequest, calibrated_packing
 from workflow.stages.sliding import KH_ALONE, PlannedSlide, SlideTask, first_alike, slide_of_discs, task
 
 SLIDES_PER_PACKING = 6.0  # slides that take as long as a packing, which is calibrated before its slides
@@ -36,9 +36,9 @@ def slide_stage(job: Job) -> None:
     wanted = [number for number in liquefying(config) if job.cases is None or number in job.cases]
     starts = _starts(config, store)
     tasks = _tasks(config, starts, wanted)
-    others: RandomPackingsWanted | None = None
+    others: RandomPackingsRequest | None = None
     if config.slide.packings(config.dem.model) and wanted:
-        others = RandomPackingsWanted.of(config, store, wanted)
+        others = RandomPackingsRequest.of(config, store, wanted)
     packings = others.first_packings() if others is not None else []  # these take longest, and so begin
     alike = first_alike(config, tasks)
     computed = list(dict.fromkeys(alike.values()))
@@ -46,7 +46,7 @@ def slide_stage(job: Job) -> None:
         *packings,
         *(SlideTask(config, store, each, frames=True) for each in computed),
     ]
-    hearer = Hearer(config, job.progress, pieces)
+    hearer = SlideProgress(config, job.progress, pieces)
     outcomes = job.executor.compute(_computed, pieces, hearer, hearer.ended)
     outcome_of: dict[PlannedSlide, Slide] = dict(zip(computed, outcomes[len(packings) :], strict=True))
     slides = {each: outcome_of[alike[each]] for each in tasks}
@@ -105,7 +105,7 @@ def _cases(slides: dict[PlannedSlide, Slide], springs: str) -> dict[int, CaseAns
     }
 
 
-class Hearer:
+class SlideProgress:
     """Reports the progress of the slides."""
 
     def __init__(self, config: Config, progress: Progress, pieces: Sequence[SlideTask | PackingTask]) -> None:

@@ -19,7 +19,7 @@ Packed = tuple[Seed, dict[int, Slide]]  # how it was calibrated, and its slides 
 
 
 @dataclass(frozen=True)
-class RandomPackingsWanted:
+class RandomPackingsRequest:
     """Holds the random packings that are computed in addition to the packing of the run itself.
 
     A seed whose packing cannot be calibrated to the critical Kh is named with the reason, and not counted. If the
@@ -40,7 +40,7 @@ class RandomPackingsWanted:
     of_run: Seed | None
 
     @classmethod
-    def of(cls, config: Config, store: Store, numbers: Sequence[int]) -> "RandomPackingsWanted":
+    def of(cls, config: Config, store: Store, numbers: Sequence[int]) -> "RandomPackingsRequest":
         """Return the random packings that the settings of a run with calibrated discs request."""
         continuum = continuum_for(config, store)
         return cls(config, store, continuum, tuple(numbers), _own_seed(config, CalibrationAnswer.read(store)))

@@ -13,7 +13,7 @@ import numpy as np
 from meshes.errors import InputError
 from workflow.config import Config
 from workflow.results.answer import SectionLabel, line
-from workflow.results.stability import AlongSurface, ResidualAnswer, ResidualVerdict, SoftenedStratum, TwoSteps
+from workflow.results.stability import AlongSurface, PeakAndResidual, ResidualAnswer, ResidualVerdict, SoftenedStratum
 from workflow.run.stage import Job, Stage
 from workflow.stages.bearing import WITHOUT_EFFECT, answer_or_note, bearing_of
 
@@ -43,7 +43,7 @@ def work(job: Job) -> None:
     job.progress("residual strength", None)
     everywhere = bearing_of(softened, config, mesh)
     along = None if peak is None else _along(section, softened, peak, config.fem.vertical)
-    steps = TwoSteps(
+    steps = PeakAndResidual(
         strata=tuple(
             SoftenedStratum(
                 name=stratum.name,

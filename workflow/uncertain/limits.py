@@ -21,7 +21,7 @@ Check = Callable[[Any], str]  # what is wrong with a number that is drawn; empty
 
 
 @dataclass(frozen=True)
-class Reach:
+class AdmissibleRange:
     """Holds the range of probabilities in which a distribution has only admissible numbers.
 
     Attributes
@@ -43,7 +43,9 @@ class Reach:
         return self.low + chance * (self.high - self.low)
 
 
-def reach_of(data: Mapping[str, Any], numbers: Mapping[str, Distribution], models: Models) -> dict[str, Reach]:
+def reach_of(
+    data: Mapping[str, Any], numbers: Mapping[str, Distribution], models: Models
+) -> dict[str, AdmissibleRange]:
     """Return the range of each distribution, truncated to the values that the fields of ``models`` accept, by its path
     in the input ``data``.
 
@@ -56,20 +58,20 @@ def reach_of(data: Mapping[str, Any], numbers: Mapping[str, Distribution], model
     }
 
 
-def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
+def _reach(path: str, distribution: Distribution, check: Check) -> AdmissibleRange:
     name = f'uncertain, "{path}"'
     if distribution.list is not None:
         others = [value for value in distribution.list if value != distribution.at(0.5)]
-        return Reach(
+        return AdmissibleRange(
             problem="\n".join(f"{name}: {listed!r} in its list: {text}" for listed in others if (text := check(listed)))
         )
     at = distribution.at
     if check(at(0.5)):
-        return Reach()  # its median is reported with the whole input
+        return AdmissibleRange()  # its median is reported with the whole input
     if distribution.kind in ("uniform", "triangular") or distribution.between is not None:
         ends = distribution.between or getattr(distribution, distribution.kind)
         refused = [(end, check(at(chance))) for end, chance in ((ends[0], SMALLEST_CHANCE), (ends[-1], LARGEST_CHANCE))]
-        return Reach(problem="\n".join(f"{name}: it reaches {end}: {text}" for end, text in refused if text))
+        return AdmissibleRange(problem="\n".join(f"{name}: it reaches {end}: {text}" for end, text in refused if text))
     low, high = (_furthest(lambda chance: not check(at(chance)), end) for end in (SMALLEST_CHANCE, LARGEST_CHANCE))
     messages = [
         f"{name}: {100.0 * share:.2g} % of its {distribution.kind} distribution lie {side} "
@@ -79,7 +81,7 @@ def _reach(path: str, distribution: Distribution, check: Check) -> Reach:
         )
         if share > REPORTED_CUT_OFF
     ]  # fmt: skip
-    return Reach(low, high, "\n".join(messages))
+    return AdmissibleRange(low, high, "\n".join(messages))
 
 
 def _check_of(data: Mapping[str, Any], path: str, distribution: Distribution, models: Models) -> Check:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 from scipy.stats import qmc
 
-from workflow.uncertain.limits import Reach
+from workflow.uncertain.limits import AdmissibleRange
 from workflow.uncertain.settings import SamplingMethod, StudySettings, UncertainSettings
 
 SMALLEST_CHANCE = 2.0**-54  # a probability of zero would be infinitely far from the median
@@ -46,7 +46,7 @@ def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
 
 
 def samples(
-    uncertain: UncertainSettings, study: StudySettings, reach: Mapping[str, Reach] = MappingProxyType({})
+    uncertain: UncertainSettings, study: StudySettings, reach: Mapping[str, AdmissibleRange] = MappingProxyType({})
 ) -> list[dict[str, Any]]:
     """Return the sampled values of every sample, by the paths of the numbers, within the admissible range of each."""
     numbers = uncertain.numbers
@@ -54,7 +54,7 @@ def samples(
     points = correlated(points, uncertain.correlation())
     return [
         {
-            path: distribution.at(reach.get(path, Reach()).within(float(chance)))
+            path: distribution.at(reach.get(path, AdmissibleRange()).within(float(chance)))
             for (path, distribution), chance in zip(numbers.items(), row, strict=True)
         }
         for row in points

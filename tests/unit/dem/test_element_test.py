@@ -18,7 +18,7 @@ from dem.kernels.patch import share_inside
 from dem.laboratory.element_table import element_tests
 from dem.laboratory.element_test import ElementTest, element_test
 from dem.laboratory.loading import Curve, confine, load, probe
-from dem.laboratory.patch import Patch, PatchSample, Press, lattice_patch, random_patch
+from dem.laboratory.patch import Patch, PatchSample, StrainControl, lattice_patch, random_patch
 from dem.laboratory.plane_elastic import PlaneElastic
 from dem.laboratory.strength import dilation, from_plane, from_principal, verdict
 from dem.model import DiscModel
@@ -138,12 +138,12 @@ def test_what_a_press_keeps_is_what_the_model_would_say() -> None:
     disc_model, renewed = made.copy(), made.copy()
     per_second = 1e-3 / made.time_unit
     drive = np.array([[0.2, 0.5], [0.0, -1.0]]) * per_second
-    with Press(disc_model) as press:
+    with StrainControl(disc_model) as press:
         for k in range(1, 6):
             press.strain(k * drive, 0.002 / per_second)
             inside = disc_model.stress_state()
             assert press.stable_step() == pytest.approx(largest_step(whole(disc_model)).seconds, rel=1e-12)
-    with Press(renewed) as press:
+    with StrainControl(renewed) as press:
         for k in range(1, 6):
             press.strain(k * drive, 0.002 / per_second)
             press.run.update()  # the contacts go back to the model, and a new layout is made of it

@@ -16,8 +16,8 @@ from dem.acceleration import Acceleration, tilted_gravity
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
-from dem.engine.memory import Room
-from dem.engine.pulses import Pulses
+from dem.engine.memory import ReusedMemory
+from dem.engine.pulses import ShortRuns
 from dem.model import DiscModel
 from dem.springs import Law
 from tests.support import TOP
@@ -75,7 +75,7 @@ def test_pulses_change_no_bit(law: Law) -> None:
         model.skin = 0.5  # the list of neighbours lasts, and with it the stable step
         model.make_list()
     dt = 0.3 * largest_step(runs).seconds
-    with Pulses(pulsed, 0.3) as pulses:
+    with ShortRuns(pulsed, 0.3) as pulses:
         for turn in range(10):
             Engine(dt=dt, energies=False).run(runs, steps=7)
             pulses.on(7.0 * dt)
@@ -110,7 +110,7 @@ def test_restart_changes_no_bit(tmp_path: Path, law: Law) -> None:
 def test_room_is_used_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Zeros each time, in the same place where they fit; in another where they do not, or where many discs count."""
     monkeypatch.setattr("dem.engine.memory.LARGEST_ARRAY", 40)
-    room = Room(100)
+    room = ReusedMemory(100)
     first = room.zeros("links", 7, 3)
     place = first.ctypes.data
     first[...] = 1.0
@@ -121,7 +121,7 @@ def test_room_is_used_again(monkeypatch: pytest.MonkeyPatch) -> None:
     assert room.zeros("links", 50, 4).shape == (50, 4)
     assert (room.zeros("few", 2, 2) == np.zeros((2, 2))).all()
     assert "few" not in room.rooms
-    many = Room()
+    many = ReusedMemory()
     assert (many.zeros("links", 5, 4) == np.zeros((5, 4))).all()
     assert not many.rooms
 

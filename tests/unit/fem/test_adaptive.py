@@ -13,7 +13,7 @@ import pytest
 from fem.continuum.shallow_failure import shallow_failures, strengthened
 from fem.errors import UnstableError
 from fem.search.adaptive import next_mesh
-from fem.search.mesh_sequence import FEWEST_CELLS, AdaptiveResult, MeshRound, MeshSequence, Wish
+from fem.search.mesh_sequence import FEWEST_CELLS, AdaptiveResult, MeshRound, MeshSequence, RefinementCriteria
 from fem.settings import FemSettings
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
@@ -45,7 +45,7 @@ class Solver:
 
 
 def solve_adaptively(
-    first: QuadMesh, remade: Callable[..., QuadMesh], solve: Callable[[QuadMesh], Any], wish: Wish
+    first: QuadMesh, remade: Callable[..., QuadMesh], solve: Callable[[QuadMesh], Any], wish: RefinementCriteria
 ) -> AdaptiveResult:
     sequence: MeshSequence[Any] = MeshSequence(first, wish)
     while sequence.mesh is not None:
@@ -62,7 +62,9 @@ def solved(
 ) -> AdaptiveResult:
     section, wanted = Section.parse(slope()), MeshSettings(method="free")
     remade = partial(next_mesh, section, wanted)
-    return solve_adaptively(generate(section, wanted), remade, solver, Wish(accuracy, max_cells, lambda: other))
+    return solve_adaptively(
+        generate(section, wanted), remade, solver, RefinementCriteria(accuracy, max_cells, lambda: other)
+    )
 
 
 @pytest.mark.parametrize(("fits", "times"), [(True, 1.25), (False, 1.0)])
@@ -70,7 +72,7 @@ def test_a_first_mesh_that_fits_the_mechanism_is_refined_at_once(fits: bool, tim
     """So the factor of safety begins on the mesh of the critical Kh: two meshes instead of three."""
     section, wanted = Section.parse(slope()), MeshSettings(method="free", size=1.5)
     first, cells_requested = generate(section, wanted), []
-    sequence: MeshSequence[Any] = MeshSequence(first, Wish(0.001, 5000), lambda _: fits)
+    sequence: MeshSequence[Any] = MeshSequence(first, RefinementCriteria(0.001, 5000), lambda _: fits)
     sequence.take(Solver(error=5.0)(first), lambda mesh, strain, cells: cells_requested.append(cells) or mesh)
     assert len(first.cells) > FEWEST_CELLS
     assert cells_requested == [math.ceil(times * len(first.cells))]
@@ -105,7 +107,7 @@ def test_a_rise_on_about_as_many_cells_tells_no_error() -> None:
         return SimpleNamespace(value=next(values), reason="", mechanism=mechanism)
 
     adaptive_result = solve_adaptively(
-        generate(section, wanted), partial(next_mesh, section, wanted), solve, Wish(0.02, 9000)
+        generate(section, wanted), partial(next_mesh, section, wanted), solve, RefinementCriteria(0.02, 9000)
     )
     assert adaptive_result.rounds[1].cells < 1.25 * adaptive_result.rounds[0].cells
     assert [item.tells for item in adaptive_result.rounds[:3]] == [True, False, True]
@@ -120,7 +122,7 @@ def test_an_answer_that_rose_and_stays_above_earlier_ones_keeps_its_error(values
     """Inclined soft band (Zolfaghari et al.): 1.1245 on two meshes of 1742 and 1843 cells, told with an error of 0.0 %,
     above the strict upper bound of 1.113."""
     section, wanted = Section.parse(slope()), MeshSettings(method="free", size=0.8)
-    sequence: MeshSequence[Any] = MeshSequence(generate(section, wanted), Wish(0.005, 9000))
+    sequence: MeshSequence[Any] = MeshSequence(generate(section, wanted), RefinementCriteria(0.005, 9000))
     for value in values:
         assert sequence.mesh is not None
         strain = np.ones(len(sequence.mesh.cells))
@@ -138,7 +140,7 @@ def test_no_more_than_two_meshes_have_the_largest_number_of_cells() -> None:
         return SimpleNamespace(value=next(values), reason="", mechanism=mechanism)
 
     most = 2 * len(mesh.cells) - 1
-    solution = solve_adaptively(mesh, lambda last, *_: last, solve, Wish(0.001, most))
+    solution = solve_adaptively(mesh, lambda last, *_: last, solve, RefinementCriteria(0.001, most))
     assert len(solution.rounds) == 4, "the first, the first adapted one, two of the largest number"
     assert not solution.converged
     assert f"{most} are allowed" in solution.reason

@@ -8,7 +8,7 @@ import pytest
 from fem.continuum.fields import FieldState, is_mechanism, touched_sides
 from fem.search.checks import of_cells, of_dilation, of_verdict, touches_base, warnings_of
 from fem.search.critical import CriticalResult
-from fem.search.result_warnings import Computed, is_doubtful, of_bounds, of_others
+from fem.search.result_warnings import ComparedKh, is_doubtful, of_bounds, of_others
 from fem.search.slip_surface import slip_surface
 from meshes.quality import corner_angles
 from tests.support.fem_problems import grid
@@ -71,13 +71,13 @@ def test_strict_bounds_judge_answers_of_their_own_flow_and_every_smaller_dilatio
 
 
 def test_changes_by_more_than_3_percent_are_told():
-    values = list(of_others(0.299, [Computed("cells of half the size", 0.267), Computed("another step", 0.298)]))
+    values = list(of_others(0.299, [ComparedKh("cells of half the size", 0.267), ComparedKh("another step", 0.298)]))
     assert len(values) == 1
     assert "-11 %" in values[0].what
 
 
 def test_a_change_on_another_mesh_is_held_against_that_mesh():
-    other = Computed("quadratic element, on the first mesh of 1041 cells", 0.1242, decisive=False, without=0.1139)
+    other = ComparedKh("quadratic element, on the first mesh of 1041 cells", 0.1242, decisive=False, without=0.1139)
     (computed,) = of_others(0.1096, [other])
     assert "0.124 instead of 0.114, +9 %" in computed.what
 

@@ -10,7 +10,7 @@ from fem.continuum.liquefied_ground import LEAST_STRENGTH_RATIO, liquefied_secti
 from fem.limit_load.limit_load import weight_borne
 from fem.settings import FemSettings
 from meshes import generate
-from meshes.section.liquefies import Remains
+from meshes.section.liquefies import RemainingStrength
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
@@ -26,7 +26,7 @@ def test_what_is_left_of_a_stratum() -> None:
     section = analysed(bored())
     stress = section.section.cohesion_field.mean_effective_stress(0)
     assert stress == pytest.approx(GRAVITY * 3.0 * 900.0)
-    residual = liquefied_section(section.section, {0: Remains(0.0, 0.0, 0.1)})
+    residual = liquefied_section(section.section, {0: RemainingStrength(0.0, 0.0, 0.1)})
     strata = residual.strata[0]
     assert (strata.cohesion, strata.strength_ratio, strata.friction_angle, strata.poissons_ratio) == (
         0.0,
@@ -37,9 +37,9 @@ def test_what_is_left_of_a_stratum() -> None:
     assert residual.cohesion_field.means()[0].cohesion == pytest.approx(0.1 * GRAVITY * 3.0 * 900.0)
     top, middle = np.array([[50.0, -1.0], [50.0, -3.0]]), np.array([0, 0])
     assert residual.cohesion_field.at(top, top, middle) == pytest.approx([90.0 * GRAVITY, 270.0 * GRAVITY])
-    half = liquefied_section(section.section, {0: Remains(1.0, 0.5, 0.0)}).strata[0]
+    half = liquefied_section(section.section, {0: RemainingStrength(1.0, 0.5, 0.0)}).strata[0]
     assert math.tan(half.friction_angle) == pytest.approx(0.5 * math.tan(math.radians(32.0)))
-    nothing = liquefied_section(section.section, {0: Remains(0.0, 0.0, 0.0)}).strata
+    nothing = liquefied_section(section.section, {0: RemainingStrength(0.0, 0.0, 0.0)}).strata
     assert nothing[0].cohesion == pytest.approx(LEAST_STRENGTH_RATIO * stress)
     assert nothing[1] == section.section.strata[1]
 
@@ -47,7 +47,7 @@ def test_what_is_left_of_a_stratum() -> None:
 def test_what_is_borne_does_not_hang_on_rounding() -> None:
     """S-13 without any strength in its liquefied layers, next to rock: some factorisations break down, whichever."""
     config = Config.load(SECTIONS / "s13.toml")
-    gone = {k: Remains(0.0, 0.0, 0.0) for k, s in enumerate(config.section.strata) if s.liquefies_in}
+    gone = {k: RemainingStrength(0.0, 0.0, 0.0) for k, s in enumerate(config.section.strata) if s.liquefies_in}
     ground = liquefied_section(config.section, gone)
     mesh, rng = generate(ground, config.mesh), np.random.default_rng(0)
     seismic = [mesh.points * (1.0 + 1e-13 * size * rng.standard_normal(mesh.points.shape)) for size in (0.0, 1.0, 1.0)]

@@ -9,7 +9,7 @@ from fem.continuum.liquefied_ground import liquefied_section
 from fem.continuum.shallow_failure import faces_at, shallow_failures, strengthened, strip_bottom
 from fem.limit.bounds import DirectionGround, kh_bounds
 from fem.settings import BoundsSettings, FemSettings
-from meshes.section.liquefies import Remains
+from meshes.section.liquefies import RemainingStrength
 from meshes.section.section import Section
 from tests.support import SECTIONS
 from tests.support.sections import layer
@@ -117,7 +117,7 @@ def test_liquefied_ground_is_not_judged_as_input() -> None:
     section = bank()
     loose = section.strata[1].model_copy(update={"friction_angle": math.radians(30.0)})
     section = section.with_strata([section.strata[0], loose])
-    weak = liquefied_section(section, {1: Remains(cohesion=0.0, friction=0.1, residual=1e-4)})
+    weak = liquefied_section(section, {1: RemainingStrength(cohesion=0.0, friction=0.1, residual=1e-4)})
     assert 0.0 < weak.cohesion_field.means()[1].cohesion < 20.0
     strong = strengthened(weak, shallow_failures(weak, FIXED), FIXED)
     assert [s.name for s in strong.strata] == ["sand, strengthened face at x = 10 m", "sand", "clay"]

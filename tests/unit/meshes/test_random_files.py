@@ -17,7 +17,7 @@ from python_ags4 import AGS4
 
 from meshes.borings.ags4_file import read_ags4
 from meshes.borings.blows import is_refusal
-from meshes.borings.connect import Connected, connected
+from meshes.borings.connect import ConnectedBorings, connected
 from meshes.borings.section_text import text_of
 from meshes.drawings.dxf_file import read_dxf
 from meshes.section.section import Section
@@ -285,7 +285,7 @@ def test_random_borings_come_back(seed: int, tmp_path_factory: pytest.TempPathFa
     assert several == bool(result.notices)
 
 
-def column(outcome: Connected, place: int) -> list[tuple[str, float]]:
+def column(outcome: ConnectedBorings, place: int) -> list[tuple[str, float]]:
     """What the section has at a boring from the top down: names without numbers, and thickness (m)."""
     levels = np.concatenate([[outcome.ground[place]], outcome.bottoms[:, place]])
     return [(name.split(" ")[0], float(a - b)) for name, (a, b) in zip(outcome.names, pairwise(levels), strict=True)

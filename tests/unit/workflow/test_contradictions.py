@@ -26,7 +26,7 @@ from workflow.report.contradictions import (
 from workflow.report.summary_text import at_rest
 from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer, RandomCase, RandomPackings, Spread
-from workflow.results.continuum import FactorOfSafety, OtherWay
+from workflow.results.continuum import FactorOfSafety, OtherCriticalKh
 from workflow.results.discs import DiscsAnswer
 from workflow.results.material_points import PointCase, PointSlidesAnswer
 
@@ -182,7 +182,7 @@ def test_a_critical_kh_behind_a_fall_of_the_curve_is_told(run: Config) -> None:
 
 def messages_by_bounds(run: Config, **more: Any) -> list[str]:
     """What bounds of 0.2799 to 0.2815 (S-13, psi = phi) say to a critical Kh of 0.237 by Davis's estimate and more."""
-    other = OtherWay(kc=0.2844, kc_upper=0.2844, verdict="plateau", reason="", direction="downhill", at_sides=())
+    other = OtherCriticalKh(kc=0.2844, kc_upper=0.2844, verdict="plateau", reason="", direction="downhill", at_sides=())
     answer = fem(run, 0.237).model_copy(update={"flow": "davis", "associated": other, **more.pop("fem", {})})
     strict = bounds(run, 0.2799, 0.2815, more.pop("direction", "downhill")).model_copy(update=more)
     return [f"{warning.what} {warning.remedy}" for warning in results(run, fem=answer, bounds=strict).warnings]
@@ -195,7 +195,7 @@ def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run:
     assert messages.endswith("take 0.281 as an upper limit and refine the mesh")
     assert len(messages_by_bounds(run, sides="fixed")) == 1, "held sides bear no less"
     assert messages_by_bounds(run, direction="uphill") == []
-    opposite = OtherWay(kc=0.31, kc_upper=0.31, verdict="plateau", reason="", direction="uphill", at_sides=())
+    opposite = OtherCriticalKh(kc=0.31, kc_upper=0.31, verdict="plateau", reason="", direction="uphill", at_sides=())
     [uphill] = messages_by_bounds(run, direction="uphill", fem={"opposite": opposite})
     assert uphill.startswith("The critical Kh uphill of 0.310 lies 10 % above the strict upper bound")
     near = results(run, fem=fem(run, 0.2844), bounds=bounds(run, 0.2799, 0.2815))

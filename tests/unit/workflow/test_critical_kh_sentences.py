@@ -17,7 +17,7 @@ from workflow.results.bounds import SafetyPart
 from workflow.results.continuum import (
     FactorOfSafety,
     MeshStep,
-    OtherWay,
+    OtherCriticalKh,
     OwnDilationPart,
     ResultWarning,
     ShallowFailurePart,
@@ -90,7 +90,9 @@ def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Config) ->
 
 def test_what_stands_beside_the_critical_kh(run: Config) -> None:
     """The other direction, what ψ = φ would give, faces without cohesion, and what contradicts the answer."""
-    other = OtherWay(kc=0.173, kc_upper=0.18, verdict="plateau", reason="", direction="uphill", at_sides=("left",))
+    other = OtherCriticalKh(
+        kc=0.173, kc_upper=0.18, verdict="plateau", reason="", direction="uphill", at_sides=("left",)
+    )
     face = ShallowFailurePart(stratum="upper", start_x_m=20.0, end_x_m=44.0, angle_deg=26.0, kh=0.05)
     warning = ResultWarning(what="A finer mesh gives 0.20.", remedy="refine it", contradiction=True)
     known = ResultWarning(what="The base is near.", remedy="go deeper", contradiction=False)
@@ -150,7 +152,7 @@ def test_a_third_number_is_about_so_much_and_one_that_did_not_settle_says_why(ru
 
 @pytest.mark.parametrize(("davis", "far_apart"), [(0.12, True), (0.20, False)])
 def test_a_third_number_is_offered_where_the_two_lie_far_apart(davis: float, far_apart: bool, run: Config) -> None:
-    low = OtherWay(kc=davis, kc_upper=davis, verdict="plateau", reason="", direction="downhill", at_sides=())
+    low = OtherCriticalKh(kc=davis, kc_upper=davis, verdict="plateau", reason="", direction="downhill", at_sides=())
     answer = fem(run, 0.21).model_copy(update={"davis": low, "dilation_deg": {"Soil": 0.0}})
     offer = " The option --set fem.own_dilation=true also computes an approximate critical Kh for ψ = 0."
     assert how_to_get_own_dilation(answer) == (offer if far_apart else "")
@@ -176,7 +178,7 @@ def test_a_slope_that_stands_and_one_that_does_not(run: Config) -> None:
 def test_console_tells_where_the_ground_slips_and_that_the_other_direction_has_one_mesh(run: Config) -> None:
     """A Kh of one mesh stood there to three places, 6 % from that of the mirror image; the place of the critical Kh
     was told for the factor of safety only, which may slip elsewhere; 0.2658 stood beside a range up to 0.265."""
-    other = OtherWay(kc=0.3998, kc_upper=0.41, verdict="plateau", reason="", direction="uphill", at_sides=())
+    other = OtherCriticalKh(kc=0.3998, kc_upper=0.41, verdict="plateau", reason="", direction="uphill", at_sides=())
     state = fem(run).states[-1].model_copy(update={"slip_surface": ((12.0, 9.0), (20.0, 4.0), (31.5, 5.0))})
     steps = (MeshStep(cells=500, kc=0.27), MeshStep(cells=1000, kc=0.2658))
     changes = {"opposite": other, "states": (state,), "meshes": steps, "kc": 0.2658, "kc_limit": 0.2645}

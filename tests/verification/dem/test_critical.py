@@ -12,7 +12,7 @@ from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
 from dem.search.calibration import Calibrator, calibrate, changed, choose, sensitivities
 from dem.search.critical import critical_kh
-from dem.search.equilibrium import Rise, displacement, period, settle, step_on, stop, try_kh, unbalanced_ratio
+from dem.search.equilibrium import KhRise, displacement, period, settle, step_on, stop, try_kh, unbalanced_ratio
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
 from tests.support.dem_cases import FLOOR, RADIUS, SOIL_SPRINGS
@@ -71,16 +71,16 @@ def test_the_answer_does_not_depend_on_threads_or_on_the_way() -> None:
 def test_what_stands_and_what_fails_says_why() -> None:
     soil = replace(SOIL_SPRINGS, friction=MU, kpn=0.0, kps=0.0)
     ground, model = blocks([soil])
-    stands = try_kh(model.copy(), model, ground, SETTINGS, Rise(0.0, 0.8 * MU, 1e-3))
+    stands = try_kh(model.copy(), model, ground, SETTINGS, KhRise(0.0, 0.8 * MU, 1e-3))
     assert (stands.verdict, stands.unbalanced_ratio < SETTINGS.unbalanced) == ("stands", True)
     moved = model.copy()
     flexible = model.mass[0] * 9.80665 / soil.ks
-    fails = try_kh(moved, model, ground, SETTINGS, Rise(0.0, 1.2 * MU, flexible))
+    fails = try_kh(moved, model, ground, SETTINGS, KhRise(0.0, 1.2 * MU, flexible))
     assert fails.verdict == "fails"
     assert "times the elastic one and grows" in fails.reason
     assert displacement(moved, model, ground) > 3.0 * 1.2 * MU * flexible
     patient = SETTINGS.model_copy(update={"growth": 1e9, "patience": 2.0})
-    assert try_kh(model.copy(), model, ground, patient, Rise(0.0, 1.2 * MU, flexible)).verdict == "undecided"
+    assert try_kh(model.copy(), model, ground, patient, KhRise(0.0, 1.2 * MU, flexible)).verdict == "undecided"
 
 
 def test_ground_that_slides_at_the_first_kh_stood_under_its_own_weight() -> None:

@@ -7,7 +7,7 @@ import pytest
 from dem.ground import Ground, ground_of, springs_of
 from dem.model import DiscModel
 from dem.search.critical import Search, critical_kh
-from dem.search.equilibrium import Rise, settle, try_kh, unbalanced_ratio
+from dem.search.equilibrium import KhRise, settle, try_kh, unbalanced_ratio
 from dem.settings import SlideSettings
 from dem.slides.liquefaction import Slider
 from dem.slides.slide import Slide
@@ -61,9 +61,9 @@ def test_stands_at_0_2_and_breaks_along_the_asd_layers_at_0_3(
 ) -> None:
     """Figs 12 and 13."""
     model = settled.copy()
-    assert try_kh(model, settled, ground, run.dem, Rise(0.0, 0.2, search.flexibility_m), 2).verdict == "stands"
+    assert try_kh(model, settled, ground, run.dem, KhRise(0.0, 0.2, search.flexibility_m), 2).verdict == "stands"
     model = settled.copy()
-    try_kh(model, settled, ground, run.dem, Rise(0.0, 0.3, search.flexibility_m), 2)
+    try_kh(model, settled, ground, run.dem, KhRise(0.0, 0.3, search.flexibility_m), 2)
     shares = cracked_shares(model)
     assert max(shares[name] for name in ASD) > 0.1
 

@@ -24,7 +24,7 @@ from fem.mpm import (
 from fem.mpm.slide import CHECK_INTERVAL, DAMPING, ENERGY_TOLERANCE
 from fem.mpm.weak_edges import edge_strength
 from fem.settings import Sides
-from meshes.section.liquefies import Remains
+from meshes.section.liquefies import RemainingStrength
 from meshes.section.quantity import GRAVITY
 from tests.support import SECTIONS
 from tests.support.material_points import UNIT_WEIGHT, EndlessSlope, displaced, lattice
@@ -381,7 +381,9 @@ def test_what_flows_over_a_smooth_end_moves_on_beyond_it() -> None:
     }
     slider = PointSlider(ground_of(Config.parse(data).section, 300, "smooth"), 1)
     slider.settle()
-    slide = slider.run(SlideProgramme(np.zeros_like, {0: 0.0}, {0: Remains(0.0, 0.0, 0.0, 2e3)}, 0.5, 0.5, 8.0))
+    slide = slider.run(
+        SlideProgramme(np.zeros_like, {0: 0.0}, {0: RemainingStrength(0.0, 0.0, 0.0, 2e3)}, 0.5, 0.5, 8.0)
+    )
     points = slider.ground.points
     places = points.x + slider.ground.offset
     beyond = (points.stratum >= 0) & (places[:, 0] > 24.0)

@@ -15,7 +15,7 @@ from liquepy.trigger import boulanger_and_idriss_2014 as liquepy
 from scipy.optimize import brentq
 
 from tests.support.sections import analysed, assessment
-from workflow.earthquake.triggering.assessment import Judged
+from workflow.earthquake.triggering.assessment import TestResult
 
 WATER, GROUND, ATMOSPHERE = 9.81, 10.0, 101.325  # kN/m³, m, kPa
 MAGNITUDE, PEAK = 7.2, 0.3
@@ -51,7 +51,7 @@ def columns(draw: st.DrawFn) -> dict[str, Any]:
     }
 
 
-def judged(column: dict[str, Any], method: str) -> list[Judged]:
+def judged(column: dict[str, Any], method: str) -> list[TestResult]:
     """What the program finds in the column at all depths."""
     bottoms = np.cumsum(column["thick"])
     strata = [
@@ -157,7 +157,7 @@ def boulanger_idriss_2014(z: float, n: float, total: float, effective: float) ->
     return load, float(bears * liquepy.calc_k_sigma(effective, clean, ATMOSPHERE))
 
 
-def independent(method: str, test: Judged, column: dict[str, Any], number: int) -> tuple[float, float]:
+def independent(method: str, test: TestResult, column: dict[str, Any], number: int) -> tuple[float, float]:
     z, n, fines = DEPTHS[number], column["N"][number], column["fines"][number]
     total, effective = by_hand(column, z)
     assert (test.where.total, test.where.effective) == pytest.approx((1e3 * total, 1e3 * effective), rel=1e-3, abs=20.0)

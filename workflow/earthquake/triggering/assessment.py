@@ -27,7 +27,7 @@ CLAY = 'clay by its strength, φ = 0, and its plasticity index is not known; liq
 
 
 @dataclass(frozen=True)
-class Judged:
+class TestResult:
     """Holds one test and its factor F_L.
 
     Attributes
@@ -67,7 +67,7 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class OfStratum:
+class StratumResult:
     """Holds the share of a stratum that liquefies.
 
     Attributes
@@ -97,8 +97,8 @@ class TriggeringAssessment:
     motion: PeakMotion
     magnitude: float | None
     relation: Relation
-    tests: tuple[Judged, ...]
-    strata: tuple[OfStratum, ...]
+    tests: tuple[TestResult, ...]
+    strata: tuple[StratumResult, ...]
     potentials: dict[str, float]
 
 
@@ -111,7 +111,7 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
     if motion is None:
         raise InputError(section.name, problems)
     shaking = SurfaceMotion(motion.median / GRAVITY, earthquake.magnitude or math.nan)
-    tests: list[Judged] = []
+    tests: list[TestResult] = []
     borings = [boring for boring in settings.borings if getattr(boring, relation.kind)]
     lengths = _stretches(section, sorted({float(boring.x) for boring in borings}))
     for boring in borings:
@@ -126,7 +126,9 @@ def assess(section: Section, earthquake: EarthquakeSettings, settings: Triggerin
                 problems.append(f"triggering, boring {boring.name}, test at {sample.depth:g} m: {error}")
                 continue
             x = float(boring.x)
-            tests.append(Judged(boring.name, x, sample, top, bottom, lengths[x], place_in_ground, resistance, reason))
+            tests.append(
+                TestResult(boring.name, x, sample, top, bottom, lengths[x], place_in_ground, resistance, reason)
+            )
     if problems:
         raise InputError(section.name, problems)
     strata = tuple(_of_stratum(section, k, tests, settings.share) for k in range(len(section.strata)))
@@ -242,7 +244,7 @@ def point_of(sample: Sample | Cone, where: Overburden) -> BlowCount | ConeTest:
     )
 
 
-def normalised_counts(test: Judged, settings: TriggeringSettings) -> tuple[float, float]:
+def normalised_counts(test: TestResult, settings: TriggeringSettings) -> tuple[float, float]:
     """Return (N1)60 and (N1)60cs of a test, for residual strength and strain; for a cone test, the blow counts of sand
     of the same relative density.
     """
@@ -253,7 +255,7 @@ def normalised_counts(test: Judged, settings: TriggeringSettings) -> tuple[float
     return idriss_boulanger.normalised(point, point.energy_ratio or settings.energy_ratio, settings.rods_above)
 
 
-def fines_of(test: Judged) -> float:
+def fines_of(test: TestResult) -> float:
     """Return the fines content (%) of the tested soil: measured, or from the index of a cone test, or None."""
     point = point_of(test.sample, test.where)
     if isinstance(point, ConeTest):
@@ -282,7 +284,7 @@ def _ranges_of_tests(section: Section, boring: Boring, depths: list[float]) -> l
     return pieces
 
 
-def judged_in_stratum(names: Sequence[str], number: int, tests: Sequence[Judged]) -> list[Judged]:
+def judged_in_stratum(names: Sequence[str], number: int, tests: Sequence[TestResult]) -> list[TestResult]:
     """Return the tests in a stratum. If the stratum has no tests, return the tests in other parts of the same soil on
     the same side of the water table.
 
@@ -292,7 +294,7 @@ def judged_in_stratum(names: Sequence[str], number: int, tests: Sequence[Judged]
     return tests_in_stratum or [test for test in tests if soil_of(names[test.where.stratum]) == soil_of(names[number])]
 
 
-def _of_stratum(section: Section, number: int, tests: list[Judged], wanted: float) -> OfStratum:
+def _of_stratum(section: Section, number: int, tests: list[TestResult], wanted: float) -> StratumResult:
     tests_in_stratum = judged_in_stratum([stratum.name for stratum in section.strata], number, tests)
     share = (
         sum(test.area for test in tests_in_stratum if test.liquefies) / sum(test.area for test in tests_in_stratum)
@@ -304,7 +306,7 @@ def _of_stratum(section: Section, number: int, tests: list[Judged], wanted: floa
     reason = "; ".join(dict.fromkeys(test.reason for test in tests_in_stratum if test.reason))
     if not tests_in_stratum:
         reason = "no test lies in it" if reaches_water(section, number) else ABOVE_WATER
-    return OfStratum(
+    return StratumResult(
         section.strata[number].name,
         len(tests_in_stratum),
         len(factors),

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from workflow.earthquake.triggering.assessment import (
-    Judged,
+    TestResult,
     TriggeringAssessment,
     fines_of,
     judged_in_stratum,
@@ -74,7 +74,7 @@ CHOICE: Mapping[CaseName, Callable[[Sequence[float]], float]] = {
 
 
 @dataclass(frozen=True)
-class Left:
+class ResidualStrength:
     """Holds the residual strength of a stratum that liquefies, as means over the depth of its tests with F_L below 1.
 
     Attributes
@@ -102,13 +102,13 @@ class Left:
         return CHOICE[case](list(self.strengths.values()))
 
 
-def residual_strengths(assessment: TriggeringAssessment, settings: TriggeringSettings) -> tuple[Left, ...]:
+def residual_strengths(assessment: TriggeringAssessment, settings: TriggeringSettings) -> tuple[ResidualStrength, ...]:
     """Return the residual strength of every stratum in which at least one test has F_L below 1."""
     strata = [k for k in range(len(assessment.strata)) if _liquefying(assessment, k)]
     return tuple(_of_stratum(k, assessment, settings) for k in strata)
 
 
-def _liquefying(assessment: TriggeringAssessment, number: int) -> list[Judged]:
+def _liquefying(assessment: TriggeringAssessment, number: int) -> list[TestResult]:
     """Return the tests of a stratum with F_L below 1."""
     names = [stratum.name for stratum in assessment.strata]
     return [test for test in judged_in_stratum(names, number, assessment.tests) if test.liquefies]
@@ -125,7 +125,7 @@ def pore_pressures(assessment: TriggeringAssessment, strata: int) -> list[float]
     return ratios
 
 
-def _of_stratum(number: int, assessment: TriggeringAssessment, settings: TriggeringSettings) -> Left:
+def _of_stratum(number: int, assessment: TriggeringAssessment, settings: TriggeringSettings) -> ResidualStrength:
     tests = _liquefying(assessment, number)
     counts = [normalised_counts(test, settings) for test in tests]
     soils = [
@@ -144,10 +144,10 @@ def _of_stratum(number: int, assessment: TriggeringAssessment, settings: Trigger
         mean_of_tests(tests, [0.0 if factor is None else strain(factor, clean) for factor, clean in pairs])
         for strain in (volumetric_strain, shear_strain)
     )
-    return Left(number, ratios, strengths, drained, sheared)
+    return ResidualStrength(number, ratios, strengths, drained, sheared)
 
 
-def mean_of_tests(tests: Sequence[Judged], values: Sequence[float]) -> float:
+def mean_of_tests(tests: Sequence[TestResult], values: Sequence[float]) -> float:
     """Return the mean over the area that tests represent; 0 without any."""
     total = sum(test.area for test in tests)
     return sum(test.area * value for test, value in zip(tests, values, strict=True)) / total if total > 0.0 else 0.0
