@@ -169,10 +169,11 @@ def comparison_sentences(answer: FemAnswer) -> Iterator[str]:
         if face.is_edge(answer.settings.least_depth):
             yield edge_sentence(face.stratum, face.start_x_m, face.end_x_m, face.kh)
             continue
+        when = f"at Kh = {coefficient(face.kh)}" if face.kh > 0.0 else "by its own weight"
         yield (
             f"Shallow failure of the face of {shown_name(face.stratum)} from x = {face.start_x_m:g} to "
-            f"{face.end_x_m:g} m ({face.angle_deg:.0f}°) at Kh = {coefficient(max(face.kh, 0.0))}; the slope as a "
-            f"whole fails at {coefficient(answer.kc)}."
+            f"{face.end_x_m:g} m ({face.angle_deg:.0f}°) {when}; the slope as a whole fails at "
+            f"{coefficient(answer.kc)}."
         )
 
 
