@@ -200,13 +200,22 @@ def kh_bounds(
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
     bounds = search_all(section, tuple(searches.values()), limits, observer)
     strong = {direction: (ground, searches[direction]) for direction, ground in grounds.items()}
-    dropped = _drop_needless_strength(grounds, searches, limits, bounds.upper)
+    # A shallow failure where water emerges from a face governs before the faces themselves; a rough bound may show it.
+    wet = [
+        way
+        for way, ground in grounds.items()
+        if ground.without_faces is section and _fails_shallow(section, fem, ground.as_given, *strong[way])
+    ]
+    others = {way: ground for way, ground in grounds.items() if way not in wet}
+    dropped = _drop_needless_strength(others, searches, limits, bounds.upper)
+    grounds |= others
     bounds = search_all(section, tuple(searches.values()), limits, observer)
-    wet = [way for way, search in searches.items() if _fails_shallow(section, fem, search, *strong[way])]
-    for way in wet:  # a shallow failure where water emerges from a face governs before the faces themselves
-        dropped += searches[way].work - strong[way][1].work
-        as_given = searches[way].bracket.upper
-        grounds[way], searches[way] = replace(strong[way][0], as_given=as_given), strong[way][1]
+    for way in others:
+        upper = searches[way].bracket.upper
+        if _fails_shallow(section, fem, upper, *strong[way]):
+            dropped += searches[way].work - strong[way][1].work
+            grounds[way], searches[way] = replace(strong[way][0], as_given=upper), strong[way][1]
+            wet.append(way)
     if wet:
         bounds = search_all(section, tuple(searches.values()), limits, observer)
     if bounds.upper < 0.0:
@@ -253,14 +262,14 @@ def _drop_needless_strength(
 
 
 def _fails_shallow(
-    section: Section, fem: FemSettings, search: DirectionSearch, ground: DirectionGround, strong: DirectionSearch
+    section: Section, fem: FemSettings, upper: float, ground: DirectionGround, strong: DirectionSearch
 ) -> bool:
-    """Return whether shallow ground slips: the bounds of ``search`` are far below those of the ``strong`` search, whose
-    ``ground`` has strengthened faces, or below them with water at a face."""
-    if search.bracket.upper < SHALLOW_FAILURE_SHARE * max(strong.bracket.lower, 0.0):
+    """Return whether shallow ground slips: the ``upper`` bound of the section without strengthened faces is far below
+    the bounds of the ``strong`` search, whose ``ground`` has them, or below them with water at a face."""
+    if upper < SHALLOW_FAILURE_SHARE * max(strong.bracket.lower, 0.0):
         return True
     water_emerges = any(has_uncounted_water(section, face, fem.least_depth) for face in ground.shallow_failures)
-    return water_emerges and search.bracket.upper < strong.bracket.lower
+    return water_emerges and upper < strong.bracket.lower
 
 
 def directions_of(fem: FemSettings) -> tuple[Direction, ...]:

@@ -373,9 +373,13 @@ def test_water_that_is_too_short_below_a_face_to_count_is_found(at_crest: float,
 @pytest.mark.slow
 def test_a_slope_has_bounds_of_the_whole_where_water_reaches_the_toe_of_bare_sand() -> None:
     """Wedges at the toe slip first, the smaller the triangles the sooner: no lower bound, and upper ones that fell with
-    each mesh, were told beside elements of the slope as a whole."""
+    each mesh, were told beside elements of the slope as a whole. Bounds of the toe as it is took three quarters of the
+    work, although the rough bound already lies below those of the whole: 34.5 s, now 8.7 s."""
     section, few = toe_of_sand(5.0), BoundsSettings(gap=0.03, max_cells=8000, davis=False)
     bounds = kh_bounds(section, FIXED, few)
+    assert bounds.work < 15.0
+    assert bounds.shallow is not None
+    assert bounds.shallow < bounds.lower
     factor = safety_bounds(section, FIXED, few, smooth_sides=True, known=bounds)
     assert 0.0 < bounds.gap <= 0.06
     assert 0.0 < factor.gap <= 0.04
