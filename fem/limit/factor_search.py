@@ -134,10 +134,10 @@ class FactorSearch(WeakenedGround):
             excess, last = self.excess(trial.upper), trial
             step = STEP**-2.0 if excess < -FAR else self.step(excess)
             if self.slope is not None and abs(math.log(step)) < NEARBY:
-                self.factor = _looked_for(trial.factor * step * math.exp(-BELOW))
+                self.factor = self.looked_for(trial.factor * step * math.exp(-BELOW))
                 return
             safe, unsafe = (trial.factor, unsafe) if excess >= 0.0 else (safe, trial.factor)
-            self.factor = _looked_for(inside(trial.factor * step, safe, unsafe))
+            self.factor = self.looked_for(inside(trial.factor * step, safe, unsafe))
             if self.factor == trial.factor:
                 return
 
@@ -156,7 +156,7 @@ class FactorSearch(WeakenedGround):
             if self.slope is not None and (close or self.work.left < WORK_OF_PROOFS * last.work):
                 break
             safe, unsafe = (last.factor, unsafe) if middle >= 0.0 else (safe, last.factor)
-            self.factor = _looked_for(inside(last.factor * step, safe, unsafe))
+            self.factor = self.looked_for(inside(last.factor * step, safe, unsafe))
             if self.factor == last.factor:  # at an end of what is looked for
                 break
             trial = self.with_deciding_multiplier(self.measure(self.factor))
@@ -237,12 +237,12 @@ class FactorSearch(WeakenedGround):
         lower = self.root("lower")
         if math.isfinite(lower):
             rise = RISE * self.open_here if math.isfinite(self.open_here) else 0.0
-            self.factor = _looked_for(lower * math.exp(rise))
+            self.factor = self.looked_for(lower * math.exp(rise))
         self.no_equilibrium_from = math.inf
         self.mesh = mesh
         self.meshes.append(mesh)
 
-
-def _looked_for(factor: float) -> float:
-    """Return the factor, limited to the interval from SMALLEST to LARGEST in which factors are searched."""
-    return min(max(factor, SMALLEST), LARGEST)
+    def looked_for(self, factor: float) -> float:
+        """Return the factor, limited to the interval from SMALLEST to LARGEST in which factors are searched, and to the
+        lower bound that suffices: a trial above it would decide nothing."""
+        return min(max(factor, SMALLEST), LARGEST, self.lower_suffices)

@@ -19,7 +19,6 @@ from typing import Literal
 from fem.continuum.loads import Direction, direction_of
 from fem.continuum.shallow_failure import faces_at, has_uncounted_water, least_rolling_factor, strengthened
 from fem.continuum.strength import strengths
-from fem.continuum.water_exits import with_strengthened_exits
 from fem.limit.bounds import COARSE_CELLS, KhBounds, as_analysed
 from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch
 from fem.limit.factor_trial import BoundsTrial, FactorWork, TrialStart, gap_of_factors
@@ -35,6 +34,8 @@ WORK_SHARE_OF_WHOLE = 0.6
 # Share of the computing work for the first direction of the force; the rest is for the proof that the factor of the
 # other direction is not smaller. Under seepage this proof requires the triangles of the first direction.
 WORK_SHARE_OF_FIRST, WORK_SHARE_OF_FIRST_UNDER_SEEPAGE = 0.92, 0.75
+# Largest ratio of the gap of the bounds of the ground as given to that of the slope as a whole with which they count.
+GAP_RATIO_OF_GIVEN = 3.0
 # Largest ratio of the upper bound on coarse triangles to the factor of safety.
 COARSE_BOUND_RATIO = 1.06
 # Number of trials on the first mesh that the allowed work suffices for.
@@ -52,11 +53,11 @@ class SafetyBounds:
 
     ``shallow_failure`` is the factor at which a cohesionless face fails, or shallow ground slips where two faces meet
     or water stands close below a face, if it is below ``upper``; it equals ``upper`` if no admissible stress was found
-    in the ground without strengthening. The ground down to the least depth below such faces is then strengthened, as in
-    the finite elements, and the bounds are strict for this strengthened ground: they are bounds of the whole slope.
-    Without a shallow failure they are strict for the ground of the section file, except at ends of loads on bare sand
-    and where water comes out of it (``load_ends.py``, ``water_exits.py``). ``direction`` is the direction of the
-    seismic force at failure, None without force; ``ended`` says why the bounds are not closer.
+    in the ground without strengthening, or only at factors far below. The ground down to the least depth below such
+    faces is then strengthened, as in the finite elements, and the bounds are strict for this strengthened ground: they
+    are bounds of the whole slope. Without a shallow failure they are strict for the ground of the section file, except
+    at ends of loads on bare sand (``load_ends.py``). ``direction`` is the direction of the seismic force at failure,
+    None without force; ``ended`` says why the bounds are not closer.
     """
 
     kh: float
@@ -110,12 +111,11 @@ def safety_bounds(
         deeper = _bounds_of(strengthened_section, fem, settings, start, work.part(share))
         if shallow < deeper.upper:
             return replace(deeper, shallow_failure=_coarse(section, fem, settings, start, work).least_failing(shallow))
-    bare = with_strengthened_exits(section, faces, fem.least_depth)
     if not meet:
-        return _bounds_of(bare, fem, settings, start, work)
+        return _bounds_of(section, fem, settings, start, work)
     deeper = deeper or _bounds_of(strengthened_section, fem, settings, start, work.part(WORK_SHARE_OF_WHOLE))
     work.spent += sum(trial.work for trial in deeper.trials)
-    return _with_given_ground(bare, deeper, fem, settings, start, work)
+    return _with_given_ground(section, deeper, fem, settings, start, work)
 
 
 def _with_given_ground(
@@ -138,10 +138,11 @@ def _with_given_ground(
         return replace(deeper, shallow_failure=unchanged.upper, trials=trials)
     if 0.0 < deeper.lower <= unchanged.lower:
         return replace(deeper, trials=trials)  # a mechanism of the stronger ground is one of this ground, too
-    if unchanged.lower > 0.0 or deeper.lower == 0.0:
-        # A mechanism of the stronger ground fails this one, too, whatever work was left for its own.
-        return replace(unchanged, upper=min(unchanged.upper, deeper.upper), trials=trials)
-    # Without a stress field for the ground as given, the bound of the slope as a whole is still valid.
+    # A mechanism of the stronger ground fails this one, too, whatever work was left for its own.
+    unchanged = replace(unchanged, upper=min(unchanged.upper, deeper.upper), trials=trials)
+    if unchanged.gap <= GAP_RATIO_OF_GIVEN * deeper.gap or deeper.lower == 0.0:
+        return unchanged
+    # Without a close stress field for the ground as given, the bounds of the slope as a whole are still valid.
     least = _coarse(section, fem, settings, start, work).least_failing(deeper.upper)
     return replace(deeper, shallow_failure=least, trials=trials)
 

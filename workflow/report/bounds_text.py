@@ -64,7 +64,7 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     if answer.verdict != "bracketed":
         yield answer.reason
     for factor in answer.safety:
-        name_of_factor = proven(factor.shallow_failure is not None, ends, exits)
+        name_of_factor = proven(factor.shallow_failure is not None, ends, False)
         yield f"{name_of_factor} for the factor of safety, ψ = φ: {factor.words}."
         if factor.reason:
             yield factor.reason
