@@ -15,6 +15,8 @@ from meshes.section.section import Section, Stratum
 from meshes.section.uplift import Uplift
 
 Direction = Literal["downhill", "uphill"]
+# What to do where pore pressure lifts the ground.
+ADVICE_ON_UPLIFT = "check the water levels, or relieve the pressure"
 # Largest difference of both ends of the ground, as a share of its relief, at which they count as level with each other.
 LARGEST_SHARE_OF_RELIEF = 0.1
 
@@ -86,4 +88,4 @@ def excess_pressure_advice(strata: Sequence[Stratum]) -> str:
 
 def uplift_error(uplift: Uplift, reason: str = "there is no equilibrium") -> UnstableError:
     """Return the UnstableError for uplift: the pore pressure exceeds the weight of the soil above."""
-    return UnstableError(f"{reason}: {uplift.words}", "check the water levels, or relieve the pressure")
+    return UnstableError(f"{reason}: {uplift.words}", ADVICE_ON_UPLIFT)

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from fem.continuum.loads import excess_pressure_advice, uplift_error
+from fem.continuum.loads import ADVICE_ON_UPLIFT, excess_pressure_advice, uplift_error
 from fem.continuum.strength import davis_words, flow_of, is_associated, is_dilating_fully
-from fem.errors import UnstableError, answer_or_none
+from fem.errors import NoEquilibriumError, UnstableError, answer_or_none
 from fem.limit_load.limit_load import LimitLoadResult
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import element_for
@@ -38,6 +38,9 @@ AssessmentListener = Callable[[str, EquilibriumPath | None], None]
 
 # A factor of safety that is being computed, or the reason why there is none.
 Safety = Future[AdaptiveResult[SafetyFactor] | ResultWarning]
+
+# End of the reason where the ground fails on the meshes of its factor of safety, and not on those of Kh.
+ON_SOME_MESHES = " on some meshes"
 
 
 @dataclass(frozen=True)
@@ -99,11 +102,15 @@ def assess(
                 assessment = search.with_limit_loads(adapted, settings, safety)
         except UnstableError as error:
             raise search.fails(settings, error) from error
+        except NoEquilibriumError as error:
+            if section.uplift is None:
+                raise
+            raise NoEquilibriumError(f"{error.reason}: {section.uplift.words}", ADVICE_ON_UPLIFT) from error
         below_one = [
             factor for factor in assessment.safety if factor.result.kh == 0.0 and _is_unsafe(factor.result.factor)
         ]
         if adapted is not None and below_one:  # what little Kh there is, is the error of its mesh
-            unstable = UnstableError("the section fails under its own weight on some meshes")
+            unstable = UnstableError(f"the section fails under its own weight{ON_SOME_MESHES}")
             raise search.fails(settings, unstable, below_one[0])
         return replace(assessment, warnings=[*assessment.warnings, *of_uplift(section.uplift)])
 
@@ -330,9 +337,8 @@ class _Search:
         against uplift instead. ``known`` is the factor of safety if it is already computed.
         """
         if self.section.uplift is not None:
-            return (
-                error if self.section.uplift.words in error.reason else uplift_error(self.section.uplift, error.reason)
-            )
+            reason = error.reason.removesuffix(ON_SOME_MESHES)
+            return error if self.section.uplift.words in error.reason else uplift_error(self.section.uplift, reason)
         weakened = known or self.safety(settings, 0.0)
         factor, place = weakened.result, _place_of(weakened) if weakened.result.factor <= 1.0 else ""
         message, remedy = f"{error.reason}; its factor of safety is {factor.factor:.2f}", error.remedy

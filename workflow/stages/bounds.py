@@ -46,6 +46,7 @@ def work(job: Job) -> None:
     InputError, BadMeshError, UnstableError if the section is proven to fail under its own weight, and, when all is
     written, NoAnswerError if a bound is missing.
     """
+    from fem.continuum.loads import ADVICE_ON_UPLIFT
     from fem.limit.bounds import kh_bounds
 
     config, settings = job.config, job.config.bounds
@@ -65,7 +66,11 @@ def work(job: Job) -> None:
     answer.write(job.store)
     job.executor.submit(_draw, config, bounds, job.store).result()  # where the pictures of the stage before were drawn
     if answer.verdict == "no bracket":
-        raise NoBracketError(answer.reason.rstrip("."), _remedy(bounds.ended))
+        uplift = config.section.uplift
+        why, remedy = "", _remedy(bounds.ended)
+        if uplift is not None and bounds.stress is None:  # as a rule there is none, however fine the triangles
+            why, remedy = f". {uplift.words[0].upper()}{uplift.words[1:]}", ADVICE_ON_UPLIFT
+        raise NoBracketError(answer.reason.rstrip(".") + why, remedy)
 
 
 def _draw(config: Config, bounds: "KhBounds", store: Store) -> None:

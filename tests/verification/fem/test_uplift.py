@@ -6,9 +6,10 @@ import pytest
 from mpi4py import MPI
 
 from fem.continuum.loads import soils
-from fem.errors import UnstableError
+from fem.errors import NoEquilibriumError, UnstableError
 from fem.limit.bounds import kh_bounds
 from fem.limit.safety_bounds import safety_bounds
+from fem.search import critical
 from fem.search.assessment import assess
 from fem.search.strength_reduction import limit_load_safety_factor
 from fem.settings import BoundsSettings, FemSettings
@@ -60,6 +61,19 @@ def test_ground_that_its_strength_holds_down_has_an_answer_and_a_warning() -> No
     assert any(
         warning.contradiction and "factor against uplift 0.73" in warning.what for warning in assessment.warnings
     )
+
+
+def test_ground_that_is_lifted_is_told_so_where_the_iteration_does_not_converge(monkeypatch) -> None:
+    """The water that lifts the ground was not named, and another size of the mesh was asked for."""
+
+    def stuck(*_: Any) -> None:
+        raise UnstableError("the section fails under its own weight")
+
+    ground, meshing = above_a_lens(1.0, 3.0, 60.0), MeshSettings(size=0.8)
+    one_mesh, mesh = FIXED.model_copy(update={"accuracy": 0.0}), generate(ground, meshing)
+    monkeypatch.setattr(critical, "bring_to_rest", stuck)
+    with pytest.raises(NoEquilibriumError, match=r"up to Kh = .* exceeds the weight above it, .*relieve the pressure"):
+        assess(ground, meshing, mesh, one_mesh, MPI.COMM_SELF, lambda *_: None)
 
 
 def test_bare_sand_whose_water_would_rise_above_it_cannot_stand() -> None:
