@@ -11,11 +11,11 @@ from fem.limit.limit_problem import LimitProblem
 from meshes.triangles import TriMesh
 
 # A mesh has twice as many cells as the one before.
-GROWTH = 2.0
+CELL_RATIO = 2.0
 # One step more may take this factor if it should close the gap, for which it aims so much beyond it.
-MOST_GROWTH, AIM_BEYOND = 3.0, 1.15
+MOST_CELL_RATIO, GAP_RATIO_AIMED_AT = 3.0, 1.15
 # A mesh is worth its work if it has this many times as many cells as the one before.
-LEAST_GROWTH = 1.2
+LEAST_CELL_RATIO = 1.2
 # Work goes with this power of the cells.
 COST_EXPONENT = 1.15
 # The search has stalled if so many meshes in a row left this share of the gap.
@@ -169,8 +169,8 @@ class Limits:
 
         The gap is about proportional to one over the number of cells, or falls a little faster.
         """
-        needed = AIM_BEYOND * self.open(bracket.lower, bracket.upper)
-        return min(max(needed, LEAST_GROWTH) if needed <= MOST_GROWTH else GROWTH, self.max_cells / cells)
+        needed = GAP_RATIO_AIMED_AT * self.open(bracket.lower, bracket.upper)
+        return min(max(needed, LEAST_CELL_RATIO) if needed <= MOST_CELL_RATIO else CELL_RATIO, self.max_cells / cells)
 
     def reached(self, bracket: Bracket, cells: int, others: float = 0.0) -> EndReason | None:
         """Return the name of the limit that ends the search; ``others`` is the computing work of other searches, which
@@ -179,10 +179,10 @@ class Limits:
             return "gap"
         if bracket.upper < self.enough:
             return "enough"
-        if cells * LEAST_GROWTH > self.max_cells:
+        if cells * LEAST_CELL_RATIO > self.max_cells:
             return "triangles"
         spent = others + sum(mesh.work for mesh in bracket.meshes)
-        if spent + GROWTH**COST_EXPONENT * bracket.meshes[-1].work > self.seconds:
+        if spent + CELL_RATIO**COST_EXPONENT * bracket.meshes[-1].work > self.seconds:
             return "time"
         if _solver_fails(bracket.meshes):
             return "solver"

@@ -5,47 +5,49 @@ import math
 import numpy as np
 
 from fem.limit.adaptive_bounds import finer_mesh
-from fem.limit.bracket import COST_EXPONENT, FAILED_MESHES, GROWTH, LEAST_GROWTH, MOST_GROWTH, BoundSide
-from fem.limit.factor_trial import inside
-from fem.limit.weakened_ground import FAR, STEP, WeakenedGround
+from fem.limit.bracket import CELL_RATIO, COST_EXPONENT, FAILED_MESHES, LEAST_CELL_RATIO, MOST_CELL_RATIO, BoundSide
+from fem.limit.factor_trial import kept_inside
+from fem.limit.weakened_ground import LARGEST_EXCESS, LARGEST_FACTOR_RATIO, WeakenedGround
 
-# The smallest and largest factor looked for.
-SMALLEST, LARGEST = 0.02, 20.0
-# Trials on one mesh, and how close (of the factor) a trial is to where the secant puts the bound: a little to the safe
-# side of it, so that it proves. The solver leaves 6e-5 of Kh open, which is 0.0003 of the factor where Kh falls by 0.2
-# for each logarithm of it.
-TRIALS, MARGIN = 10, 0.0005
-# The same for proofs on triangles that are not the last ones: there one trial proves where the small margin took two or
+# Interval in which factors are searched.
+SMALLEST_FACTOR, LARGEST_FACTOR = 0.02, 20.0
+# Largest number of trials on one mesh.
+MOST_TRIALS = 10
+# Distance, as a share of the factor, of a proof from the estimated factor of a bound, to the safe side. The solver
+# leaves 6e-5 of Kh open, which is 0.0003 of the factor where Kh falls by 0.2 for each unit of its logarithm.
+PROOF_MARGIN = 0.0005
+# The same on meshes that are refined again: with this margin one trial proves where the smaller one requires two or
 # three, and finer triangles have a closer bound.
-ROUGH_MARGIN = 0.005
-# Added to the margin of a proof: so much of the distance over which the factor is extrapolated.
-BEYOND = 0.05
-# Trials, at most, that prove a bound on one mesh.
-PROOFS = 4
-# A factor is good enough to refine at when the middle of the bounds is this close, or this close over what they leave
-# open: 0.5 is where the lower bound is.
-CLOSE, OPEN = 0.015, 0.6
-# On finer triangles the lower bound rises by about this share of what the bounds leave open: there the first trial is.
-RISE = 0.05
-# A bound is proven on triangles that are not the last ones where what is proven is so far (of the factor) from it.
-FALLBACK = 0.05
+ROUGH_PROOF_MARGIN = 0.005
+# Share of the distance of extrapolation that is added to the margin of a proof.
+EXTRAPOLATION_SHARE = 0.05
+# Largest number of proofs of one bound on one mesh.
+MOST_PROOFS = 4
+# Distance (in ln F) of a trial from the estimated factor with which its mesh is refined: this, or this share of the gap
+# between the bounds of the trial. A share of 0.5 is at the lower bound.
+CLOSE_STEP, CLOSE_SHARE_OF_GAP = 0.015, 0.6
+# Share of the gap by which the lower bound is expected to rise on the next mesh.
+LOWER_BOUND_RISE = 0.05
+# Gap (in ln F) between a proven and an estimated bound with which the bound is proven on a mesh that is refined again.
+FALLBACK_GAP = 0.05
 
-# The gap falls more slowly than the number of triangles rises: it is aimed at so much beyond it, since triangles that
-# miss it by little are made again. If so many times more triangles reach it, and are allowed, they are made at once,
-# without those between: six of eight sections took 6 to 30 % less work than with three times and an aim of 1.3, and two
-# that used up their work came as close or closer.
-AIM, FURTHEST_GROWTH = 1.15, 4.5
-# Upper bounds alone give way to both when the factor at which the ground fails is known so closely; both are then tried
-# a little below it.
-NEARBY, BELOW = 0.1, 0.04
-# A trial of both bounds and the proof of each take so much work, over that of one trial: with less left, there are only
-# proofs.
-WORK_OF_PROOFS = 2.5
-# Work that finer triangles take, over that of both bounds at one factor: these, and proofs begun from them.
-WORK_OF_A_MESH = 1.5
-# Bounds are proven before a mesh that is expected to take more than this share of the work left, since it may take more
-# than all of it.
-LIKELY = 0.5
+# Ratio of the gap for which the next mesh is made to the required gap. The gap falls more slowly than the number of
+# triangles rises, and triangles that miss it by little are made again.
+GAP_RATIO_AIMED_AT = 1.15
+# Largest ratio of the numbers of triangles of two meshes, if the second mesh is expected to close the gap and is
+# allowed: six of eight sections took 6 to 30 % less work than with a ratio of 3 and a gap ratio of 1.3, and two that
+# used up their work came as close or closer.
+FURTHEST_CELL_RATIO = 4.5
+# Distance (in ln F) from the estimated upper bound at which both bounds are tried, and how far below it.
+STEP_TO_BOTH_BOUNDS, STEP_BELOW_UPPER_BOUND = 0.1, 0.04
+# Ratio of the work of a trial of both bounds and of their proofs to that of one trial. With less work left there are
+# only proofs.
+WORK_RATIO_OF_PROOFS = 2.5
+# Ratio of the work on the next mesh, with the proofs begun from it, to that of both bounds at one factor on a mesh of
+# as many triangles.
+WORK_RATIO_OF_MESH = 1.5
+# Share of the work left that the next mesh may take without proofs on the present mesh.
+WORK_SHARE_OF_UNPROVEN_MESH = 0.5
 
 
 class FactorSearch(WeakenedGround):
@@ -55,11 +57,13 @@ class FactorSearch(WeakenedGround):
         """Bracket the factor of safety on ever finer triangles."""
         while True:
             self.settle()
-            beyond = self.lower >= LARGEST or self.upper <= SMALLEST
+            beyond = self.lower >= LARGEST_FACTOR or self.upper <= SMALLEST_FACTOR
             last = self.mesh_is_full or self.solver_fails or not self.has_work_for_finer
             if not (beyond or self.is_enough or self.solver_fails):
-                finest = last or self.open_here <= self.settings.gap - 2.0 * MARGIN
-                self.prove_both(finest or self.work_of_a_mesh(self.growth()) > LIKELY * self.work.left)
+                finest = last or self.open_here <= self.settings.gap - 2.0 * PROOF_MARGIN
+                self.prove_both(
+                    finest or self.work_of_a_mesh(self.growth()) > WORK_SHARE_OF_UNPROVEN_MESH * self.work.left
+                )
             if self.gap_is_closed or last or beyond or self.is_enough:
                 return
             self.refine()
@@ -114,7 +118,7 @@ class FactorSearch(WeakenedGround):
 
     @property
     def has_work_for_finer(self) -> bool:
-        return self.work.allows(self.work_of_a_mesh(GROWTH))
+        return self.work.allows(self.work_of_a_mesh(CELL_RATIO))
 
     @property
     def work_of_both(self) -> float:
@@ -125,19 +129,19 @@ class FactorSearch(WeakenedGround):
         """Bring the first factor close to the factor at which the ground fails, by upper bounds alone. Upper bounds
         take less work than lower bounds, and exist on coarse triangles on which lower bounds do not."""
         safe, unsafe, last = 0.0, math.inf, None
-        for _ in range(TRIALS):
+        for _ in range(MOST_TRIALS):
             trial = self.measure(self.factor, lower=False)
             if trial.upper is None or self.is_enough or not self.work.allows(2.0 * trial.work):
                 return
             if last is not None:
                 self.update_slope(last, trial)
             excess, last = self.excess(trial.upper), trial
-            step = STEP**-2.0 if excess < -FAR else self.step(excess)
-            if self.slope is not None and abs(math.log(step)) < NEARBY:
-                self.factor = self.looked_for(trial.factor * step * math.exp(-BELOW))
+            step = LARGEST_FACTOR_RATIO**-2.0 if excess < -LARGEST_EXCESS else self.step(excess)
+            if self.slope is not None and abs(math.log(step)) < STEP_TO_BOTH_BOUNDS:
+                self.factor = self.looked_for(trial.factor * step * math.exp(-STEP_BELOW_UPPER_BOUND))
                 return
             safe, unsafe = (trial.factor, unsafe) if excess >= 0.0 else (safe, trial.factor)
-            self.factor = self.looked_for(inside(trial.factor * step, safe, unsafe))
+            self.factor = self.looked_for(kept_inside(trial.factor * step, safe, unsafe))
             if self.factor == trial.factor:
                 return
 
@@ -147,16 +151,16 @@ class FactorSearch(WeakenedGround):
             self.approach()
         last = self.with_deciding_multiplier(self.measure(self.factor))
         safe, unsafe = 0.0, math.inf
-        for _ in range(TRIALS):
+        for _ in range(MOST_TRIALS):
             middle = self.mean_excess(last)
-            step = 1.0 / STEP if middle < -FAR else self.step(middle)
+            step = 1.0 / LARGEST_FACTOR_RATIO if middle < -LARGEST_EXCESS else self.step(middle)
             if self.is_enough or self.solver_fails or not self.work.allows(last.work):
                 return
-            close = abs(math.log(step)) < max(CLOSE, OPEN * self.gap_of_trial(last))
-            if self.slope is not None and (close or self.work.left < WORK_OF_PROOFS * last.work):
+            close = abs(math.log(step)) < max(CLOSE_STEP, CLOSE_SHARE_OF_GAP * self.gap_of_trial(last))
+            if self.slope is not None and (close or self.work.left < WORK_RATIO_OF_PROOFS * last.work):
                 break
             safe, unsafe = (last.factor, unsafe) if middle >= 0.0 else (safe, last.factor)
-            self.factor = self.looked_for(inside(last.factor * step, safe, unsafe))
+            self.factor = self.looked_for(kept_inside(last.factor * step, safe, unsafe))
             if self.factor == last.factor:  # at an end of what is looked for
                 break
             trial = self.with_deciding_multiplier(self.measure(self.factor))
@@ -171,7 +175,7 @@ class FactorSearch(WeakenedGround):
             log_step = math.copysign(max(abs(log_step), 0.05), log_step)
         else:
             log_step = -excess / self.slope
-        return math.exp(float(np.clip(log_step, -math.log(STEP), math.log(STEP))))
+        return math.exp(float(np.clip(log_step, -math.log(LARGEST_FACTOR_RATIO), math.log(LARGEST_FACTOR_RATIO))))
 
     def prove_both(self, on_last_mesh: bool) -> None:
         """Prove the upper bound, which takes less work, then the lower bound.
@@ -183,8 +187,8 @@ class FactorSearch(WeakenedGround):
         for side, sense in sides:
             root, proven = self.root(side), getattr(self, side)
             known = 0.0 < proven < math.inf and math.isfinite(root)
-            decides = side == "upper" and root * math.exp(MARGIN) < self.upper_suffices
-            if on_last_mesh or decides or not known or abs(math.log(root / proven)) > FALLBACK:
+            decides = side == "upper" and root * math.exp(PROOF_MARGIN) < self.upper_suffices
+            if on_last_mesh or decides or not known or abs(math.log(root / proven)) > FALLBACK_GAP:
                 self.prove(side, sense, on_last_mesh)
 
     def prove(self, side: BoundSide, sense: float, on_last_mesh: bool = True) -> None:
@@ -195,22 +199,26 @@ class FactorSearch(WeakenedGround):
         """
         last = self.trials[-1].factor
         work = 0.5 * min(trial.work for trial in self.trials_on_mesh)  # of one bound, at least
-        decides = not self.upper_suffices <= self.root(side) * math.exp(sense * MARGIN) < self.lower_suffices
-        margin = MARGIN if on_last_mesh or decides else ROUGH_MARGIN
-        for times in range(1, PROOFS + 1):
+        decides = not self.upper_suffices <= self.root(side) * math.exp(sense * PROOF_MARGIN) < self.lower_suffices
+        margin = PROOF_MARGIN if on_last_mesh or decides else ROUGH_PROOF_MARGIN
+        for times in range(1, MOST_PROOFS + 1):
             proven = getattr(self, side)
-            at = self.root(side) * math.exp(sense * (times * margin + BEYOND * self.extrapolated(side)))
+            at = self.root(side) * math.exp(sense * (times * margin + EXTRAPOLATION_SHARE * self.extrapolated(side)))
             unbalanced = [trial.factor for trial in self.trials_on_mesh if side == "lower" and trial.no_equilibrium]
             least_unbalanced = min(unbalanced, default=math.inf)
             if math.isnan(at) and proven == 0.0:
                 if times > 1 and not on_last_mesh:
                     return
-                at = min(last, least_unbalanced) * STEP ** (-0.5 * times)
+                at = min(last, least_unbalanced) * LARGEST_FACTOR_RATIO ** (-0.5 * times)
             elif math.isnan(at) or self.trials[-1].factor == least_unbalanced:
                 at = math.sqrt(min(last, least_unbalanced) * proven)
             elif not sense * (at - proven * math.exp(-sense * margin)) < 0.0:
                 return
-            if (self.gap_is_closed and side == "lower") or not SMALLEST < at < LARGEST or not self.work.allows(work):
+            if (
+                (self.gap_is_closed and side == "lower")
+                or not SMALLEST_FACTOR < at < LARGEST_FACTOR
+                or not self.work.allows(work)
+            ):
                 return
             self.measure(at, side == "lower", side == "upper")
 
@@ -218,17 +226,17 @@ class FactorSearch(WeakenedGround):
         """Return how many times more triangles the next mesh has: enough to close the gap, if one step can do that. The
         margins of the bounds are unchanged.
         """
-        margins = 2.0 * MARGIN
-        needed = AIM * min(self.gap, self.open_here) / max(self.settings.gap - margins, margins)
+        margins = 2.0 * PROOF_MARGIN
+        needed = GAP_RATIO_AIMED_AT * min(self.gap, self.open_here) / max(self.settings.gap - margins, margins)
         allowed = self.settings.max_cells / len(self.mesh.cells)
-        furthest = FURTHEST_GROWTH if needed <= allowed else MOST_GROWTH
+        furthest = FURTHEST_CELL_RATIO if needed <= allowed else MOST_CELL_RATIO
         affordable = (self.work.left / self.work_of_a_mesh(1.0)) ** (1.0 / COST_EXPONENT)
-        allowed = min(allowed, max(affordable, GROWTH))
-        return min(max(needed, LEAST_GROWTH) if needed <= furthest else GROWTH, allowed)
+        allowed = min(allowed, max(affordable, CELL_RATIO))
+        return min(max(needed, LEAST_CELL_RATIO) if needed <= furthest else CELL_RATIO, allowed)
 
     def work_of_a_mesh(self, growth: float) -> float:
         """Return the expected computing work on a mesh of ``growth`` times as many triangles."""
-        return WORK_OF_A_MESH * growth**COST_EXPONENT * self.work_of_both
+        return WORK_RATIO_OF_MESH * growth**COST_EXPONENT * self.work_of_both
 
     def refine(self) -> None:
         """Refine the triangles where the bounds of the last trial differ."""
@@ -236,13 +244,13 @@ class FactorSearch(WeakenedGround):
         mesh = finer_mesh(*self.last_of_both, self.growth())
         lower = self.root("lower")
         if math.isfinite(lower):
-            rise = RISE * self.open_here if math.isfinite(self.open_here) else 0.0
+            rise = LOWER_BOUND_RISE * self.open_here if math.isfinite(self.open_here) else 0.0
             self.factor = self.looked_for(lower * math.exp(rise))
         self.no_equilibrium_from = math.inf
         self.mesh = mesh
         self.meshes.append(mesh)
 
     def looked_for(self, factor: float) -> float:
-        """Return the factor, limited to the interval from SMALLEST to LARGEST in which factors are searched, and to the
-        lower bound that suffices: a trial above it would decide nothing."""
-        return min(max(factor, SMALLEST), LARGEST, self.lower_suffices)
+        """Return the factor, limited to the interval in which factors are searched, and to the lower bound that
+        suffices: a trial above it would decide nothing."""
+        return min(max(factor, SMALLEST_FACTOR), LARGEST_FACTOR, self.lower_suffices)

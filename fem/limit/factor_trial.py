@@ -11,8 +11,8 @@ from fem.limit.bounds import KhBounds
 
 # What is bounded: the Kh that weakened ground resists, or the share of all loads, the given Kh among them.
 LoadMultiplier = Literal["kh", "loads"]
-# How near to either end of the open interval a secant may go, as a share of its logarithm; else the middle is tried.
-INSIDE = 0.05
+# Share of the logarithm of the open interval within which, at either end of it, no secant is followed.
+END_SHARE = 0.05
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def gap_of_factors(lower: float, upper: float) -> float:
     return (upper - lower) / (0.5 * (upper + lower))
 
 
-def inside(factor: float, safe: float, unsafe: float) -> float:
+def kept_inside(factor: float, safe: float, unsafe: float) -> float:
     """Return ``factor`` if it lies well between a stable and an unstable factor, else the middle of these two.
 
     ``safe`` and ``unsafe`` are the factors at which the ground stands and fails.
@@ -88,7 +88,7 @@ def inside(factor: float, safe: float, unsafe: float) -> float:
     if not 0.0 < safe < unsafe < math.inf:
         return factor
     share = math.log(factor / safe) / math.log(unsafe / safe)
-    return factor if INSIDE <= share <= 1.0 - INSIDE else math.sqrt(safe * unsafe)
+    return factor if END_SHARE <= share <= 1.0 - END_SHARE else math.sqrt(safe * unsafe)
 
 
 def root_of(points: Sequence[tuple[float, float]], slope: float | None, furthest: float) -> float:

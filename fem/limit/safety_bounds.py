@@ -20,7 +20,7 @@ from fem.continuum.loads import Direction, direction_of
 from fem.continuum.shallow_failure import faces_at, has_uncounted_water, least_rolling_factor, strengthened
 from fem.continuum.strength import strengths
 from fem.limit.bounds import COARSE_CELLS, KhBounds, as_analysed
-from fem.limit.factor_search import LARGEST, SMALLEST, FactorSearch
+from fem.limit.factor_search import LARGEST_FACTOR, SMALLEST_FACTOR, FactorSearch
 from fem.limit.factor_trial import BoundsTrial, FactorWork, TrialStart, gap_of_factors
 from fem.limit.first_mesh import cells_of_first_search, first_mesh
 from fem.settings import BoundsSettings, FemSettings
@@ -89,14 +89,14 @@ def safety_bounds(
     With ``smooth_sides`` the sides move only vertically, as in strength reduction without shaking; without it
     free-field sides carry the K0 stress. ``guess`` is the first factor tried; a poor one costs time only. ``known``
     bounds of the critical Kh lend a mesh to begin on. Both directions of the seismic force are analysed, within the
-    work that the ``settings`` allow, at factors from SMALLEST to LARGEST. Raises InputError as ``kh_bounds`` does,
-    BadMeshError if there are no triangles. ``section``: the section of the ground; ``fem``: settings of the elements,
-    of which sides and direction matter here.
+    work that the ``settings`` allow, at factors from 0.02 to 20. Raises InputError as
+    ``kh_bounds`` does, BadMeshError if there are no triangles. ``section``: the section of the ground; ``fem``: settings
+    of the elements, of which sides and direction matter here.
     """
     start, work = TrialStart(kh, guess, smooth_sides, known=known), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)
     shallow = least_rolling_factor(section, faces, kh, strengths(section.strata)[1])
-    if shallow is None or shallow >= LARGEST:
+    if shallow is None or shallow >= LARGEST_FACTOR:
         return _bounds_of(section, fem, settings, start, work)
     strengthened_section = strengthened(section, faces, fem)
     # Where bare faces of unlike water meet, or water stands shortly below a face, shallow ground may slip before the
@@ -227,7 +227,7 @@ def _bounds_of(
     trials = [trial for search in searches for trial in search.trials]
     ended: FactorEnd = "time" if work.ran_out or searches[0].work.ran_out else "triangles"
     ended = "solver" if any(search.solver_fails for search in searches) else ended
-    ended = "range" if lower >= LARGEST or upper <= SMALLEST else ended
+    ended = "range" if lower >= LARGEST_FACTOR or upper <= SMALLEST_FACTOR else ended
     ended = "gap" if gap_of_factors(lower, upper) <= settings.gap else ended
     direction = direction_of(fem, opposite=searches[-1].upper < searches[0].upper) if start.kh else None
     cells = max(trial.cells for trial in trials)

@@ -19,13 +19,13 @@ from fem.solvers.cone_program import NEAR, Solution, Warm
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 
-# By how much the factor changes at most from trial to trial.
-STEP = 1.6
-# A Kh, or a logarithm of a share of loads, this far from the required value tells nothing on the factor.
-FAR = 1.0
-# A lower bound of Kh this close to the given Kh, with an upper bound this far above it, may be independent of the
-# factor; it is, if the ground then resists at least this much more (as a logarithm) than all loads.
-FLAT, FLAT_OPEN, FLAT_GAIN = 1e-4, 0.01, 0.005
+# Largest ratio of the factors of two trials in succession.
+LARGEST_FACTOR_RATIO = 1.6
+# Largest excess of Kh, or of the logarithm of a share of loads, from which a factor is estimated.
+LARGEST_EXCESS = 1.0
+# Excess of a lower bound of Kh up to which, and of the upper bound from which, the lower bound may be independent of the
+# factor. It is, if the logarithm of the share of loads that the ground resists is at least the last number.
+FLAT_LOWER_EXCESS, FLAT_UPPER_EXCESS, FLAT_LOAD_EXCESS = 1e-4, 0.01, 0.005
 
 
 class WeakenedGround:
@@ -174,7 +174,7 @@ class WeakenedGround:
             return trial
         self.multiplier_kind, seen = "loads", self.last_of_both
         loaded = self.measure(trial.factor)
-        if loaded.lower is None or (not trial.no_equilibrium and self.excess(loaded.lower) < FLAT_GAIN):
+        if loaded.lower is None or (not trial.no_equilibrium and self.excess(loaded.lower) < FLAT_LOAD_EXCESS):
             self.multiplier_kind, self.last_of_both = "kh", seen
             self.no_equilibrium_from = trial.factor if trial.no_equilibrium else self.no_equilibrium_from
             return trial
@@ -185,7 +185,7 @@ class WeakenedGround:
         """Return whether the lower bound of Kh is the given Kh, although the upper bound lies far above it."""
         if trial.lower is None or trial.upper is None:
             return False
-        return abs(self.excess(trial.lower)) < FLAT and self.excess(trial.upper) > FLAT_OPEN
+        return abs(self.excess(trial.lower)) < FLAT_LOWER_EXCESS and self.excess(trial.upper) > FLAT_UPPER_EXCESS
 
     def mean_excess(self, trial: BoundsTrial) -> float:
         """Return the mean excess of both bounds over the required value, or the excess of the only bound; -inf without
@@ -206,7 +206,7 @@ class WeakenedGround:
         for side in ("upper", "lower"):
             ends = [getattr(trial, side) for trial in (before, now)]
             first, second = (-math.inf if end is None else self.excess(end) for end in ends)
-            if max(abs(first), abs(second)) < FAR:
+            if max(abs(first), abs(second)) < LARGEST_EXCESS:
                 slope = (second - first) / math.log(now.factor / before.factor)
                 if slope < 0.0:
                     self.slope = slope
@@ -222,7 +222,7 @@ class WeakenedGround:
 
     def root(self, side: BoundSide) -> float:
         """Return the factor at which a bound meets the required value, by a secant; NaN if unknown."""
-        return root_of(self.points(side), self.slope, math.log(STEP))
+        return root_of(self.points(side), self.slope, math.log(LARGEST_FACTOR_RATIO))
 
     def extrapolated(self, side: BoundSide) -> float:
         """Return how far (in ln F) the factor at which a bound meets the required value lies beyond all trials. The
@@ -235,4 +235,4 @@ class WeakenedGround:
         """Return ln F and the excess of the bound (see ``excess``) of every trial on the present triangles."""
         bounds = [(trial.factor, getattr(trial, side)) for trial in self.trials_on_mesh]
         points = [(math.log(factor), self.excess(bound)) for factor, bound in bounds if bound is not None]
-        return sorted(point for point in points if abs(point[1]) < FAR)
+        return sorted(point for point in points if abs(point[1]) < LARGEST_EXCESS)
