@@ -10,17 +10,18 @@ from fem.limit.bound_checks import StressCheck, VelocityCheck, corner_rates, dis
 from fem.limit.limit_problem import LimitProblem
 from meshes.triangles import TriMesh
 
-# A mesh has twice as many cells as the one before.
+# Ratio of the numbers of cells of two meshes in succession.
 CELL_RATIO = 2.0
-# One step more may take this factor if it should close the gap, for which it aims so much beyond it.
+# Largest ratio of these numbers if the second mesh is expected to close the gap, and ratio of the gap for which it is
+# made to the required gap.
 MOST_CELL_RATIO, GAP_RATIO_AIMED_AT = 3.0, 1.15
-# A mesh is worth its work if it has this many times as many cells as the one before.
+# Smallest ratio of these numbers with which a mesh is worth its work.
 LEAST_CELL_RATIO = 1.2
-# Work goes with this power of the cells.
+# Exponent of the number of cells in the computing work.
 COST_EXPONENT = 1.15
-# The search has stalled if so many meshes in a row left this share of the gap.
+# Number of meshes in succession after which a search has stalled if more than this share of the gap is left.
 STALLED_MESHES, STALLED_SHARE = 2, 0.9
-# So many meshes in a row on which the solver failed at the same bound end the search: finer ones are no easier for it.
+# Number of meshes in succession on which the solver fails at the same bound that ends the search.
 FAILED_MESHES = 2
 
 # Why there is no finer mesh: the gap is closed as far as was asked, the upper bound is small enough, no more triangles

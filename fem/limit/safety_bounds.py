@@ -89,9 +89,9 @@ def safety_bounds(
     With ``smooth_sides`` the sides move only vertically, as in strength reduction without shaking; without it
     free-field sides carry the K0 stress. ``guess`` is the first factor tried; a poor one costs time only. ``known``
     bounds of the critical Kh lend a mesh to begin on. Both directions of the seismic force are analysed, within the
-    work that the ``settings`` allow, at factors from 0.02 to 20. Raises InputError as
-    ``kh_bounds`` does, BadMeshError if there are no triangles. ``section``: the section of the ground; ``fem``: settings
-    of the elements, of which sides and direction matter here.
+    work that the ``settings`` allow, at factors from 0.02 to 20. Raises InputError as ``kh_bounds`` does, BadMeshError
+    if there are no triangles. ``section``: the section of the ground; ``fem``: settings of the elements, of which sides
+    and direction matter here.
     """
     start, work = TrialStart(kh, guess, smooth_sides, known=known), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)

@@ -23,8 +23,8 @@ from meshes.triangles import TriMesh
 LARGEST_FACTOR_RATIO = 1.6
 # Largest excess of Kh, or of the logarithm of a share of loads, from which a factor is estimated.
 LARGEST_EXCESS = 1.0
-# Excess of a lower bound of Kh up to which, and of the upper bound from which, the lower bound may be independent of the
-# factor. It is, if the logarithm of the share of loads that the ground resists is at least the last number.
+# Excess of a lower bound of Kh up to which, and of the upper bound from which, the lower bound may be independent of
+# the factor. It is, if the logarithm of the share of loads that the ground resists is at least the last number.
 FLAT_LOWER_EXCESS, FLAT_UPPER_EXCESS, FLAT_LOAD_EXCESS = 1e-4, 0.01, 0.005
 
 
