@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.limit.adaptive_bounds import finer_mesh
 from fem.limit.bracket import CELL_RATIO, COST_EXPONENT, FAILED_MESHES, LEAST_CELL_RATIO, MOST_CELL_RATIO, BoundSide
-from fem.limit.factor_trial import kept_inside
+from fem.limit.factor_trial import within_interval
 from fem.limit.weakened_ground import LARGEST_EXCESS, LARGEST_FACTOR_RATIO, WeakenedGround
 
 # Interval in which factors are searched.
@@ -141,7 +141,7 @@ class FactorSearch(WeakenedGround):
                 self.factor = self.looked_for(trial.factor * step * math.exp(-STEP_BELOW_UPPER_BOUND))
                 return
             safe, unsafe = (trial.factor, unsafe) if excess >= 0.0 else (safe, trial.factor)
-            self.factor = self.looked_for(kept_inside(trial.factor * step, safe, unsafe))
+            self.factor = self.looked_for(within_interval(trial.factor * step, safe, unsafe))
             if self.factor == trial.factor:
                 return
 
@@ -160,7 +160,7 @@ class FactorSearch(WeakenedGround):
             if self.slope is not None and (close or self.work.left < WORK_RATIO_OF_PROOFS * last.work):
                 break
             safe, unsafe = (last.factor, unsafe) if middle >= 0.0 else (safe, last.factor)
-            self.factor = self.looked_for(kept_inside(last.factor * step, safe, unsafe))
+            self.factor = self.looked_for(within_interval(last.factor * step, safe, unsafe))
             if self.factor == last.factor:  # at an end of what is looked for
                 break
             trial = self.with_deciding_multiplier(self.measure(self.factor))

@@ -80,7 +80,7 @@ def gap_of_factors(lower: float, upper: float) -> float:
     return (upper - lower) / (0.5 * (upper + lower))
 
 
-def kept_inside(factor: float, safe: float, unsafe: float) -> float:
+def within_interval(factor: float, safe: float, unsafe: float) -> float:
     """Return ``factor`` if it lies well between a stable and an unstable factor, else the middle of these two.
 
     ``safe`` and ``unsafe`` are the factors at which the ground stands and fails.
