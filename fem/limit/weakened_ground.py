@@ -64,6 +64,7 @@ class WeakenedGround:
         self.starting_points: dict[BoundSide, tuple[float, Warm | None]] = {}
         self.failures: dict[BoundSide, int] = {"lower": 0, "upper": 0}  # of the solver, one after the other
         self.no_equilibrium_from = math.inf  # from this factor on no stress on this mesh balances the loads
+        self.has_no_share_of_loads = False  # whether no stress balanced any share of the loads where none did at any Kh
         self.last_of_both: tuple[LimitProblem, LowerBound, UpperBound] | None = None  # the last trial of both bounds
 
     @property
@@ -167,16 +168,21 @@ class WeakenedGround:
         """Return a trial with bounds of Kh or, if they decide nothing, with bounds of the share of all loads. Bounds of
         Kh decide nothing if no mechanism fails below the given Kh and yet no stress field balances the weight, as below
         a footing, or if the lower bound is the given Kh at any factor, as where thin slices of cracked ground topple
-        from an upright face.
+        from an upright face. The share of all loads is bounded once more only while no factor is proven: it does not
+        decide either where its own lower bound was missing.
         """
         fails_late = trial.upper is not None and self.excess(trial.upper) > 0.0
         if self.multiplier_kind == "loads" or not fails_late or not (trial.no_equilibrium or self.is_flat(trial)):
+            return trial
+        if trial.no_equilibrium and self.has_no_share_of_loads and self.lower > 0.0:
+            self.no_equilibrium_from = trial.factor
             return trial
         self.multiplier_kind, seen = "loads", self.last_of_both
         loaded = self.measure(trial.factor)
         if loaded.lower is None or (not trial.no_equilibrium and self.excess(loaded.lower) < FLAT_LOAD_EXCESS):
             self.multiplier_kind, self.last_of_both = "kh", seen
-            self.no_equilibrium_from = trial.factor if trial.no_equilibrium else self.no_equilibrium_from
+            if trial.no_equilibrium:
+                self.no_equilibrium_from, self.has_no_share_of_loads = trial.factor, True
             return trial
         self.slope = None
         return loaded
