@@ -23,7 +23,7 @@ class PointCase(MovedSurface):
     slide_max_low_m: float = Field(
         description=(
             "lower end of the numerical interval: the smallest of this slide, the slide extrapolated to fine "
-            "cells, and the slide with a damping rate of 1 1/s"
+            "cells, and the slide with a damping rate of 1 1/s, all at the same place"
         )
     )
     slide_max_high_m: float = Field(

@@ -211,27 +211,35 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
     )  # fmt: skip
 
 
-def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
-    """Return the slide of a case with its error, from its governing slide and from the slides in coarse cells with both
-    damping rates.
+def numerical_interval(slides: Sequence["PointSlide"]) -> tuple[float, float]:
+    """Return the interval (m) of the largest slide by its numerical error, from the governing slide and from the slides
+    in coarse cells with both damping rates.
 
     Slides converge with the first power of the size of the cells, so that the second slide gives the limit of fine
-    cells (Richardson's extrapolation). The third slide shows the influence of the damping rate.
+    cells (Richardson's extrapolation). The third slide shows the influence of the damping rate. All are compared where
+    the governing slide is largest: in coarse cells other ground may slide farther, above layers thinner than a cell.
     """
-    counts, coarse, slower = slides
+    counts = slides[0]
+    x = counts.before[int(np.argmax(counts.slide[-1])), 0]
+    largest, coarse, slower = (float(np.interp(x, each.before[:, 0], each.slide[-1])) for each in slides)
+    finer = largest + (largest - coarse) / (COARSE_RATIO - 1)
+    ends = largest, max(largest + slower - coarse, 0.0), max(finer, 0.0)
+    return min(ends), max(ends)
+
+
+def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
+    """Return the slide of a case with its error: its governing slide, and the slides for `numerical_interval`."""
+    counts = slides[0]
     slide, settlement = counts.slide[-1], counts.settlement[-1]
     uphill_first = counts.before[0, 1] >= counts.before[-1, 1]
     thirds = [np.array_split(values if uphill_first else values[::-1], 3) for values in (slide, settlement)]
     names = ("uphill", "middle", "downhill")
-    finer = counts.slide_max + (counts.slide_max - coarse.slide_max) / (COARSE_RATIO - 1)
-    decaying_slower = counts.slide_max + slower.slide_max - coarse.slide_max
-    ends = counts.slide_max, max(decaying_slower, 0.0), max(finer, 0.0)
-    largest = int(np.argmax(slide))
+    low, high = numerical_interval(slides)
     return PointCase(
         slide_max_m=counts.slide_max,
-        slide_max_low_m=min(ends),
-        slide_max_high_m=max(ends),
-        slide_max_at_x_m=float(counts.before[largest, 0]),
+        slide_max_low_m=low,
+        slide_max_high_m=high,
+        slide_max_at_x_m=float(counts.before[int(np.argmax(slide)), 0]),
         **{f"slide_{name}_m": float(np.median(part)) for name, part in zip(names, thirds[0], strict=True)},
         **{f"settlement_{name}_m": float(np.median(part)) for name, part in zip(names, thirds[1], strict=True)},
         settlement_crest_m=float(counts.before[:, 1].max() - counts.after[:, 1].max()),

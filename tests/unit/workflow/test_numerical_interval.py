@@ -1,0 +1,30 @@
+"""The interval of a slide of material points by its numerical error."""
+
+import numpy as np
+import pytest
+
+from fem.mpm import PointSlide
+from workflow.stages.mpm import numerical_interval
+
+
+def slide(values: list[float]) -> PointSlide:
+    """A slide whose surface has moved by these values (m), from x = 0 to 100 m."""
+    x = np.linspace(0.0, 100.0, len(values))
+    return PointSlide(times=[60.0], slide=[np.array(values)], before=np.column_stack([x, 0.0 * x]))
+
+
+def test_the_limit_of_fine_cells_and_another_decay_open_the_interval() -> None:
+    """0.9 m in cells of one size and 1.0 m in cells twice as large tend to 0.8 m; the slower decay adds 0.05 m."""
+    low, high = numerical_interval([slide([0.5, 0.9, 0.5]), slide([0.5, 1.0, 0.5]), slide([0.5, 1.05, 0.5])])
+    assert (low, high) == (pytest.approx(0.8), pytest.approx(0.95))
+
+
+def test_other_ground_in_coarse_cells_does_not_count() -> None:
+    """S-13 slides 0.95 m; in cells thicker than its liquefied layers another part of the surface slides 2.19 m."""
+    coarse = slide([1.0, 1.0, 1.4, 2.19, 0.5])
+    low, high = numerical_interval([slide([0.94, 0.95, 0.9, 0.7, 0.6]), coarse, coarse])
+    assert (low, high) == (pytest.approx(0.9), pytest.approx(0.95))
+
+
+def test_a_slide_is_not_negative() -> None:
+    assert numerical_interval([slide([0.0, 0.1, 0.0]), slide([0.0, 0.4, 0.0]), slide([0.0, 0.4, 0.0])]) == (0.0, 0.1)
