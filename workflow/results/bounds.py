@@ -149,12 +149,19 @@ class SafetyPart(Part):
         low = "" if self.lower is None else f"{self.lower:.3f} <= "
         high = "" if self.upper is None else f" <= {self.upper:.3f}"
         between = f"{low}FS{high}" if low or high else "none found of FS"
-        at = self.shallow_failure
-        rolling = (
-            "" if at is None else f"; shallow ground, of one face or where two meet, fails before, at {at:.3f} at most"
-        )
         force = f", force {FORCE[self.direction]}" if self.direction else ""
-        return f"{between} at Kh = {self.kh:g}{force}, {self.cells} triangles{rolling}"
+        return f"{between} at Kh = {self.kh:g}{force}, {self.cells} triangles{self._shallow_words}"
+
+    @property
+    def _shallow_words(self) -> str:
+        """Return what is known of shallow ground in words. Where it is not proven to fail before the slope as a whole,
+        its factor is the upper bound."""
+        at, ground = self.shallow_failure, "shallow ground, of one face or where two meet,"
+        if at is None:
+            return ""
+        if self.upper is not None and at >= self.upper:
+            return f"; {ground} may fail before: no bound close to these was found for it"
+        return f"; {ground} fails before, at {at:.3f} at most"
 
 
 class BoundsAnswer(BracketPart, Answer):
