@@ -16,7 +16,6 @@ from workflow.cli.unread_settings import keys_of, unread
 from workflow.config import Config, merged, renamed
 from workflow.config.after_triggering import load_config
 from workflow.earthquake.records_in_use import records
-from workflow.run.lock import refuse_file
 from workflow.run.record import Record, stored_mesh_options
 from workflow.run.stage import Job
 from workflow.run.store import Store
@@ -62,7 +61,8 @@ class Invocation:
         tables = merged(dotted(settings or []), options_given)
         read = load_config(section, tables)
         store = Store(folder or Path("runs") / read.section.name)
-        refuse_file(store.folder)
+        if store.folder.exists() and not store.folder.is_dir():
+            raise InputError(str(store.folder), ["is a file; expected a folder for the results"])
         mesh = dict(tables.get("mesh", {}))
         stored = {} if mesh or afresh else stored_mesh_options(store)
         if stored:

@@ -15,12 +15,6 @@ from meshes.errors import InputError
 NAME = ".noshiro/lock"
 
 
-def refuse_file(folder: Path) -> None:
-    """Raise InputError if a file stands where a folder for the results is expected."""
-    if folder.exists() and not folder.is_dir():
-        raise InputError(str(folder), ["is a file; expected a folder for the results"])
-
-
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
     """Lock the folder, which is created if necessary, until the end of the block.
@@ -30,7 +24,6 @@ def locked(folder: Path) -> Iterator[None]:
     the folder, or if nothing can be written.
     """
     path = folder / NAME
-    refuse_file(folder)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
