@@ -64,7 +64,6 @@ class WeakenedGround:
         self.starting_points: dict[BoundSide, tuple[float, Warm | None]] = {}
         self.failures: dict[BoundSide, int] = {"lower": 0, "upper": 0}  # of the solver, one after the other
         self.no_equilibrium_from = math.inf  # from this factor on no stress on this mesh balances the loads
-        self.has_no_share_of_loads = False  # whether no stress balanced any share of the loads where none did at any Kh
         self.last_of_both: tuple[LimitProblem, LowerBound, UpperBound] | None = None  # the last trial of both bounds
 
     @property
@@ -182,10 +181,15 @@ class WeakenedGround:
         if loaded.lower is None or (not trial.no_equilibrium and self.excess(loaded.lower) < FLAT_LOAD_EXCESS):
             self.multiplier_kind, self.last_of_both = "kh", seen
             if trial.no_equilibrium:
-                self.no_equilibrium_from, self.has_no_share_of_loads = trial.factor, True
+                self.no_equilibrium_from = trial.factor
             return trial
         self.slope = None
         return loaded
+
+    @property
+    def has_no_share_of_loads(self) -> bool:
+        """Return whether the share of all loads had no lower bound in an earlier trial."""
+        return any(trial.multiplier_kind == "loads" and trial.lower is None for trial in self.trials)
 
     def is_flat(self, trial: BoundsTrial) -> bool:
         """Return whether the lower bound of Kh is the given Kh, although the upper bound lies far above it."""
