@@ -10,7 +10,6 @@ point is given an apparent cohesion; a failure larger than that cuts through the
 from collections.abc import Sequence
 from itertools import pairwise
 
-from fem.continuum.load_ends import with_cohesion_around
 from fem.continuum.shallow_failure import ShallowFailure, apparent_cohesion
 from meshes.section.cutting import BELOW_WATER
 from meshes.section.section import Section
@@ -40,9 +39,3 @@ def water_exits(section: Section, faces: Sequence[ShallowFailure], depth: float)
             needed = apparent_cohesion(face, soil, soil.friction_angle, depth)
             cohesion[left.end] = max(needed, cohesion.get(left.end, 0.0))
     return cohesion
-
-
-def with_strengthened_exits(section: Section, faces: Sequence[ShallowFailure], depth: float) -> Section:
-    """Return the section with an apparent cohesion of the sand within a ``depth`` (m) of the points where water comes
-    out of ``faces``; ``section`` itself without such points."""
-    return with_cohesion_around(section, water_exits(section, faces, depth), depth)

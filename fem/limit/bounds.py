@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.continuum.load_ends import with_strengthened_load_ends
+from fem.continuum.load_ends import with_cohesion_around, with_strengthened_load_ends
 from fem.continuum.loads import Direction, direction_of, excess_pressure_advice, seismic_sign, soils, uplift_error
 from fem.continuum.shallow_failure import (
     ShallowFailure,
@@ -20,7 +20,7 @@ from fem.continuum.shallow_failure import (
     strengthened,
 )
 from fem.continuum.strength import davis_factors, flow_of, is_dilating_fully, strengths, tensile_strengths
-from fem.continuum.water_exits import with_strengthened_exits
+from fem.continuum.water_exits import water_exits
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
 from fem.limit.bracket import Limits
@@ -69,12 +69,13 @@ class KhBounds(SmallerKhBounds):
     shallow_failures : cohesionless faces whose shallow failure has a smaller Kh than the bounds. If there is one, the
         ground below all these faces is strengthened down to the least depth, as in the finite elements, and the bounds
         are strict for the strengthened ground: they are bounds of the whole slope. Without shallow failures the bounds
-        are strict for the ground of the section file, except at ends of loads on bare sand and where water comes out of
-        it.
+        are strict for the ground of the section file, except at ends of loads on bare sand and at ``water_exits``.
     shallow : an upper bound of Kh of the ground without strengthening, if it is below the bounds and below the Kh of
         all ``shallow_failures``: ground above the least depth then slips where faces of different water or slope meet,
         or where water seeps out of a face or stands close below it. The ground of this slip is strengthened as well.
         None if the upper bound of the ground without strengthening is not smaller.
+    water_exits : x (m) of the points where water comes out of bare sand, and the sand was strengthened; none where
+        whole faces were strengthened
     section : the section that was analysed for the direction that fails first, with faces strengthened if necessary
     substitute : bounds of Davis's estimate if ψ < φ and the settings request them, computed on the last meshes for ψ =
         φ
@@ -83,6 +84,7 @@ class KhBounds(SmallerKhBounds):
 
     shallow_failures: tuple[ShallowFailure, ...] = ()
     shallow: float | None = None
+    water_exits: tuple[float, ...] = ()
     section: Section | None = None
     substitute: SmallerKhBounds | None = None
     work: float = 0.0
@@ -105,9 +107,9 @@ class DirectionGround:
 
     ``shallow_failures`` are the faces that may fail at a smaller Kh than the whole slope. ``as_given`` is an upper
     bound, on coarse triangles, of Kh of the section without strengthening (inf if there are no such faces). ``section``
-    is the ground with these faces strengthened, ``without_faces`` the ground in which only the points are strengthened
-    where water comes out of bare sand. ``work`` is the computing work of the coarse bounds (seconds on the reference
-    machine of ``cone_program``).
+    is the ground with these faces strengthened. In the ground ``without_faces`` only the points at ``water_exits`` are
+    strengthened, x (m) where water comes out of bare sand. ``work`` is the computing work of the coarse bounds (seconds
+    on the reference machine of ``cone_program``).
     """
 
     fem: FemSettings
@@ -116,6 +118,7 @@ class DirectionGround:
     as_given: float
     section: Section
     without_faces: Section
+    water_exits: tuple[float, ...] = ()
     work: float = 0.0
 
     @classmethod
@@ -134,12 +137,13 @@ class DirectionGround:
         most_work = LARGEST_COARSE_SHARE * seconds
         upper, work = _coarse_upper_bound(strengthened_section, fem, most_work) if faces else (-np.inf, 0.0)
         govern = [face for face in faces if face.kh < upper]
-        bare = with_strengthened_exits(section, faces, fem.least_depth)
+        exits = water_exits(section, faces, fem.least_depth)
+        bare, places = with_cohesion_around(section, exits, fem.least_depth), tuple(exits)
         if not govern and not faces_at_rest:
-            return cls(fem, max_cells, (), np.inf, bare, bare, work)
+            return cls(fem, max_cells, (), np.inf, bare, bare, places, work)
         ground = strengthened_section if govern else strengthened(bare, faces_at_rest, fem)
         as_given, more_work = _coarse_upper_bound(section, fem, most_work)
-        return cls(fem, max_cells, (*govern, *faces_at_rest), as_given, ground, bare, work + more_work)
+        return cls(fem, max_cells, (*govern, *faces_at_rest), as_given, ground, bare, places, work + more_work)
 
     def search(self, limits: Limits, after: BoundSearch | None = None) -> DirectionSearch:
         """Return the search for bounds. ``after``, the search for ψ = φ, is given if the search is for Davis's
@@ -231,11 +235,13 @@ def kh_bounds(
     as_given = min(ground.as_given for ground in grounds.values())
     governed = bool(govern or wet)
     shallow = as_given if governed and as_given < min([bounds.upper, *(face.kh for face in govern)]) else None
+    exits = () if governed else tuple(sorted({x for ground in grounds.values() for x in ground.water_exits}))
     analysed = as_analysed(grounds[bounds.directions[0].direction].section, fem)
     return KhBounds(
         **vars(bounds),
         shallow_failures=govern,
         shallow=shallow,
+        water_exits=exits,
         section=analysed,
         substitute=substitute,
         work=settings.seconds - allowed + spent,

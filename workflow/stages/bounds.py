@@ -140,24 +140,13 @@ def answer_of(config: Config, bounds: "KhBounds", settings: BoundsSettings, seco
         shallow_failures=tuple(ShallowBoundPart.model_validate(face) for face in merged_faces(bounds.shallow_failures)),
         shallow=bounds.shallow,
         load_ends=tuple(sorted({x for _, x, _ in config.section.surface_loads.bare_ends()})),
-        water_exits=_water_exits(config, bounds),
+        water_exits=bounds.water_exits,
         least_depth=config.fem.least_depth,
         sides=config.fem.sides,
         vertical=config.fem.vertical,
         seconds=round(seconds, 2),
         settings=settings,
     )
-
-
-def _water_exits(config: Config, bounds: "KhBounds") -> tuple[float, ...]:
-    """Return x (m) of the points where water comes out of bare sand; none where whole faces were strengthened."""
-    from fem.continuum.shallow_failure import faces_at
-    from fem.continuum.water_exits import water_exits
-
-    if bounds.shallow_failures or bounds.shallow is not None:
-        return ()
-    faces = faces_at(config.section, config.fem, bounds.upper)
-    return tuple(water_exits(config.section, faces, config.fem.least_depth))
 
 
 def bracket_part(bounds: "SmallerKhBounds", settings: BoundsSettings) -> BracketPart:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fem.continuum.load_ends import POINT_SUFFIX, soil_of_strip
+from fem.continuum.load_ends import POINT_SUFFIX, soil_of_strip, with_cohesion_around
 from fem.continuum.shallow_failure import faces_at, shallow_failures
-from fem.continuum.water_exits import water_exits, with_strengthened_exits
+from fem.continuum.water_exits import water_exits
 from fem.limit.bounds import LEAST_KH, kh_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
@@ -32,15 +32,17 @@ def bank(slope_of_table: float = 0.3, **changes: object) -> Section:
 
 
 def test_the_sand_around_the_edge_of_the_pond_has_the_cohesion_of_a_strengthened_face() -> None:
-    """γ d sin 2β / (2 cos² φ), of the dry sand above the pond with γ = 18 kN/m³: the larger one."""
+    """γ d sin 2β / (2 cos² φ) of the face above the pond, the larger one. Below its middle 0.25 m are dry, and 0.25 m
+    under water that stands there."""
     section = bank()
     faces = shallow_failures(section, FEM)
-    [(x, cohesion)] = water_exits(section, faces, FEM.least_depth).items()
+    exits = water_exits(section, faces, FEM.least_depth)
+    [(x, cohesion)] = exits.items()
     slope, friction = np.arctan(0.4), np.radians(35.0)
     assert x == pytest.approx(POND)
-    assert cohesion <= 18e3 * 0.5 * np.sin(2.0 * slope) / (2.0 * np.cos(friction) ** 2) * (1.0 + 1e-9)
-    assert cohesion > 10e3 * 0.5 * np.sin(2.0 * slope) / (2.0 * np.cos(friction) ** 2)
-    strong = with_strengthened_exits(section, faces, FEM.least_depth)
+    share = (18.0 + 20.0 - 9.80665) / (18.0 + 20.0)
+    assert cohesion == pytest.approx(share * 18e3 * 0.5 * np.sin(2.0 * slope) / (2.0 * np.cos(friction) ** 2))
+    strong = with_cohesion_around(section, exits, FEM.least_depth)
     names = [stratum.name for stratum in strong.strata if POINT_SUFFIX in stratum.name]
     assert names
     assert {soil_of_strip(name).removesuffix(", below water") for name in names} == {"Sand"}
@@ -49,13 +51,15 @@ def test_the_sand_around_the_edge_of_the_pond_has_the_cohesion_of_a_strengthened
 @pytest.mark.parametrize("changes", [{"cohesion": "2 kPa"}, {"friction_angle": 0, "cohesion": "20 kPa"}])
 def test_ground_with_cohesion_needs_none(changes: dict[str, object]) -> None:
     section = bank(**changes)
-    assert with_strengthened_exits(section, faces_at(section, FEM, 0.1), FEM.least_depth) is section
+    exits = water_exits(section, faces_at(section, FEM, 0.1), FEM.least_depth)
+    assert with_cohesion_around(section, exits, FEM.least_depth) is section
 
 
 def test_the_bounds_close_although_water_comes_out_of_bare_sand() -> None:
     """The few triangles at the edge of the pond kept the lower bound at -0.03 with 809 to 3,986 of them."""
     bounds = kh_bounds(bank(0.36), FEM, BoundsSettings(gap=0.06, max_cells=3000, davis=False))
     assert bounds.shallow_failures == ()
+    assert bounds.water_exits == pytest.approx((POND,))
     assert bounds.ended == "gap"
     assert bounds.upper - bounds.lower < 0.06 * LEAST_KH
     assert bounds.lower > 0.0
