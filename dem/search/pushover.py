@@ -4,8 +4,9 @@ requires is measured.
 Under displacement control the curve continues beyond the largest Kh, like the equilibrium path of the FEM model. The
 curves of discs and FEM model show Kh against the mass-weighted mean displacement (m) in the direction of the force.
 Both curves are compared at the same displacement, since neither has a limit load in a box: loose ground hardens as it
-is compressed. The critical Kh of the discs is the largest moving average of Kh up to a displacement of
-`DemSettings.ductility` times the yield displacement of the FEM model; the average is over a fifth of this displacement.
+is compressed. The critical Kh of the discs is the largest moving average of Kh up to a limit of the
+displacement, `DemSettings.ductility` times the yield displacement of the FEM model; each average spans a fifth of this
+limit.
 Discs require a larger strain than an elastic-plastic body with the same E to reach the same strength: `settings.GROWTH`
 describes how this larger strain was measured.
 

@@ -162,7 +162,10 @@ def at_the_sides(sides: Sequence[SideEffect]) -> list[str]:
     notes = []
     for side in sides:
         if side.piled:
-            notes.append(f"the ground has piled up by {side.rise:.2g} m at the {side.name} side: take a longer section")
+            notes.append(
+                f"the ground has piled up by {side.rise:.2g} m at the {side.name} side: take a longer section (setting "
+                "beyond)"
+            )
         if side.came:
             notes.append(
                 f"{counted(side.came, 'disc', 'discs')} of the surface slid to within two diameters of the "

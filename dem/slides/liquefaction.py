@@ -42,7 +42,7 @@ from dem.slides.free_sides import UPDATE_INTERVAL, FreeSides
 from dem.slides.liquefied_strength import liquefied, onset, weaken_clay
 from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.runout import loose_share, on_loose_mass
-from dem.slides.slide import Row, Slide, stopped_at
+from dem.slides.slide import WEIGHT_ALONE_TIME, Row, Slide, stopped_at
 from dem.slides.surface import Surface, crack_opening, escaped
 from dem.slides.volume import required_areas, undrained_strata, volume_change
 from meshes.files import whole_file
@@ -50,7 +50,6 @@ from meshes.section.sentences import counted
 
 LONG_SLIDE = 0.25  # of the height of the section: longer slides are also computed under the weight alone
 FLOW_SLIDE = 0.25  # of the height of the ground's surface: a slide by weight alone that is longer is a flow failure
-WEIGHT_ALONE_TIME = 20.0  # s of such a computation
 HISTORY_INTERVAL = 0.5  # s between two rows of the history
 CHECKPOINT_INTERVAL = 2.0  # s of wall-clock time between two checkpoints
 
@@ -345,17 +344,17 @@ class Slider:
         alone = Slider(
             self.start, self.ground, self.strata, self.case, settings, free_sides=bool(self.sides.strips)
         ).run()
-        far = max(row.slide_max_m for row in alone.rows)
+        far = alone.rows[-1].slide_max_m  # where it ends, as for the slide with shaking: a side pushes discs back
         self.slide.slide_by_weight_m = far
         self.slide.flows = far > FLOW_SLIDE * float(np.ptp(self.surface.z))
         if not self.slide.flows:
             return []
         case = self.case
         has_residual = case is not None and (case.residual or case.residual_strength)
-        advice = "more residual strength" if has_residual else "a residual strength"
+        advice = "check the residual strength" if has_residual else "give a residual strength"
         return [
-            f"without any shaking the surface slides {far:.2g} m within {alone.rows[-1].time_s:.0f} s, a flow failure: "
-            f"its factor of safety after liquefaction is below 1, and {advice} (slide.cases, residual) may stabilise it"
+            f"without any shaking the surface slides {far:.2g} m within {alone.rows[-1].time_s:.0f} s, a flow failure "
+            f"with a factor of safety below 1 after liquefaction: {advice} (slide.cases, residual)"
         ]
 
     def _keep(self) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from dem.slides.rest import moved_lately
 
+WEIGHT_ALONE_TIME = 20.0  # s of a slide without shaking that shows whether the ground flows by its weight alone
 SLIDING_RATIO = 2.0  # displacement over that under Kh alone from which a disc of the surface slides
 
 

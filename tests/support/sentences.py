@@ -171,5 +171,5 @@ CHECKS: tuple[tuple[str, Check], ...] = (
         _disagree,
     ),
     (r"^(.* of the collection were predicted within a factor of [\d.]+ in \d+ of \d+ cases)", _known_slides),
-    (rf"^{CASES} this is a flow failure: without shaking the surface slides ([\d., and]+) m in 20 s", _by_weight),
+    (rf"^{CASES} this is a flow failure: without shaking the surface slides ([\d., and]+) m within 20 s", _by_weight),
 )  # fmt: skip

@@ -85,7 +85,8 @@ def _curves(results: Results) -> Sheet | None:
             largest_displacement = results.config.dem.ductility * counterpart.yielding_m
             widest = max(widest, largest_displacement)
             label = (
-                f"{results.config.dem.ductility:g} times the yield displacement of the FEM (dashed): end of the test"
+                f"{results.config.dem.ductility:g} times the yield displacement of the FEM (dashed): largest "
+                "displacement for the critical Kh"
             )
             handles.append(
                 axes.axvline(largest_displacement, color=CRITICAL, linestyle=DASHED, linewidth=0.9, label=label)
@@ -168,8 +169,8 @@ def _surfaces(results: Results) -> Sheet | None:
     title = "slip surfaces"
     if surfaces is not None and surfaces.mean_distance_m is not None and surfaces.same_stratum_share is not None:
         title += (
-            f", discs and FEM {surfaces.mean_distance_m:.1f} m apart on average, in the same layer along "
-            f"{100 * surfaces.same_stratum_share:.0f} % of the length"
+            f", discs and FEM {surfaces.mean_distance_m:.1f} m apart vertically on average, in the same layer along "
+            f"{100 * surfaces.same_stratum_share:.0f} % of their common extent"
         )
     return section_sheet(results.config.section, title, lines)
 

@@ -37,8 +37,9 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     )
     yield (
         "Shaking",
-        "Shaking is represented by a constant horizontal force, Kh times g times the seismic density, with the same "
-        "Kh everywhere. Waves, amplification and the frequency of shaking are neglected. "
+        "In the critical Kh and the factors of safety shaking is a constant horizontal force, Kh times g times the "
+        "seismic density, with the same Kh everywhere. These analyses neglect waves, amplification and the frequency "
+        "of shaking. "
         + (
             f"Kv = {config.fem.vertical:g} acts together with Kh. "
             if config.fem.vertical
@@ -71,16 +72,16 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     if config.section.liquefies:
         yield (
             "Liquefaction",
-            f"{_source_of_liquefaction(config)} The layers that liquefy lose strength {_onset(config)} under "
-            f"{_driven(config)}. {_of_the_paper(config)}{LIQUEFIED}",
+            f"{_source_of_liquefaction(config)} The layers that liquefy lose strength {_onset(config)}. The ground "
+            f"slides under {_driven(config)}. {_of_the_paper(config)}{LIQUEFIED}",
         )
         yield (
             "Discs",
-            "Some thousand discs in a plane represent the ground. "
+            "Discs in a plane, far larger than the grains of the soil, represent the ground. "
             + (
                 "The contacts between discs are chosen so that element tests of the discs give the stiffness and "
                 "strength of the soil; one factor on all strengths makes the critical Kh of the discs equal to that of "
-                f"the finite elements. {DISCS}"
+                f"the finite elements with the boundary conditions of the disc box. {DISCS}"
                 if config.dem.model == "soil"
                 else "The springs of the discs are calibrated only to the critical Kh of the finite elements, not to "
                 "the stiffness after failure or the dilation of the soil."
@@ -99,9 +100,19 @@ def _source_of_liquefaction(config: Config) -> str:
 
 
 def _onset(config: Config) -> str:
-    """Return a sentence on the duration of the onset of liquefaction."""
-    seconds = config.slide.onset_of(config.dem.model)
-    return f"over {seconds:g} s" if seconds > 0.0 else "at once"
+    """Return the duration of the onset of liquefaction, and its time relative to the shaking."""
+    slide = config.slide
+    seconds, at = slide.onset_of(config.dem.model), slide.liquefies_at
+    how = f"over {seconds:g} s" if seconds > 0.0 else "at once"
+    if slide.accelerogram:
+        return f"{how}, from {at:g} s of the record" if at != "F_L" else f"{how}, during the record"
+    if slide.kh == 0.0:
+        return how
+    if slide.kh_cycles is None:
+        return f"{how}, after the constant Kh has begun to act"
+    if at == "F_L":
+        return f"{how}, before the first cycle or, where blow counts give F_L, during the cycles"
+    return f"{how}, from {at:g} s after the cycles begin"
 
 
 def _water(section: Section) -> str:

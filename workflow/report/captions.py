@@ -53,7 +53,7 @@ CAPTIONS = (
         "both",
         "Kh against displacement of the continuum and of the discs. Bands: brackets of the critical Kh of discs and of "
         "paths. The critical Kh of soil discs, which harden and have no plateau, is the largest moving average of Kh "
-        "up to the displacement at the vertical line; the average is over a fifth of this displacement.",
+        "up to the displacement at the vertical line; each average spans a fifth of the displacement at this line.",
         True,
     ),
     Caption(

@@ -150,9 +150,10 @@ def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
         more = max(min(max(math.ceil(far.past_m / LENGTH_STEP), 1) * LENGTH_STEP, far.beyond_m) for _, far in pairs)
         ways = listed([f"the {circle.towards}" for circle, _ in pairs])
         values = listed([f"{coefficient(far.bishop)} instead of {coefficient(circle.bishop)}" for circle, far in pairs])
-        which, has = ("circles", "end") if len(pairs) > 1 else ("circle", "ends")
+        which = "circles towards" if len(pairs) > 1 else "circle towards"
+        are = "are" if len(pairs) > 1 else "is"
         yield (
-            f"the critical slip {which} towards {ways} {has} at the {side} side of the section; in a section that is "
+            f"the critical slip {which} {ways} {are} cut off by the {side} side of the section; in a section that is "
             f"lengthened beyond its sides the critical Kh is {values}: extend the section by {more:g} m at this side, "
             f'or set beyond = "{more:g} m"'
         )

@@ -18,8 +18,8 @@ WHEN = (
 DAVIS_RATIO = 0.85
 # Which critical Kh sliding blocks resist with, and why.
 BLOCKS: Mapping[Flow, str] = {
-    "associated": "The yield coefficient is the critical Kh with ψ = φ, as in limit equilibrium, by which "
-    "sliding blocks and their relations were verified.",
+    "associated": "The yield coefficient is the critical Kh with ψ = φ, as in limit equilibrium, on which the "
+    "published regressions of sliding blocks are based.",
     "davis": "The yield coefficient is the critical Kh by Davis's estimate, as set in the section: with ψ = φ the "
     "blocks would slide less.",
     "non-associated": "The yield coefficient is the critical Kh with the given ψ, as set in the section: with ψ = φ "

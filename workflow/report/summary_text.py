@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
-from dem.slides.slide import stopped_at
+from dem.slides.slide import WEIGHT_ALONE_TIME, stopped_at
 from meshes.section.cutting import shown_name
 from meshes.section.stratum import cases_of
 from workflow.config import Config
@@ -204,11 +204,17 @@ def _by_end(cases: dict[int, CaseAnswer]) -> Iterator[str]:
             )
     stopped = [number for number, case in cases.items() if case.stopped_by is not None]
     if stopped:
-        yield "The disc model ends at the side of the section: in a longer section the slide would be longer."
+        yield (
+            f"In a longer section the slide of {of_cases(stopped)} would be longer, because the disc model ends at the "
+            "side of the section."
+        )
     flowing = {number: case.slide_by_weight_m for number, case in cases.items() if case.flows}
     if flowing:
         far = slides_in_words([slide for slide in flowing.values() if slide is not None])
-        yield f"In {of_cases(list(flowing))} this is a flow failure: without shaking the surface slides {far} in 20 s."
+        yield (
+            f"In {of_cases(list(flowing))} this is a flow failure: without shaking the surface slides {far} within "
+            f"{WEIGHT_ALONE_TIME:g} s."
+        )
 
 
 def lies_still(case: CaseNumbers) -> bool:

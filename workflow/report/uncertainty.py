@@ -159,6 +159,7 @@ def _discs(dem: DiscsAnswer, several: bool) -> Iterator[tuple[str, str]]:
             )
         yield (
             "Slip surface",
-            f"The slip surfaces of the discs and of the continuum lie {surfaces.mean_distance_m:.1f} m apart on "
-            f"average, and in the same layer along {100 * surfaces.same_stratum_share:.0f} % of their length." + deeper,
+            "Where both exist, the slip surfaces of the discs and of the continuum lie "
+            f"{surfaces.mean_distance_m:.1f} m apart vertically on average; along "
+            f"{100 * surfaces.same_stratum_share:.0f} % of this extent they lie in the same layer." + deeper,
         )

@@ -184,7 +184,10 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
     longer = "a larger value of beyond" if section.beyond else 'beyond = "50 m"'
     remedy, at = f"move the sides away by {longer}", listed(fem.at_sides)
     if at and fem.settings.sides == "free-field":  # farther away it decides as much: level ground slides out there, too
-        remedy = f'take fem.sides = "smooth" if the ground continues beyond the {at} side, where it slides out'
+        remedy = (
+            f'take fem.sides = "smooth" if ground continues beyond the {at} side, through which the failing ground '
+            "slides out"
+        )
     change = next((variant for variant in variants if variant.name == "sides"), None)
     other = change.of(fem.kc) if change is not None else None
     if change is None or other is None or not fem.kc > 0.0:
@@ -210,8 +213,8 @@ def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
     apart, lines = surfaces.mean_distance_m, (surfaces.dem, surfaces.fem)
     if apart is not None and apart > SURFACE_DISTANCE * height:
         yield (
-            f"the slip surfaces of discs and finite elements lie {apart:.0f} m apart on average: take smaller discs "
-            "(dem.elements)"
+            f"the slip surfaces of discs and finite elements lie {apart:.0f} m apart vertically on average: take "
+            "smaller discs (dem.elements)"
         )
     elif apart is None and all(lines):
         discs, fem = ([point[0] for point in line] for line in lines)

@@ -125,12 +125,16 @@ def test_what_slid_far_and_ends_at_a_side_was_stopped_by_it(
 def test_a_flow_failure_is_judged_by_what_weight_alone_does(
     by_weight: float, message: bool, start: DiscModel, ground: Ground, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """9.9 m without shaking is one for a bank 8 m high, though it slid 47 m, five times as far, with Kh."""
+    """9.9 m without shaking is one for a bank 8 m high, though it slid 47 m, five times as far, with Kh.
+
+    The slide without shaking counts where it ends, as with shaking: a side pushed the river bank back by 4 m.
+    """
     slider = Slider(start, ground, [1], Case(stiffness=0.1), SlideSettings())
     height = np.linspace(8.0, 0.0, len(slider.surface.z))
     slider.surface = replace(slider.surface, z=height)
     slider.slide.rows = [SimpleNamespace(slide_max_m=47.0, time_s=60.0)]
-    alone = SimpleNamespace(rows=[SimpleNamespace(slide_max_m=by_weight, time_s=20.0)])
+    largest = SimpleNamespace(slide_max_m=by_weight + 4.0, time_s=15.0)
+    alone = SimpleNamespace(rows=[largest, SimpleNamespace(slide_max_m=by_weight, time_s=20.0)])
     monkeypatch.setattr(Slider, "run", lambda _: alone)
     assert [("flow failure" in note) for note in slider._flow()] == [True] * message
     assert (slider.slide.flows, slider.slide.slide_by_weight_m) == (message, by_weight)

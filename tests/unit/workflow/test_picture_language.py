@@ -25,7 +25,8 @@ from workflow.texts.picture_texts import language_of, translated
         "layers keep their stiffness and a residual strength of their own.",
         "case 2, low strength, calibrated discs: largest slide 38 m",
         "rigid block on the slip surface, $k_{\\mathrm{h}}$ = 0.1",
-        "slip surfaces, discs and FEM 1.4 m apart on average, in the\nsame layer along 49 % of the length",
+        "slip surfaces, discs and FEM 1.4 m apart vertically on average, in the\nsame layer along 49 % of their common "
+        "extent",
     ],
 )
 def test_a_text_of_a_picture_has_its_japanese_with_the_same_numbers(text: str) -> None:

@@ -6,7 +6,9 @@ from workflow.config import Config
 from workflow.results.continuum import VariantsAnswer
 from workflow.texts.report_texts import Texts
 
-REMEDY = 'Take fem.sides = "smooth" if the ground continues beyond the right side, where it slides out.'
+REMEDY = (
+    'Take fem.sides = "smooth" if ground continues beyond the right side, through which the failing ground slides out.'
+)
 
 
 def warned_of_sides(kc_fixed: float | None) -> list[str]:

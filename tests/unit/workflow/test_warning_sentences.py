@@ -88,8 +88,8 @@ def test_discs_that_fail_elsewhere_than_the_continuum_are_told(run: Config) -> N
         return warned(results(run, dem=discs.model_copy(update={"slip_surface": surfaces})))
 
     height = float(run.section.outline()[:, 1].max() - run.section.outline()[:, 1].min())
-    assert any("m apart on average" in warning for warning in message(mean_distance_m=0.3 * height))
-    assert not any("m apart on average" in warning for warning in message(mean_distance_m=0.2 * height))
+    assert any("m apart vertically on average" in warning for warning in message(mean_distance_m=0.3 * height))
+    assert not any("m apart vertically on average" in warning for warning in message(mean_distance_m=0.2 * height))
     messages = message(mean_distance_m=None, dem=((0.0, 1.0), (9.0, 1.0)), fem=((20.0, 1.0), (31.0, 1.0)))
     assert any("from x = 0 to 9 m, the finite elements from 20 to 31 m" in warning for warning in messages)
     assert not any("Discs fail from" in warning for warning in message(mean_distance_m=None, fem=()))
