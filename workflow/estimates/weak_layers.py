@@ -54,7 +54,7 @@ def thin_weak_layers(section: Section) -> tuple[str, ...]:
             middle = float(column[inside[0]]) - 0.5 * thick
             weak = next(k for k in inside if column[k + 1] <= middle)
             neighbours = [present[first - 1], *present[last + 1 : last + 2]]
-            strength, *others = (_strength(section, at, middle, weak, k) for k in (weak, *neighbours))
+            strength, *others = (strength_as(section, at, middle, weak, k) for k in (weak, *neighbours))
             if strength < WEAK_STRENGTH * min(others):
                 lengths[soils[weak]] = lengths.get(soils[weak], 0.0) + width
     return tuple(soil for soil in dict.fromkeys(soils) if lengths.get(soil, 0.0) > relief > 0.0)
@@ -72,7 +72,7 @@ def _mantle_slips(section: Section, x: float, mantle: list[int], below: list[int
     if ground * bottom <= 0.0 or min(abs(ground), abs(bottom)) <= MANTLE_SLOPE:
         return False
     at_bottom = float(layers.interfaces(np.array([x]))[0, mantle[-1] + 1])
-    weak, firm = (_strength(section, x, at_bottom, mantle[-1], soil) for soil in (mantle[-1], below[0]))
+    weak, firm = (strength_as(section, x, at_bottom, mantle[-1], soil) for soil in (mantle[-1], below[0]))
     return weak < WEAK_STRENGTH * firm
 
 
@@ -82,11 +82,11 @@ def _runs(names: list[str]) -> list[tuple[int, int]]:
     return [(start, end - 1) for start, end in zip(starts, [*starts[1:], len(names)], strict=True)]
 
 
-def _strength(section: Section, x: float, z: float, weak: int, soil: int) -> float:
-    """Return the shear strength (Pa) on a level plane at x, z (m) in stratum ``own``, if this stratum had the strength
+def strength_as(section: Section, x: float, z: float, stratum: int, soil: int) -> float:
+    """Return the shear strength (Pa) on a level plane at x, z (m) in ``stratum``, if this stratum had the strength
     of ``soil``.
     """
     point, field = np.array([[x, z]]), section.cohesion_field
-    stress = float(field.effective_stress(point, point, np.array([weak]))[0])
+    stress = float(field.effective_stress(point, point, np.array([stratum]))[0])
     cohesion = float(field.at(point, point, np.array([soil]))[0])
     return cohesion + stress * float(np.tan(section.strata[soil].friction_angle))

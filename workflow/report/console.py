@@ -24,7 +24,7 @@ from workflow.report.flow_rule import (
 from workflow.report.numbers import coefficient, range_of, range_sentence, rough_coefficient, span
 from workflow.report.residual import residual_sentences
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
-from workflow.report.slices import slices_sentences
+from workflow.report.slices import contradicted_circles, slices_sentences
 from workflow.report.structures import structure_sentences
 from workflow.report.summary_text import lies_still, moved_lately
 from workflow.report.tables import case_heads, case_rows
@@ -292,8 +292,9 @@ def _slides(config: Config, store: Store) -> Iterator[str]:
         yield from agreeing(opinions)
 
 
-def _slices(config: Config, answer: SlicesAnswer) -> Iterator[str]:
+def _slices(config: Config, answer: SlicesAnswer, results: Results | None) -> Iterator[str]:
     yield from slices_sentences(answer)
+    yield from contradicted_circles(results) if results is not None else ()
     if config.tension_crack.words:
         yield config.tension_crack.words
     yield from structure_sentences(config, answer)
@@ -313,7 +314,7 @@ def sentences(
         "mesh": lambda: mesh_sentences(config, store),
         "fem": lambda: fem_sentences(FemAnswer.read(store), config.section, every, results),
         "bounds": lambda: bounds_sentences(BoundsAnswer.read(store)),
-        "slices": lambda: _slices(config, SlicesAnswer.read(store)),
+        "slices": lambda: _slices(config, SlicesAnswer.read(store), results),
         "faces": lambda: faces_sentences(FacesAnswer.read(store), results),
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),
         "mpm": lambda: mpm_sentences(config, PointSlidesAnswer.read(store)),

@@ -9,8 +9,9 @@ import numpy as np
 from meshes.section.cutting import shown_name
 from workflow.config import Config
 from workflow.estimates.slip_circles import least_balance
-from workflow.report.circles import of_longer_sections
+from workflow.report.circles import against_elements, of_circles, of_longer_sections
 from workflow.results.continuum import FactorOfSafety
+from workflow.results.results import Results
 from workflow.results.slices import CirclePart, SlicesAnswer
 
 
@@ -27,12 +28,28 @@ def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
     for text in of_longer_sections(answer.critical):
         observation, _, remedy = text.partition(": ")
         yield f"Warning: {observation[0].upper()}{observation[1:]}. To do: {remedy}."
-    if answer.weak_layers and (answer.critical or any(factors.circles for factors in answer.factors)):
+    if not answer.critical and not any(factors.circles for factors in answer.factors):
+        return
+    if answer.weak_layers:
         layers = " and ".join(map(shown_name, answer.weak_layers))
         yield (
             f"Warning: Slip circles cut across {layers}, thin and weaker than the ground beside it, and cannot follow "
             "it. The slope may have a much smaller factor of safety. To do: rely on finite elements and bounds."
         )
+    if answer.strong_blocks:
+        blocks = " and ".join(map(shown_name, answer.strong_blocks))
+        yield (
+            f"Warning: Slip circles cannot follow the outline of {blocks}, much stronger than the ground below it, "
+            "which may slide or tip as a block at a much smaller factor of safety. To do: rely on finite elements and "
+            "bounds."
+        )
+
+
+def contradicted_circles(results: Results) -> Iterator[str]:
+    """Warn of slip circles that strict bounds or finite elements of the same section contradict."""
+    for text in (*of_circles(results), *against_elements(results)):
+        observation, _, remedy = text.partition(": ")
+        yield f"Warning: {observation[0].upper()}{observation[1:]}. To do: {remedy}."
 
 
 def _circle_list(circles: Sequence[CirclePart], digits: int) -> str:

@@ -85,6 +85,9 @@ class SlicesAnswer(Answer):
     least_depth: float = Field(description="depth (m) below which circles count; shallower ones are left out")
     reason: str = Field(description="reason why there is no circle; empty if there is one")
     weak_layers: tuple[str, ...] = Field(default=(), description="thin, weak layers that circles cannot follow")
+    strong_blocks: tuple[str, ...] = Field(
+        default=(), description="soils of steep faces much stronger than the ground below, which may slide as a block"
+    )
     source: str
 
     @property

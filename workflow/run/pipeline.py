@@ -42,8 +42,8 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
     closed at the end.
 
     ``job``: stages, config and folder; ``listener``: notified of stages and progress. Raises InputError if something
-    cannot be used or written. If a stage has no answer, the stages that need it do not run; all other stages run, and
-    then the error of this stage is raised.
+    cannot be used or written. If a chosen stage has no answer, the stages that need it do not run; all other stages
+    run, and then the error of this stage is raised. Other stages that have no answer in the folder are no error.
     """
     with locked(job.store.folder):
         job.store.sweep()
@@ -60,8 +60,9 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
             raise
         keep_mesh_options(job.store, job.mesh_options)
         log.done()
-        if failures:
-            raise next(failures[decision.stage.name] for decision in decisions if decision.stage.name in failures)
+        for decision in decisions:
+            if decision.stage.name in choice.chosen and decision.stage.name in failures:
+                raise failures[decision.stage.name]
 
 
 @dataclass

@@ -27,6 +27,7 @@ def work(job: Job) -> None:
     """Find the critical circles; writes fem/slices.json and figures/slip_circles.png."""
     from workflow.estimates.deeper_circles import ground_of_circles
     from workflow.estimates.slices import LEFT, RIGHT
+    from workflow.estimates.strong_blocks import strong_blocks
     from workflow.estimates.weak_layers import thin_weak_layers
 
     section, fem, crack = job.config.section, job.config.fem, job.config.tension_crack
@@ -50,6 +51,7 @@ def work(job: Job) -> None:
         least_depth=fem.least_depth,
         reason=reason,
         weak_layers=thin_weak_layers(section),
+        strong_blocks=strong_blocks(section),
         source=SOURCE,
     ).write(job.store)
     if not reason:

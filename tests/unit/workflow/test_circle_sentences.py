@@ -7,7 +7,7 @@ from tests.support.answers import bounds, results
 from tests.support.sections import analysed, layer, slope
 from workflow.config import Config
 from workflow.report.circles import against_elements, of_circles, of_longer_sections
-from workflow.report.slices import slices_sentences
+from workflow.report.slices import contradicted_circles, slices_sentences
 from workflow.results.bounds import DirectionPart, SafetyPart
 from workflow.results.continuum import FactorOfSafety, FemAnswer, StoredState
 from workflow.results.slices import CirclePart, FactorCircles, LongerCircle, SlicesAnswer
@@ -23,7 +23,7 @@ def test_a_negative_critical_kh_is_told_to_be_a_failure_without_shaking(kh: floa
     circle = CirclePart.model_construct(
         surface_m=((28.0, 30.0), (72.0, 12.0)), towards="right", bishop=kh, spencer=kh, strengthened=False
     )
-    answer = SlicesAnswer.model_construct(factors=(), critical=(circle,), reason="", weak_layers=())
+    answer = SlicesAnswer.model_construct(factors=(), critical=(circle,), reason="", weak_layers=(), strong_blocks=())
     (sentence,) = slices_sentences(answer)
     assert f"{kh:.3f} by Bishop's method" in sentence
     assert sentence.endswith("the ground fails without shaking.") == fails
@@ -49,6 +49,9 @@ def test_slip_circles_above_a_strict_upper_bound_are_told(run: Config) -> None:
         "slip circles have a factor of safety of 2.10 at Kh = 0, above the strict upper bound of 1.72"
     )
     assert second.startswith("slip circles have a critical Kh of 0.400, above the strict upper bound of 0.260")
+    console = list(contradicted_circles(results(both, slices=circles(2.1, 0.4), bounds=strict)))
+    assert console[1].startswith("Warning: Slip circles have a critical Kh of 0.400, above the strict upper bound")
+    assert ". To do: rely on finite elements and bounds" in console[1]
     assert list(of_circles(results(both, slices=circles(1.75, 0.27), bounds=strict))) == []
     assert list(of_circles(results(both, bounds=strict))) == []
 

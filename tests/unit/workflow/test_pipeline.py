@@ -161,6 +161,18 @@ def test_no_answer_ends_what_hangs_on_it_but_not_the_report(toys: Toys, tmp_path
     assert list(entry.files) == ["fem.txt"]
 
 
+def test_a_stage_with_an_answer_does_not_fail_for_another_that_had_none(toys: Toys, tmp_path: Path) -> None:
+    def work(job: Job) -> None:
+        raise NoAnswerError("it fails under its own weight")
+
+    toys.change("fem", work=work)
+    with pytest.raises(NoAnswerError):
+        toys.go(tmp_path, toys.choose(only=("mesh", "fem")))
+    assert toys.go(tmp_path, Choice.up_to(tuple(toys.values()), "mesh", force=True)).ran == ["mesh"]
+    with pytest.raises(NoAnswerError):
+        toys.go(tmp_path, Choice.up_to(tuple(toys.values()), "slide"))
+
+
 def test_without_an_answer_older_files_are_not_taken_for_it(toys: Toys, tmp_path: Path) -> None:
     toys.go(tmp_path)
     os.utime(tmp_path / "fem.txt", (1e9, 1e9))

@@ -4,6 +4,7 @@ import pytest
 
 from meshes.section.section import Section
 from tests.support.water import soil
+from workflow.estimates.strong_blocks import strong_blocks
 from workflow.estimates.weak_layers import thin_weak_layers
 from workflow.report.slices import slices_sentences
 from workflow.results.answer import SectionLabel
@@ -78,6 +79,43 @@ def test_a_mantle_that_slips_along_the_rock_is_found_where_the_base_is_bare_else
     assert thin_weak_layers(section) == weak
 
 
+def quay(cohesion: str, mound: str, step: float = 0.0) -> Section:
+    """A block 10 m high and 8 m wide on a mound over sand, with water on both sides; its face has a ``step``."""
+    face = [[40, 0], [40, -5], [40 + step, -5], [40 + step, -10]]
+    return Section.parse(
+        {
+            "name": "quay",
+            "surface": [[0, 0], *(face if step else [face[0], face[-1]]), [90, -10]],
+            "base": {"elevation": -25},
+            "water": {"table": -3.0},
+            "strata": [
+                soil("Sand", cohesion="1 kPa", bottom={"elevation": -10}),
+                soil("Mound", cohesion=mound, friction_angle="38 deg"),
+            ],
+            "zones": [
+                {
+                    **soil("Caisson", cohesion=cohesion, friction_angle="35 deg"),
+                    "points": [[32, 0], [32, -10], [40 + step, -10], [40 + step, -5], [40, -5], [40, 0]],
+                }
+            ],
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    ("section", "blocks"),
+    [
+        (quay("500 kPa", "5 kPa"), ("Caisson",)),
+        (quay("500 kPa", "5 kPa", step=1.0), ("Caisson",)),
+        (quay("20 kPa", "5 kPa"), ()),  # no stronger than a soil
+        (quay("500 kPa", "800 kPa"), ()),  # it stands on rock
+    ],
+)
+def test_a_block_at_a_steep_face_on_weaker_ground_is_found(section: Section, blocks: tuple[str, ...]) -> None:
+    """A quay had a critical Kh of 0.140 by circles and 0.066 to 0.068 by bounds, without a warning."""
+    assert strong_blocks(section) == blocks
+
+
 def test_circles_that_cross_it_are_told_to_be_no_answer() -> None:
     section = bank(0.4, 12.0)
     circle = CirclePart.model_construct(
@@ -89,3 +127,16 @@ def test_circles_that_cross_it_are_told_to_be_no_answer() -> None:
     )  # fmt: skip
     [_, warning] = slices_sentences(answer)
     assert warning.startswith('Warning: Slip circles cut across "Seam", thin and weaker than the ground beside it')
+
+
+def test_circles_around_a_block_are_told_to_be_no_answer() -> None:
+    section = quay("500 kPa", "5 kPa")
+    circle = CirclePart.model_construct(
+        surface_m=((20.0, 0.0), (60.0, -10.0)), towards="right", bishop=1.35, spencer=1.35
+    )
+    answer = SlicesAnswer.model_construct(
+        section=SectionLabel.of(section), factors=(FactorCircles.model_construct(kh=0.0, circles=(circle,)),),
+        critical=(), faces=(), least_depth=0.5, reason="", strong_blocks=strong_blocks(section), source="",
+    )  # fmt: skip
+    [_, warning] = slices_sentences(answer)
+    assert warning.startswith('Warning: Slip circles cannot follow the outline of "Caisson", much stronger than')
