@@ -78,7 +78,8 @@ def _mean(
     """Return the mean of values (n,) of discs over their liquefied neighbours, weighted by the kernel and the areas of
     the neighbours.
 
-    over_pairs: sum over the pairs of every disc; i, j (pairs,): discs of each pair; width (pairs,): W, 0 but for two
+    over_pairs: function that adds up two values of every pair, for its disc i and its disc j, to a sum for every disc;
+    i, j (pairs,): discs of each pair; width (pairs,): W, 0 but for two
     liquefied discs (1/m2); area (n,): areas of liquefied discs, 0 for others (m2); at_zero: W at no distance (1/m2).
     """
     weight = at_zero * area + over_pairs(width * area[j], width * area[i])

@@ -18,9 +18,9 @@ class Blocks:
 
     Attributes
     ----------
-    x : (blocks + 1,) the borders between blocks (m)
-    left, right : (blocks, bands + 1) elevation (m) of the borders between bands at both ends of every block
-    stratum : (blocks, bands) index of the stratum
+    x (blocks + 1,) : the borders between blocks (m)
+    left, right (blocks, bands + 1) : elevation (m) of the borders between bands at both ends of every block
+    stratum (blocks, bands) : index of the stratum
     """
 
     x: np.ndarray

@@ -18,9 +18,9 @@ class QuadMesh:
 
     Attributes
     ----------
-    points : (n, 2) x and elevation (m)
-    cells : (m, 4) corners of every cell, counter-clockwise
-    stratum : (m,) index into ``strata``
+    points (n, 2) : x and elevation (m)
+    cells (m, 4) : corners of every cell, counter-clockwise
+    stratum (m,) : index into ``strata``
     strata : names of the strata from the top down
     boundaries : edges (k, 2) by the name of their boundary
     method : "mapped", "free", or "given" for a mesh made elsewhere

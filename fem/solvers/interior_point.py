@@ -62,7 +62,8 @@ class Corners:
 
     Attributes
     ----------
-    sine (k,) : sin φ at each corner; 1 for clay (φ = 0)
+    sine (k,) : slope of the cone of strain rates at each corner: sin φ, plus a margin; 1 for clay (φ = 0), whose
+        volume is constant by an equation of its own
     clay (k,) : running number of each corner of clay; -1 for other corners
     single (k,) : running number of each corner with a tension cut-off whose plastic opening has one unknown, -1 for
         other corners

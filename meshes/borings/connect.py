@@ -38,7 +38,7 @@ class ConnectedBorings:
     names : names of the strata, from the top down
     x : x of the borings and of the middles between them (m)
     ground : elevations of the ground at ``x`` (m)
-    bottoms : (strata, x) elevations of their bottoms; where a stratum is not, that of the one above
+    bottoms (strata, x) : elevations of their bottoms; where a stratum is not, that of the one above
     soundings : borings without layers, from left to right
     notices : notices on how layers were connected, one sentence each
     """

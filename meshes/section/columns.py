@@ -23,7 +23,7 @@ class Columns:
 
     Attributes
     ----------
-    x : (columns + 1,) the breakpoints (m)
+    x (columns + 1,) : the breakpoints (m)
     pieces : pieces of layers in every column, from the top down
     stack : strata to which the pieces belong
     tally : overlaps and gaps of the outlines

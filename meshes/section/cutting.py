@@ -111,9 +111,9 @@ class DividedStratum:
 
     Attributes
     ----------
-    x : (intervals + 1,) the breakpoints (m)
-    level : (intervals, 2) elevation (m) of the water at both ends of each interval, kept within the stratum
-    thickness : (2, intervals, 2) thickness (m) of what is above and what is below it
+    x (intervals + 1,) : the breakpoints (m)
+    level (intervals, 2) : elevation (m) of the water at both ends of each interval, kept within the stratum
+    thickness (2, intervals, 2) : thickness (m) of what is above and what is below it
     """
 
     x: np.ndarray

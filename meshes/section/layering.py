@@ -27,8 +27,8 @@ class Layering:
 
     Attributes
     ----------
-    x : (intervals + 1,) the breakpoints (m)
-    left, right : (intervals, interfaces) elevation (m) of every interface at the two ends of each interval
+    x (intervals + 1,) : the breakpoints (m)
+    left, right (intervals, interfaces) : elevation (m) of every interface at the two ends of each interval
     strata : number of strata
     tolerance : distance (m) below which two points are one
     """

@@ -20,7 +20,7 @@ class PublishedCriterion:
     Attributes
     ----------
     factor : least factor of safety
-    share : Kh over the peak acceleration of the ground over gravity
+    share : Kh over the peak acceleration of the ground, both as multiples of g
     displacement : largest displacement (m) of ground with this factor
     source : the publication, and its range of validity
     """

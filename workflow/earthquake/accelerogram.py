@@ -29,8 +29,8 @@ class Accelerogram:
     Attributes
     ----------
     name, kind : name of the file, and name of its format
-    time : (n,) in s, rising or with steps
-    acceleration : (n,) in m/s²
+    time (n,) : times (s), rising or with steps
+    acceleration (n,) : acceleration at these times (m/s²)
     remarks : corrections and warnings, one sentence without its full stop each
     """
 

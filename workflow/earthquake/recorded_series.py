@@ -21,8 +21,8 @@ class RecordedSeries:
     ----------
     format : format of the file, such as "K-NET"
     component : name of the component in the file; empty without a name
-    time : (n,) in s
-    values : (n,) in ``unit``
+    time (n,) : times (s)
+    values (n,) : recorded values at these times, in ``unit``
     unit : unit in the heading; empty without one
     quantity : quantity in the heading, such as "VELOCITY"; empty if the heading names none
     peak : largest value without regard to sign that the heading states; None if it states none

@@ -53,11 +53,11 @@ class Response:
 
     Attributes
     ----------
-    depth : (n + 1,) of the tops of the layers, and of the half-space
-    acceleration : (n + 1,) largest acceleration there, either way
-    strain : (n,) largest shear strain in the middle of each layer
-    stress : (n,) largest shear stress at the bottom of each layer
-    average : (n, t) average acceleration of the soil above the bottom of each layer, in time
+    depth (n + 1,) : depth of the tops of the layers, and of the half-space (m)
+    acceleration (n + 1,) : largest acceleration at these depths, either way (m/s²)
+    strain (n,) : largest shear strain in the middle of each layer (-)
+    stress (n,) : largest shear stress at the bottom of each layer (Pa)
+    average (n, t) : average acceleration of the soil above the bottom of each layer, in time (m/s²)
     layers : the layers with their final stiffness and damping
     rounds : number of iterations
     change : largest relative change of a stiffness or a damping by one more iteration

@@ -38,7 +38,7 @@ class SlipCircle:
     towards : the side of the section to which it slides, "left" or "right"
     centre : (x, z) of its centre (m)
     radius : radius (m)
-    surface : (n, 2) points of the slip surface from left to right (m), including the tension crack
+    surface (n, 2) : points of the slip surface from left to right (m), including the tension crack
     kh : seismic coefficient to which ``bishop`` and ``spencer`` belong if they are factors of safety; None if they are
         critical Kh
     bishop : factor of safety, or critical Kh, by Bishop's simplified method

@@ -27,8 +27,8 @@ class SecondOpinion:
     Attributes
     ----------
     discs, points : largest slides by discs and by material points
-    discs_span, points_span : intervals of both slides, over packings (discs) or damping of transfers
-        (material points), with the error on known slides if there are comparable ones
+    discs_span, points_span : intervals of both slides: over packings (discs), or by numerical error (material points),
+        with the error on known slides if there are comparable ones
     agreed : whether the two slides differ by less than the larger interval, or are nearly equal, or neither comes to
         rest, or one is a lower limit that the other one exceeds
     flows : whether the ground flows by its weight alone

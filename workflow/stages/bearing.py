@@ -35,7 +35,7 @@ WITHOUT_EFFECT = (
 Result = TypeVar("Result")
 
 
-def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool = False) -> Bearing:
+def bearing_of(section: Section, config: Config, mesh: "QuadMesh", no_strength: bool = False) -> Bearing:
     """Compute factor of safety and critical Kh of a section whose strength differs from the strength in the input.
 
     Parameters
@@ -43,7 +43,7 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
     section : section whose strata have their strength after liquefaction or after large strains
     config : config of the run; the flow rule follows from its section
     mesh : initial mesh of the section
-    nothing : whether layers have no strength at all, so that there is no factor of safety
+    no_strength : whether the layers have no strength at all, so that there is no factor of safety
 
     Returns
     -------
@@ -58,10 +58,10 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
     weight = _weight_borne(section, mesh, fem)
     critical = _critical(section, config, mesh, fem, notes) if weight >= 1.0 else None
     kc = critical.kc if critical is not None and critical.verdict in ("plateau", "peak") and critical.kc > 0.0 else None
-    factor, strict = (None, None) if nothing else _factors(section, mesh, fem, bounds_settings, notes)
+    factor, strict = (None, None) if no_strength else _factors(section, mesh, fem, bounds_settings, notes)
     lower = strict.lower if strict is not None and strict.lower > 0.0 else None
     upper = strict.upper if strict is not None and math.isfinite(strict.upper) else None
-    notes += _on_factors(nothing, weight, strict)
+    notes += _on_factors(no_strength, weight, strict)
     bracket, unstable = (
         None,
         "",
@@ -88,12 +88,12 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", nothing: bool
     )
 
 
-def _on_factors(nothing: bool, weight: float, strict: "SafetyBounds | None") -> Iterator[str]:
+def _on_factors(no_strength: bool, weight: float, strict: "SafetyBounds | None") -> Iterator[str]:
     """Yield notes on missing factors of safety, and on ground that supports only a multiple of its ``weight``."""
-    if nothing:
+    if no_strength:
         yield "the layers have no residual strength, so that there is no factor of safety; see slide.cases, residual"
     if weight < 1.0 and not (strict is not None and strict.upper < 1.0):  # else the factor of safety says so
-        most = f", {100.0 * weight:.0f} % of it at most" if weight >= SUPPORTED_WEIGHT_SHARE else ""
+        most = f", only under {100.0 * weight:.0f} % of it at most" if weight >= SUPPORTED_WEIGHT_SHARE else ""
         yield f"the finite elements find no equilibrium under the weight of the ground{most}"
     if strict is not None and strict.lower <= 0.0 and not math.isfinite(strict.upper):
         yield "strict bounds of the factor of safety: none within the allowed computing work"

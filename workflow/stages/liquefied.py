@@ -81,8 +81,8 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, RemainingStrength
     """Return the stability of the ground in cases of equal residual strengths."""
     section = _liquefied_section(config, remains)
     mean = section.cohesion_field.means()
-    nothing = not any(soil.friction or soil.residual or soil.strength for soil in remains.values())
-    bearing = bearing_of(section, config, mesh, nothing)
+    no_strength = not any(soil.friction or soil.residual or soil.strength for soil in remains.values())
+    bearing = bearing_of(section, config, mesh, no_strength)
     cases = [config.cases[number - 1] for number in numbers]
     return LiquefiedCase.taken(
         bearing,

@@ -36,7 +36,7 @@ def test_sides_that_differ_cannot_be_tied():
     """The layers of the left side are as high as those of the right side put together in another way."""
     ground = section([[0.0, 3.0], [36.0, 0.0]], 6.0, soil("a", bottom={"depth": [[0.0, 2.0], [36.0, 3.0]]}), soil("b"))
     with pytest.raises(
-        InputError, match='sides = "periodic": the left and right sides differ; expected the same layers'
+        InputError, match='sides = "periodic": the left and right sides differ; expected layers of the same thickness'
     ) as caught:
         answer(ground, sides="periodic")
     assert 'use sides = "free-field" or "fixed"' in str(caught.value)
