@@ -8,7 +8,7 @@ import numpy as np
 
 from dem.chunked_map import Ranges, pairs_near, serial
 from dem.kernels import liquefied_pairs as bond
-from dem.kernels.liquefied_bonds import FITTED, STRAINED
+from dem.kernels.liquefied_bonds import FITTED_STRENGTH, STRAINING_SHARE
 from dem.kernels.liquefied_lists import densities
 from dem.kernels.liquefied_stress import measured_shear
 from dem.kernels.neighbours import Near, known_pairs
@@ -98,7 +98,7 @@ def match_strength(state: DiscState) -> None:
     Without the adjustment of bonds the strength would be 0.8 to 1.5 times the prescribed strength, depending on the
     arrangement of the discs: the pressure between discs that move past each other contributes shear stress, and bonds
     resist more in simple than in pure shear. Bonds along a straight row of fixed discs are not adjusted: discs slip
-    along such a row at less than the stress between the discs beside it, and `FITTED` is for this case.
+    along such a row at less than the stress between the discs beside it, and `FITTED_STRENGTH` is for this case.
     """
     if not len(state.liquefied):
         return
@@ -154,15 +154,15 @@ def liquefy(model: DiscState, onset: Onset) -> None:
     wet[new, bond.PRESSURE] = onset.pressure[new]
     wet[new, bond.STRENGTH] = onset.strength[new]
     wet[new, bond.STRAIN] = onset.strain[new]
-    wet[new, bond.KNEE] = np.broadcast_to(onset.knee, len(wet))[new]
-    wet[new, bond.SOFT_TO] = np.broadcast_to(onset.soft_to, len(wet))[new]
+    wet[new, bond.KNEE_STRENGTH] = np.broadcast_to(onset.knee, len(wet))[new]
+    wet[new, bond.KNEE_STRAIN] = np.broadcast_to(onset.soft_to, len(wet))[new]
     wet[new, bond.STRATUM] = model.layer[new]
     wet[:, bond.AT_X], wet[:, bond.AT_Z] = model.x, model.z
     for k in np.unique(model.layer[new]):
         new_in_layer = new & (model.layer == k)
         wet[new_in_layer, bond.STIFFNESS] = WATER_STIFFNESS * float(onset.pressure[new_in_layer].mean())
     list_liquefied(model)
-    model.bonds[new[model.liquefied_i] | new[model.liquefied_j], bond.FRESH] = float(onset.peak)
+    model.bonds[new[model.liquefied_i] | new[model.liquefied_j], bond.EXTRA_SHARE_AT] = float(onset.peak)
     density = _densities(model)
     for k in np.unique(model.layer[new]):
         new_in_layer = new & (model.layer == k)
@@ -170,7 +170,7 @@ def liquefy(model: DiscState, onset: Onset) -> None:
         wet[new_in_layer, bond.DENSITY] = np.where(
             density[new_in_layer] < LOOSEST_DENSITY * middle, LOOSE_DENSITY * middle, density[new_in_layer]
         )
-    wet[new, bond.NOW] = density[new]
+    wet[new, bond.PRESENT_DENSITY] = density[new]
     speed = np.sqrt(wet[new, bond.STIFFNESS] * model.mass[new] / wet[new, bond.AREA])  # density times speed of sound
     wet[new, bond.VISCOSITY] = BULK_VISCOSITY * model.reach * speed
 
@@ -186,9 +186,9 @@ def longest_look(model: DiscState) -> tuple[float, int]:
     if not len(which):
         return np.inf, -1
     wet = model.liquefied[which]
-    steepest = (1.0 - wet[:, bond.KNEE]) / (1.0 - wet[:, bond.SOFT_TO])
-    strain = np.where(wet[:, bond.SOFT_TO] > 0.0, STRAINED, 1.0) * wet[:, bond.STRAIN]
-    bonds = 2.4 * np.pi * FITTED * steepest * wet[:, bond.STRENGTH] / strain
+    steepest = (1.0 - wet[:, bond.KNEE_STRENGTH]) / (1.0 - wet[:, bond.KNEE_STRAIN])
+    strain = np.where(wet[:, bond.KNEE_STRAIN] > 0.0, STRAINING_SHARE, 1.0) * wet[:, bond.STRAIN]
+    bonds = 2.4 * np.pi * FITTED_STRENGTH * steepest * wet[:, bond.STRENGTH] / strain
     square = 2.0 * (bonds + 3.0 * wet[:, bond.STIFFNESS]) * wet[:, bond.AREA] / (model.mass[which] * model.reach**2)
     highest = int(np.argmax(square))
     return float(LONGEST_INTERVAL / np.sqrt(square[highest])), int(which[highest])
@@ -214,7 +214,7 @@ def change_areas(model: DiscState, factor: np.ndarray) -> None:
         return
     model.liquefied[:, bond.AREA] *= factor
     liquefying = is_liquefying(model)
-    model.liquefied[liquefying, bond.NOW] = _densities(model)[liquefying]
+    model.liquefied[liquefying, bond.PRESENT_DENSITY] = _densities(model)[liquefying]
 
 
 def is_liquefying(model: DiscState) -> np.ndarray:

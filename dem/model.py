@@ -12,7 +12,7 @@ from dem.acceleration import Acceleration
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.chunked_map import Ranges, pairs_near, serial
 from dem.kernels.arguments import ENERGY_COLUMNS
-from dem.kernels.contact import DEPTH, GAP, KN, KPN, KPS, KS, STOP
+from dem.kernels.contact import ATTRACTION_REACH, KN, KPN, KPS, KS, STOP_OVERLAP, STOP_STIFFNESS
 from dem.kernels.layout import LANES
 from dem.kernels.neighbours import (
     Near,
@@ -133,7 +133,7 @@ class DiscModel(DiscState):
     @property
     def leeway(self) -> float:
         """Return the largest displacement (m) of discs before the neighbour list must be renewed."""
-        return 0.5 * (self.skin - float(self.springs.pairs[GAP].max()))
+        return 0.5 * (self.skin - float(self.springs.pairs[ATTRACTION_REACH].max()))
 
     def refresh_list(self) -> None:
         """Make the neighbour list if there is none, or if discs have moved by more than half its margin."""
@@ -300,8 +300,8 @@ class DiscModel(DiscState):
         distance = self.distance()
         radii = self.radius[self.pair_i] + self.radius[self.pair_j]
         over = radii - distance
-        element = np.where(over > -constants[GAP], constants[KN] * over, 0.0)
-        element += constants[STOP] * np.maximum(over - constants[DEPTH] * radii, 0.0)
+        element = np.where(over > -constants[ATTRACTION_REACH], constants[KN] * over, 0.0)
+        element += constants[STOP_STIFFNESS] * np.maximum(over - constants[STOP_OVERLAP] * radii, 0.0)
         pore = constants[KPN] * (np.abs(self.pore_length) - distance)
         pore = np.where(self.pore_length > 0.0, pore, np.maximum(pore, 0.0))
         return element + pore, self.shear + self.pore_shear

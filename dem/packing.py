@@ -12,7 +12,7 @@ import numpy as np
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.kernels.neighbours import pairs_within
-from dem.kernels.period import ENDLESS, Period
+from dem.kernels.period import NO_PERIOD, Period
 from dem.kernels.pushing_apart import clearance, deepest_in_pairs, spread_out
 from dem.model import DiscModel
 
@@ -132,7 +132,7 @@ def random_packing(
     0.16.
     """
     outline = _checked_outline(outline)
-    x, z, sizes = _grown_discs(outline, outline, ENDLESS, (radius, spread, porosity), seed)
+    x, z, sizes = _grown_discs(outline, outline, NO_PERIOD, (radius, spread, porosity), seed)
     return _with_boundary(x, z, sizes, outline, stratum_at)
 
 
@@ -217,7 +217,7 @@ def _grown_discs(
 def brought_back(x: np.ndarray, z: np.ndarray, left: float, period: Period) -> tuple[np.ndarray, np.ndarray]:
     """Return the images of positions (m) in the period that begins at `left` (m); the positions themselves if the
     period is infinite."""
-    if period.length == ENDLESS.length:
+    if period.length == NO_PERIOD.length:
         return x, z
     times = np.floor((x - left) / period.length)
     return x - times * period.length, z - times * period.rise

@@ -71,11 +71,11 @@ def pair_table(
     pairs[row.KN, :n, n] = pairs[row.KN, n, :n] = stiffness
     left = _share_left([layer.faded for layer in layers])
     _reduce_stiffness(pairs, left)
-    np.divide(_attraction(layers) * left, pairs[row.KN], out=pairs[row.GAP], where=pairs[row.KN] > 0.0)
-    np.minimum(pairs[row.GAP], widest, out=pairs[row.GAP])
+    np.divide(_attraction(layers) * left, pairs[row.KN], out=pairs[row.ATTRACTION_REACH], where=pairs[row.KN] > 0.0)
+    np.minimum(pairs[row.ATTRACTION_REACH], widest, out=pairs[row.ATTRACTION_REACH])
     lines = np.zeros((row.CONSTANTS, n + 1))
     lines[:, :n] = values
-    lines[row.KN] = (values[row.KN] + values[row.STOP]).max()
+    lines[row.KN] = (values[row.KN] + values[row.STOP_STIFFNESS]).max()
     lines[row.CN, :n] *= np.sqrt(lines[row.KN, :n] / values[row.KN])
     lines[[row.MU, row.MU_OTHER, row.COHESION, row.COHESION_OTHER, row.MU_ROLLING], :n] *= 1.0 - np.array(
         [s.faded for s in layers]
@@ -133,7 +133,7 @@ def _columns(layers: Sequence[LayerSprings]) -> np.ndarray:
             (row.KPN, layer.kpn), (row.KPS, layer.kps), (row.TAN, tan), (row.BC, layer.cohesion),
             (row.BETA, layer.beta), (row.ALLOWED, 0.5 * layer.allowed_overlap), (row.MU_OTHER, layer.friction),
             (row.COHESION, layer.contact_cohesion), (row.COHESION_OTHER, layer.contact_cohesion),
-            (row.STOP, max(layer.stop - layer.kn, 0.0)), (row.DEPTH, 0.5 * STOP_DEPTH),
+            (row.STOP_STIFFNESS, max(layer.stop - layer.kn, 0.0)), (row.STOP_OVERLAP, 0.5 * STOP_DEPTH),
             (row.MU_ROLLING, min(layer.rolling_friction, NOTHING_ROLLS)),
         ):  # fmt: skip
             values[constant, k] = value
@@ -153,7 +153,7 @@ def _reduce_stiffness(pairs: np.ndarray, left: np.ndarray) -> None:
     """Multiply the stiffness of contacts (CONSTANTS, n + 1, n + 1) by the remaining share `left`; their overlap is no
     longer limited.
     """
-    pairs[[row.KN, row.KS, row.CN, row.CT, row.STOP]] *= left
+    pairs[[row.KN, row.KS, row.CN, row.CT, row.STOP_STIFFNESS]] *= left
     pairs[row.ALLOWED] = np.where(left < 1.0, ANY_OVERLAP, pairs[row.ALLOWED])
 
 

@@ -27,11 +27,11 @@ def take_back_shear(state: DiscState) -> None:
 
     Parameters
     ----------
-    state : discs with a new list of pairs; the columns `TAKEN_ALONG` and `TAKEN_ACROSS` of the history of bonds (N) are
-        changed
+    state : discs with a new list of pairs; the columns `COUNTER_ALONG` and `COUNTER_ACROSS` of the history of bonds (N)
+        are changed
     """
     wet, i, j = state.liquefied, state.liquefied_i, state.liquefied_j
-    soft = (wet[:, bond.SHARE] > 0.0) & (wet[:, bond.SOFT_TO] > 0.0)
+    soft = (wet[:, bond.SHARE] > 0.0) & (wet[:, bond.KNEE_STRAIN] > 0.0)
     if not soft.any():
         return
     length, rise = state.repeats
@@ -67,8 +67,8 @@ def take_back_shear(state: DiscState) -> None:
     first, second = per_stress * along_axes, per_stress * across_axes
     a, b = twice * share * (first[i] + first[j]), twice * share * (second[i] + second[j])
     fx, fz = a * nx + b * nz, b * nx - a * nz
-    state.bonds[:, bond.TAKEN_ALONG_AT] = fx * nx + fz * nz
-    state.bonds[:, bond.TAKEN_ACROSS_AT] = fz * nx - fx * nz
+    state.bonds[:, bond.COUNTER_ALONG_AT] = fx * nx + fz * nz
+    state.bonds[:, bond.COUNTER_ACROSS_AT] = fz * nx - fx * nz
 
 
 def _mean(

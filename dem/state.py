@@ -12,7 +12,7 @@ import numpy as np
 from dem.acceleration import Acceleration
 from dem.kernels.liquefied_pairs import FIELDS, FORCE_X, FORCE_Z
 from dem.kernels.liquefied_pairs import MEMORY as BOND_MEMORY
-from dem.kernels.period import ENDLESS, Period
+from dem.kernels.period import NO_PERIOD, Period
 from dem.pair_table import PairTable
 from dem.springs import Law, Mean, Strength
 
@@ -209,7 +209,7 @@ class DiscState:
     @property
     def repeats(self) -> Period:
         """Return the period of ground with periodic sides."""
-        return ENDLESS if self.period is None else Period(*self.period)
+        return NO_PERIOD if self.period is None else Period(*self.period)
 
     def branch(self) -> np.ndarray:
         """Return the vector from pair_i to the nearest image of pair_j, of all listed pairs (2, pairs) (m)."""

@@ -19,7 +19,7 @@ from dem.kernels.layout import (
     Layout,
     count_links,
     count_slots,
-    find_fresh,
+    find_changed,
     list_links,
     place_incoming,
     place_links,
@@ -74,7 +74,7 @@ def pack(
     )  # fmt: skip
     in_ranges(placed, len(owner))
     del placed, owner, partner, turn
-    fresh, fresh_start = find_fresh(partners.reshape(-1), n, kinds)
+    changed, changed_start = find_changed(partners.reshape(-1), n, kinds)
     if not keep_pairs:
         model.pair_i = model.pair_j = np.zeros(0, np.int32)
         for name in model.memory:
@@ -85,12 +85,12 @@ def pack(
     if model.law == "soil":
         for field, name in _LINE_ROLLING.items():
             rolling[at_lines[0], field, at_lines[1]] = getattr(model, name)
-    incoming, incoming_start, first, last = place_incoming(partners.reshape(-1), chunk_start, line_disc, n)
+    incoming, incoming_start, lowest, highest = place_incoming(partners.reshape(-1), chunk_start, line_disc, n)
     return Layout(
         discs=_discs(model, slices), shared=_shared_fields(model, slices), links=links.reshape(-1),
-        rolling=rolling.reshape(-1), partner=partners.reshape(-1), kinds=kinds, fresh=fresh, fresh_start=fresh_start,
-        chunk_start=chunk_start, incoming=incoming, incoming_start=incoming_start, first=first, last=last,
-        line_disc=line_disc.astype(np.int64),
+        rolling=rolling.reshape(-1), partner=partners.reshape(-1), kinds=kinds, changed=changed,
+        changed_start=changed_start, chunk_start=chunk_start, incoming=incoming, incoming_start=incoming_start,
+        lowest_owner=lowest, highest_owner=highest, line_disc=line_disc.astype(np.int64),
         line_id=model.line_id.astype(np.int64), line_kind=model.line_kind.astype(np.int64),
         line_radius=model.radius[model.line_disc],
         line_start=np.searchsorted(line_disc, np.arange(slices + 1) * LANES).astype(np.int64),
@@ -187,7 +187,7 @@ def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = serial) -> None
 
     in_ranges(listed, len(model))
     model.pair_i, model.pair_j = owner, other
-    if len(layout.liquefied.first):
+    if len(layout.liquefied.disc_i):
         model.liquefied[model.order] = layout.liquefied.discs[: len(model)]
         model.bonds = _bonds(layout, model)
     for name, values in zip(MEMORY + ROLLING_MEMORY, memory, strict=True):

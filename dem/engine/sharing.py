@@ -15,7 +15,7 @@ def neighbour_slices(thread: int, threads: int, layout: Layout) -> tuple[np.ndar
     slices = len(layout.chunk_start) - 1
     ends = slices * np.arange(threads + 1) // threads  # as in `stepping.slices_of`
     begin, end = ends[thread], ends[thread + 1]
-    shared = begin + np.flatnonzero((layout.first[begin:end] < begin) | (layout.last[begin:end] >= end))
+    shared = begin + np.flatnonzero((layout.lowest_owner[begin:end] < begin) | (layout.highest_owner[begin:end] >= end))
     count = np.zeros((len(shared), threads), np.int64)
     if not len(shared):
         return shared, count

@@ -88,14 +88,14 @@ class Clock(NamedTuple):
     dt : time step (s)
     last_dt : length of the step before (s); 0 after velocities were set
     time : time at the beginning (s)
-    before : number of steps taken before
+    steps_before : number of steps taken before this call
     """
 
     steps: int
     dt: float
     last_dt: float
     time: float
-    before: int
+    steps_before: int
 
 
 class Team(NamedTuple):
@@ -119,11 +119,11 @@ class Entries(NamedTuple):
 
     Attributes
     ----------
-    wanted : whether work and losses are summed
+    summed : whether work and losses are summed
     sums (slices, ENERGY_COLUMNS) : work and losses of each slice's discs (J per metre)
     """
 
-    wanted: bool
+    summed: bool
     sums: np.ndarray
 
 

@@ -16,13 +16,13 @@ from numba.extending import intrinsic
 from dem.kernels.device_function import device_function
 
 ARRIVED, ROUND, PROGRESS = 0, 16, 32  # counters, two cache lines apart; of progress, one for each thread
-APART = 16
-SPINS = 500
+COUNTER_SPACING = 16  # entries between the counters of two threads: two cache lines
+SPINS_BEFORE_YIELD = 500  # checks of a counter after which a waiting thread yields the processor
 
 
 def new_barrier(threads: int) -> np.ndarray:
     """Return the counters that the threads of one run share."""
-    return np.zeros(PROGRESS + APART * threads, np.int64)
+    return np.zeros(PROGRESS + COUNTER_SPACING * threads, np.int64)
 
 
 def _place(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -79,7 +79,7 @@ def wait(barrier: np.ndarray, threads: int) -> None:
     spins = 0
     while load(barrier, ROUND) == turn:
         spins += 1
-        if spins % SPINS == 0:
+        if spins % SPINS_BEFORE_YIELD == 0:
             give_way()
 
 
@@ -88,16 +88,16 @@ def report(barrier: np.ndarray, thread: int) -> None:
     """Count one more finished piece of work of this thread. Everything that the thread wrote before is visible to a
     thread that reads the count.
     """
-    fetch_add(barrier, PROGRESS + APART * thread, 1)
+    fetch_add(barrier, PROGRESS + COUNTER_SPACING * thread, 1)
 
 
 @device_function(nogil=True)
 def wait_for(barrier: np.ndarray, thread: int, count: int) -> None:
     """Wait until `thread` has reported `count` pieces of work."""
     spins = 0
-    while load(barrier, PROGRESS + APART * thread) < count:
+    while load(barrier, PROGRESS + COUNTER_SPACING * thread) < count:
         spins += 1
-        if spins % SPINS == 0:
+        if spins % SPINS_BEFORE_YIELD == 0:
             give_way()
 
 

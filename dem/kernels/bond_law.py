@@ -9,10 +9,10 @@ import math
 
 from dem.kernels.device_function import device_function
 
-# s: dashpot over stiffness of bonds that are soft. With it ground comes to rest where it would if its stiffness were
-# lost slowly, and does not swing for minutes; the loops of sand take that energy.
-CREEP = 5.0
-LEAST_WAY = 1e-12  # of the way to the limit
+# s: dashpot over stiffness of bonds below their strain potential. With this dashpot ground comes to rest where it would
+# if its stiffness were lost slowly, and does not swing for minutes; in sand hysteresis dissipates this energy.
+SOFT_CREEP_TIME = 5.0
+SMALLEST_DISPLACEMENT = 1e-12  # of the displacement at the limit
 
 
 @device_function(forceinline=True)
@@ -27,7 +27,7 @@ def mobilised(along: float, across: float) -> tuple[float, float]:
 def slopes(knee: float, soft_to: float) -> tuple[float, float]:
     """Return the slopes of both lines of a bond: force over the limiting force, divided by displacement over the
     limiting displacement (-)."""
-    return knee / (soft_to + LEAST_WAY), (1.0 - knee) / (1.0 - soft_to)
+    return knee / (soft_to + SMALLEST_DISPLACEMENT), (1.0 - knee) / (1.0 - soft_to)
 
 
 @device_function(forceinline=True)
@@ -38,7 +38,7 @@ def force_share(along: float, across: float, soft: float, steep: float) -> float
     along, across: displacement along and across the bond, over the limiting displacement (-); soft, steep: see
     `slopes`.
     """
-    way = math.sqrt(along * along + across * across) + LEAST_WAY
+    way = math.sqrt(along * along + across * across) + SMALLEST_DISPLACEMENT
     second = steep - (steep - 1.0) / way
     return second if second > soft else soft
 

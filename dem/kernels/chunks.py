@@ -11,7 +11,7 @@ from dem.kernels.interaction import at_line, between_discs, contact_geometry, li
 from dem.kernels.layout import Layout
 from dem.kernels.losses import ANY_ORDER
 from dem.kernels.prefetch import wide_vectors
-from dem.kernels.work_buffers import BLOCK, constant, load_partners
+from dem.kernels.work_buffers import FETCH_BLOCK, constant, load_partners
 
 
 @device_function(forceinline=True, fastmath=ANY_ORDER)
@@ -61,9 +61,9 @@ def load_geometry(chunk: int, state: State, buffer: np.ndarray, law: Law, soil: 
     soil discs.
     """
     wide_vectors()
-    for begin in range(0, field.LANES, BLOCK):
+    for begin in range(0, field.LANES, FETCH_BLOCK):
         load_partners(chunk, begin, state, buffer, soil)
-        for lane in range(begin, begin + BLOCK):
+        for lane in range(begin, begin + FETCH_BLOCK):
             contact_geometry(np.uint64(chunk) * field.LINK, np.uint64(lane), state, buffer, law, soil)
 
 

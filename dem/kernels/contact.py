@@ -13,7 +13,7 @@ from dem.kernels.device_function import device_function
 # those of all discs, then those that soil discs have besides.
 FKPS, KPN, KPS, TAN, BC, BETA = range(6)
 KN, KS, CN, CT, MU, ALLOWED, FKS = range(6, 13)
-COHESION, MU_OTHER, COHESION_OTHER, MU_ROLLING, STOP, DEPTH, GAP = range(13, 20)
+COHESION, MU_OTHER, COHESION_OTHER, MU_ROLLING, STOP_STIFFNESS, STOP_OVERLAP, ATTRACTION_REACH = range(13, 20)
 CONSTANTS = 20
 
 

@@ -191,7 +191,7 @@ def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: 
         force[0, i] += fx
         force[1, i] += fz
         force[2, i] += rim
-    if len(layout.liquefied.first) > 0:
+    if len(layout.liquefied.disc_i) > 0:
         out[PORE_WATER], out[LIQUEFIED_BONDS] = liquefied_energy(layout.liquefied, layout.shared, force)
     for p in range(slices):
         kinetic(p, layout, buffer, force, loads, last_dt, out)

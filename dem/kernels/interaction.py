@@ -180,12 +180,12 @@ def between_discs(
     kn, ks = buffer[constant(row.KN) + q], buffer[constant(row.KS) + q]
     ct, fks = buffer[constant(row.CT) + q], buffer[constant(row.FKS) + q]
     mu = buffer[constant(row.MU) + q]
-    gap = buffer[constant(row.GAP) + q] if soil else 0.0
+    gap = buffer[constant(row.ATTRACTION_REACH) + q] if soil else 0.0
     elastic = spring(over, kn, gap)
     elements, bonds = spring_energy(over, kn, gap)
     stiffness, depth = 0.0, 0.0
     if soil:
-        stiffness, depth = buffer[constant(row.STOP) + q], buffer[constant(row.DEPTH) + q] * radii
+        stiffness, depth = buffer[constant(row.STOP_STIFFNESS) + q], buffer[constant(row.STOP_OVERLAP) + q] * radii
         more = stop(over, stiffness, depth)
         elements += 0.5 * more * (over - depth)
         elastic += more

@@ -17,7 +17,7 @@ from numba import njit
 
 from dem.kernels.device_function import device_function
 from dem.kernels.liquefied_pairs import LANES, Liquefied
-from dem.kernels.transpose import EIGHT, SHARED
+from dem.kernels.transpose import LANE_GROUP, SHARED
 
 # What partners read of a disc, eight doubles in a record of its own, a cache line; these are the offsets of the rows in
 # which they stand in the buffer. Rim speeds are radius times spin; *S are the velocities extrapolated to the end of
@@ -56,13 +56,13 @@ class Layout(NamedTuple):
     shared (slices * 64 * SHARED,) : fields of the discs that partners read, disc by disc
     partner (chunks * 64,) : number of the partner of each contact in spatial order
     kinds (chunks * 64,) : column of each contact in the table of constants
-    fresh (groups of eight lanes,) : places in `kinds` of the groups of eight lanes whose kinds of pairs differ from the
-        kinds in the same lanes of the chunk before
-    fresh_start (chunks + 1,) : first entry of `fresh` of each chunk
+    changed (groups of eight lanes,) : places in `kinds` of the groups of eight lanes whose kinds of pairs differ from
+        the kinds in the same lanes of the chunk before
+    changed_start (chunks + 1,) : first entry of `changed` of each chunk
     chunk_start (slices + 1,) : first chunk of each slice
     incoming (slots * 64,) : for each disc, the places in `links` of the contact forces that another disc owns
     incoming_start (slices + 1,) : first slot of each slice
-    first, last (slices,) : lowest and highest slice that owns a contact of the slice's discs
+    lowest_owner, highest_owner (slices,) : lowest and highest slice that owns a contact of the slice's discs
     line_disc, line_id, line_kind (contacts with lines,) : contacts with lines: number of the disc in spatial order,
         number of the line, column of the table of lines
     line_radius (contacts with lines,) : radius of the disc (m)
@@ -80,13 +80,13 @@ class Layout(NamedTuple):
     shared: np.ndarray
     partner: np.ndarray
     kinds: np.ndarray
-    fresh: np.ndarray
-    fresh_start: np.ndarray
+    changed: np.ndarray
+    changed_start: np.ndarray
     chunk_start: np.ndarray
     incoming: np.ndarray
     incoming_start: np.ndarray
-    first: np.ndarray
-    last: np.ndarray
+    lowest_owner: np.ndarray
+    highest_owner: np.ndarray
     line_disc: np.ndarray
     line_id: np.ndarray
     line_kind: np.ndarray
@@ -175,23 +175,23 @@ def place_links(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def find_fresh(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Compute `fresh` and `fresh_start` of a layout; lanes without a contact take the kind of the same lane in the
+def find_changed(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Compute `changed` and `changed_start` of a layout; lanes without a contact take the kind of the same lane in the
     chunk before.
     """
     chunks = len(kind) // LANES
     for at in range(LANES, len(kind)):
         if where[at] >= nobody:
             kind[at] = kind[at - LANES]
-    groups = np.empty(chunks * (LANES // EIGHT), np.uint32)
+    groups = np.empty(chunks * (LANES // LANE_GROUP), np.uint32)
     start = np.zeros(chunks + 1, np.int64)
     for chunk in range(chunks):
         count = start[chunk]
-        for at in range(chunk * LANES, (chunk + 1) * LANES, EIGHT):
-            fresh = chunk == 0
-            for k in range(at, at + EIGHT):
-                fresh |= kind[k] != kind[k - LANES]
-            if fresh:
+        for at in range(chunk * LANES, (chunk + 1) * LANES, LANE_GROUP):
+            changes = chunk == 0
+            for k in range(at, at + LANE_GROUP):
+                changes |= kind[k] != kind[k - LANES]
+            if changes:
                 groups[count] = at
                 count += 1
         start[chunk + 1] = count
@@ -207,20 +207,19 @@ def place_incoming(
 
     where: partner in every lane; chunk_start, line_disc: as in `Layout`; discs: number of discs. The places are in the
     order of the lanes, so that a sum of these forces depends only on the layout, and not on the order of the contact
-    list. Also returns the first and last slice that owns a contact of each slice.
+    list. Also returns the lowest and highest slice that owns a contact of each slice.
     """
     slices = len(chunk_start) - 1
     chunks = chunk_start[-1]
-    first = np.arange(slices)
-    last = np.arange(slices)
+    lowest, highest = np.arange(slices), np.arange(slices)
     seen = np.zeros(slices * LANES, np.int32)
     for p in range(slices):
         for place in range(chunk_start[p] * LANES, chunk_start[p + 1] * LANES):
             j = np.int64(where[place])
             if j < discs and p * LANES + place % LANES < discs:
                 seen[j] += 1
-                first[j // LANES] = min(first[j // LANES], p)
-                last[j // LANES] = max(last[j // LANES], p)
+                lowest[j // LANES] = min(lowest[j // LANES], p)
+                highest[j // LANES] = max(highest[j // LANES], p)
     for e in range(len(line_disc)):
         seen[line_disc[e]] += 1
     start = np.zeros(slices + 1, np.int64)
@@ -241,7 +240,7 @@ def place_incoming(
         at = ((chunks + 1 + e // LANES) * LINK_FIELDS + 4) * LANES + e % LANES
         incoming[(start[j // LANES] + seen[j]) * LANES + j % LANES] = at
         seen[j] += 1
-    return incoming, start, first, last
+    return incoming, start, lowest, highest
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -6,68 +6,71 @@ import math
 
 import numpy as np
 
-from dem.kernels.bond_law import CREEP, decay, energy_share, force_share, mobilised, slopes
+from dem.kernels.bond_law import SOFT_CREEP_TIME, decay, energy_share, force_share, mobilised, slopes
 from dem.kernels.device_function import device_function
 from dem.kernels.liquefied_laws import bond_kernel, dashpot_share, stand_in_shares
 from dem.kernels.liquefied_pairs import (
     ACROSS,
+    ACROSS_SPEED,
     ALONG,
-    APART,
+    ALONG_SPEED,
     AREA_1,
     AREA_2,
     BOND,
     BOND_SUM,
-    CREEPS,
+    COUNTER_ACROSS,
+    COUNTER_ALONG,
+    CREEP_TIME,
     DASH_ACROSS,
     DASH_ALONG,
-    ENDS,
+    DISTANCE,
+    EXTRA_SHARE,
     FORCE_X,
     FORCE_X1,
     FORCE_X2,
     FORCE_Z,
     FORCE_Z1,
     FORCE_Z2,
-    KNEE,
-    KNEES,
+    KNEE_STRAIN,
+    KNEE_STRAIN_SUM,
+    KNEE_STRENGTH,
+    KNEE_STRENGTH_SUM,
     LANES,
-    LATE_ACROSS,
-    LATE_ALONG,
-    LEFT,
-    LESS,
+    LIMIT_ENERGY,
+    MAXWELL_ACROSS,
+    MAXWELL_ALONG,
+    MEMORY_BLOCK,
     NX,
     NZ,
     PAIR_PRESSURE,
     PRESSURE_TERM,
-    REMEMBERED,
-    ROOM,
     SHARE,
     SLIP,
     SLOPE,
-    SOFT_TO,
-    SPEED,
-    STANDS_IN,
+    SMALLEST_DIVISOR,
+    STAND_IN_SHARE,
     STRAIN,
+    STRAIN_SUM,
     STRATUM,
     STRETCH,
-    TAKEN_ACROSS,
-    TAKEN_ALONG,
     TO_RATE,
-    TURN,
-    WORKED,
-    YIELD,
+    WORKING_BLOCK,
     Liquefied,
 )
 from dem.kernels.losses import both
 from dem.kernels.prefetch import wide_vectors
 
-RELAXES = 0.1  # s, in which the spring behind the dashpot of a bond gives way: ground at rest swings at 5 to 20 rad/s
-BEHIND = 0.5  # stiffness of that spring over the bond's
-FIRST = 0.4  # what a bond holds beyond its strength before it slips; 1/0.77 - 1 at least
-SOON = 0.03  # shear strain past its limit in which that goes down to 1/e
-FITTED = 1.0 / 0.91  # discs slip along surfaces that hold less than the mean of all directions
-# Half of a bond with ground that does not liquefy lies in it, but bonds beside it share in what that half is stiffer:
-# crusts on layers of one to eight rows of discs move 0.9 to 1.0 times as far as in closed form (1.5 to 1.0 by 1).
-STRAINED = 0.75
+# s: dashpot over stiffness of the spring in series with the second dashpot of a bond: ground at rest swings at 5 to 20
+# rad/s.
+MAXWELL_TIME = 0.1
+MAXWELL_STIFFNESS_RATIO = 0.5  # stiffness of this spring over that of the bond
+EXTRA_STRENGTH = 0.4  # of the strength, of a bond that has not slipped yet; at least 1/0.77 - 1
+EXTRA_STRENGTH_STRAIN = 0.03  # shear strain beyond the limit in which the extra strength falls to 1/e
+FITTED_STRENGTH = 1.0 / 0.91  # discs slip along surfaces whose strength is below the mean of all directions
+# Share of a bond between liquefied and other ground that strains. Half of such a bond lies in the other ground, but
+# neighbouring bonds share in its larger stiffness: crusts on layers of one to eight rows of discs move 0.9 to 1.0 times
+# as far as in closed form (1.5 to 1.0 with a share of 1).
+STRAINING_SHARE = 0.75
 
 
 @device_function(forceinline=True)
@@ -101,8 +104,8 @@ def bond_weights(a: float, b: float) -> tuple[float, float]:
 def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
     """Return the slopes of both lines of a bond, and the share of the displacement at which the lines meet."""
     a, b = bond_weights(*strength_weights(discs, i, j))
-    soft_to = 0.5 * (a * discs[i, SOFT_TO] + b * discs[j, SOFT_TO])
-    soft, steep = slopes(0.5 * (a * discs[i, KNEE] + b * discs[j, KNEE]), soft_to)
+    soft_to = 0.5 * (a * discs[i, KNEE_STRAIN] + b * discs[j, KNEE_STRAIN])
+    soft, steep = slopes(0.5 * (a * discs[i, KNEE_STRENGTH] + b * discs[j, KNEE_STRENGTH]), soft_to)
     return soft, steep, soft_to
 
 
@@ -112,23 +115,25 @@ def fetch_strength(block: int, wet: Liquefied) -> None:
     weighted."""
     discs, w = wet.discs, wet.working
     for lane in range(LANES):
-        q = np.uint64(block) * WORKED + np.uint64(lane)
+        q = np.uint64(block) * WORKING_BLOCK + np.uint64(lane)
         c = block * LANES + lane
-        i, j = np.int64(wet.first[c]), np.int64(wet.second[c])
+        i, j = np.int64(wet.disc_i[c]), np.int64(wet.disc_j[c])
         more_i, more_j = stand_in_shares(discs[i, SHARE], discs[j, SHARE])
         stands_in = more_i * discs[i, PRESSURE_TERM] + more_j * discs[j, PRESSURE_TERM]
         pressure = discs[i, PRESSURE_TERM] + discs[j, PRESSURE_TERM] + stands_in
-        w[q + PAIR_PRESSURE], w[q + STANDS_IN] = pressure, stands_in / (pressure + LESS)
+        w[q + PAIR_PRESSURE], w[q + STAND_IN_SHARE] = pressure, stands_in / (pressure + SMALLEST_DIVISOR)
         a, b = strength_weights(discs, i, j)
         w[q + BOND_SUM] = a * discs[i, BOND] + b * discs[j, BOND]
         a, b = bond_weights(a, b)
-        ends = a * discs[i, SOFT_TO] + b * discs[j, SOFT_TO]
-        w[q + ROOM] = (STRAINED if a != b and ends > 0.0 else 1.0) * (a * discs[i, STRAIN] + b * discs[j, STRAIN])
-        w[q + KNEES], w[q + ENDS] = a * discs[i, KNEE] + b * discs[j, KNEE], ends
-        w[q + CREEPS], soft = CREEP, i if discs[i, SOFT_TO] > 0.0 else j
-        if (discs[i, SOFT_TO] > 0.0) != (discs[j, SOFT_TO] > 0.0):
-            single = discs[soft, BOND], STRAINED * discs[soft, STRAIN]
-            w[q + CREEPS] *= dashpot_share(single, (w[q + BOND_SUM], w[q + ROOM]))
+        ends = a * discs[i, KNEE_STRAIN] + b * discs[j, KNEE_STRAIN]
+        straining = STRAINING_SHARE if a != b and ends > 0.0 else 1.0
+        w[q + STRAIN_SUM] = straining * (a * discs[i, STRAIN] + b * discs[j, STRAIN])
+        w[q + KNEE_STRENGTH_SUM] = a * discs[i, KNEE_STRENGTH] + b * discs[j, KNEE_STRENGTH]
+        w[q + KNEE_STRAIN_SUM] = ends
+        w[q + CREEP_TIME], soft = SOFT_CREEP_TIME, i if discs[i, KNEE_STRAIN] > 0.0 else j
+        if (discs[i, KNEE_STRAIN] > 0.0) != (discs[j, KNEE_STRAIN] > 0.0):
+            single = discs[soft, BOND], STRAINING_SHARE * discs[soft, STRAIN]
+            w[q + CREEP_TIME] *= dashpot_share(single, (w[q + BOND_SUM], w[q + STRAIN_SUM]))
 
 
 @device_function(nogil=True, _nrt=False, forceinline=True)
@@ -146,29 +151,29 @@ def press_lanes(
     wide_vectors()
     w, memory, reach = wet.working, wet.memory, wet.reach
     slid, damped, work = 0.0, 0.0, 0.0
-    part = 0.5 / wet.every
+    part = 0.5 / wet.steps_between_looks
     for lane in range(LANES):
-        q = np.uint64(block) * WORKED + np.uint64(lane)
-        r = np.uint64(block) * REMEMBERED + np.uint64(lane)
-        apart, stands_in = w[q + APART], w[q + STANDS_IN]
+        q = np.uint64(block) * WORKING_BLOCK + np.uint64(lane)
+        r = np.uint64(block) * MEMORY_BLOCK + np.uint64(lane)
+        apart, stands_in = w[q + DISTANCE], w[q + STAND_IN_SHARE]
         here = 1.0 if apart < reach else 0.0
         inside = apart if apart < reach else reach
         pressure_force = -w[q + PAIR_PRESSURE] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
-        strength = 0.5 * math.pi * FITTED * w[q + BOND_SUM] * bond_kernel(inside, reach)
-        soft_to = 0.5 * w[q + ENDS]
-        room = 0.5 * w[q + ROOM] * inside + LESS * reach  # way (m) at which the bond slips
-        soft, steep = slopes(0.5 * w[q + KNEES], soft_to)
+        strength = 0.5 * math.pi * FITTED_STRENGTH * w[q + BOND_SUM] * bond_kernel(inside, reach)
+        soft_to = 0.5 * w[q + KNEE_STRAIN_SUM]
+        room = 0.5 * w[q + STRAIN_SUM] * inside + SMALLEST_DIVISOR * reach  # way (m) at which the bond slips
+        soft, steep = slopes(0.5 * w[q + KNEE_STRENGTH_SUM], soft_to)
         stretch, slip = w[q + STRETCH], w[q + SLIP]
-        fresh = memory[r + LEFT]
-        more = 1.0 + FIRST * fresh
+        fresh = memory[r + EXTRA_SHARE]
+        more = 1.0 + EXTRA_STRENGTH * fresh
         strength, room = more * strength, more * room
         along, across = memory[r + ALONG], memory[r + ACROSS]
         inverse = here / room
         tried_along, tried_across = along + stretch * inverse, across + slip * inverse
         new_along, new_across = mobilised(tried_along, tried_across)
         past = math.sqrt((tried_along - new_along) ** 2 + (tried_across - new_across) ** 2)
-        left = here * fresh * decay(past * room / (SOON * inside))
-        gain = more / (1.0 + FIRST * left)  # the limit falls, and what is mobilised of it grows
+        left = here * fresh * decay(past * room / (EXTRA_STRENGTH_STRAIN * inside))
+        gain = more / (1.0 + EXTRA_STRENGTH * left)  # the limit falls, and what is mobilised of it grows
         here_along, here_across = mobilised(here * gain * new_along, here * gain * new_across)
         mobilised_share = force_share(new_along, new_across, soft, steep)
         energy = strength * room
@@ -177,32 +182,32 @@ def press_lanes(
             dashed = memory[r + DASH_ALONG] * stretch + memory[r + DASH_ACROSS] * slip
             damped_here = (1.0 - part) * dashed
             work_here = stands_in * part * pressure_force * stretch
-            weaker = 0.5 * (memory[r + YIELD] - energy) * energy_share(along, across, soft, steep, soft_to)
+            weaker = 0.5 * (memory[r + LIMIT_ENERGY] - energy) * energy_share(along, across, soft, steep, soft_to)
             was = force_share(along, across, soft, steep)
             cut = (was * along + mobilised_share * new_along) * (tried_along - new_along)
             cut += (was * across + mobilised_share * new_across) * (tried_across - new_across)
             stored = energy * energy_share(new_along, new_across, soft, steep, soft_to)
             left_over = yields * energy_share(here_along, here_across, soft, steep, soft_to)
             slid = both(slid, weaker + 0.5 * (energy * cut + stored - left_over))
-        memory[r + YIELD], memory[r + LEFT] = yields, left
+        memory[r + LIMIT_ENERGY], memory[r + EXTRA_SHARE] = yields, left
         late_along, late_across = mobilised(
-            relaxation * (memory[r + LATE_ALONG] + BEHIND * stretch * inverse),
-            relaxation * (memory[r + LATE_ACROSS] + BEHIND * slip * inverse),
+            relaxation * (memory[r + MAXWELL_ALONG] + MAXWELL_STIFFNESS_RATIO * stretch * inverse),
+            relaxation * (memory[r + MAXWELL_ACROSS] + MAXWELL_STIFFNESS_RATIO * slip * inverse),
         )
-        delay = (damping_time + w[q + CREEPS] * soft) * inverse
+        delay = (damping_time + w[q + CREEP_TIME] * soft) * inverse
         new_along, new_across = mobilised_share * new_along, mobilised_share * new_across
         soon_along, soon_across = mobilised(
-            new_along + late_along + w[q + SPEED] * delay, new_across + late_across + w[q + TURN] * delay
+            new_along + late_along + w[q + ALONG_SPEED] * delay, new_across + late_across + w[q + ACROSS_SPEED] * delay
         )
         pull, drag = strength * soon_along, strength * soon_across
         dash_along, dash_across = pull - strength * new_along, drag - strength * new_across
-        taken_along, taken_across = here * memory[r + TAKEN_ALONG], here * memory[r + TAKEN_ACROSS]
+        taken_along, taken_across = here * memory[r + COUNTER_ALONG], here * memory[r + COUNTER_ACROSS]
         pull, drag = pull + taken_along, drag + taken_across
         if with_losses:
             work = both(work, work_here - (taken_along * stretch + taken_across * slip))
         # beyond the reach strength has gone to nothing, and is forgotten
         memory[r + ALONG], memory[r + ACROSS] = here_along, here_across
-        memory[r + LATE_ALONG], memory[r + LATE_ACROSS] = here * late_along, here * late_across
+        memory[r + MAXWELL_ALONG], memory[r + MAXWELL_ACROSS] = here * late_along, here * late_across
         memory[r + DASH_ALONG], memory[r + DASH_ACROSS] = dash_along, dash_across
         if with_losses:
             damped = both(damped, damped_here + part * (dash_along * stretch + dash_across * slip))
@@ -231,7 +236,7 @@ def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
     """Add up the forces of pairs on the discs near[begin:end]."""
     discs, w = wet.discs, wet.working
     for k in range(begin, end):
-        i = np.int64(wet.near[k])
+        i = np.int64(wet.paired[k])
         fx, fz = 0.0, 0.0
         for m in range(wet.members[i], wet.members[i + 1]):
             q = np.uint64(wet.member[m])

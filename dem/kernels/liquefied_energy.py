@@ -17,8 +17,8 @@ def liquefied_energy(wet: bond.Liquefied, shared: np.ndarray, force: np.ndarray)
     """
     discs = wet.discs
     water, bonds = 0.0, 0.0
-    for k in range(len(wet.near)):
-        i = np.int64(wet.near[k])
+    for k in range(len(wet.paired)):
+        i = np.int64(wet.paired[k])
         fx, fz = discs[i, bond.FORCE_X], discs[i, bond.FORCE_Z]
         force[0, i] += fx
         force[1, i] += fz
@@ -26,13 +26,13 @@ def liquefied_energy(wet: bond.Liquefied, shared: np.ndarray, force: np.ndarray)
         if discs[i, bond.SHARE] > 0.0:
             water += water_energy(
                 discs[i, bond.SHARE], discs[i, bond.AREA], discs[i, bond.PRESSURE], discs[i, bond.STIFFNESS],
-                discs[i, bond.DENSITY], discs[i, bond.NOW],
+                discs[i, bond.DENSITY], discs[i, bond.PRESENT_DENSITY],
             )  # fmt: skip
     for block in range(wet.start[-1]):
         for lane in range(bond.LANES):
-            r = np.uint64(block) * bond.REMEMBERED + np.uint64(lane)
-            i, j = np.int64(wet.first[block * bond.LANES + lane]), np.int64(wet.second[block * bond.LANES + lane])
+            r = np.uint64(block) * bond.MEMORY_BLOCK + np.uint64(lane)
+            i, j = np.int64(wet.disc_i[block * bond.LANES + lane]), np.int64(wet.disc_j[block * bond.LANES + lane])
             soft, steep, soft_to = bond_lines(discs, i, j)
             stored = energy_share(wet.memory[r + bond.ALONG], wet.memory[r + bond.ACROSS], soft, steep, soft_to)
-            bonds += 0.5 * wet.memory[r + bond.YIELD] * stored
+            bonds += 0.5 * wet.memory[r + bond.LIMIT_ENERGY] * stored
     return water, bonds

@@ -10,7 +10,7 @@ from dem.kernels.liquefied_laws import density_kernel
 from dem.kernels.liquefied_pairs import LANES, WIDTH_1, WIDTH_2, WORKING
 from dem.kernels.period import Period, image
 
-FIRST, SECOND = int(WIDTH_1), int(WIDTH_2)
+FIRST_DENSITY, SECOND_DENSITY = int(WIDTH_1), int(WIDTH_2)  # contribution to the density of either disc
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -48,8 +48,8 @@ def members_of(first: np.ndarray, second: np.ndarray, lane: np.ndarray, slots: i
     member = np.empty(2 * len(first), np.int64)
     for c in range(len(first)):
         at = lane[c] // LANES * WORKING * LANES + lane[c] % LANES
-        member[free[first[c]]] = at + FIRST
-        member[free[second[c]]] = at + SECOND
+        member[free[first[c]]] = at + FIRST_DENSITY
+        member[free[second[c]]] = at + SECOND_DENSITY
         free[first[c]] += 1
         free[second[c]] += 1
     return member, members

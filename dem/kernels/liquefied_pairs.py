@@ -11,15 +11,15 @@ W(r_ij), the disc itself included, with the kernel C2 of Wendland (1995) as W. T
    along the line of centres with -V_i V_j (u_i/rho_i^2 + u_j/rho_j^2) dW/dr (Monaghan 1992), which resists pressure but
    not shear.
 2. Residual strength. An elastic-plastic bond between the centres resists both components of their relative motion; its
-resultant is at most c_ij = (pi/2) FITTED (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i = sum_j w r. With this limit sum_j c_ij
-r_ij does not depend on the packing, and ground that slips has the shear stress s. The stiffness of the bond is
-c_ij/(gamma r).
+resultant is at most c_ij = (pi/2) f (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i = sum_j w r, f = `FITTED_STRENGTH`. With this
+limit sum_j c_ij r_ij does not depend on the packing, and ground that slips has the shear stress s. The stiffness of the
+bond is c_ij/(gamma r).
    Ground with a strain potential is soft at first: the force-displacement law is a straight line up to the potential,
    with a dashpot in parallel, and a steep one from there to the limit (`kernels.bond_law`). A part of a bond between
    liquefied and other ground lies in the other ground, which does not strain: the displacements of such a bond are
-   multiplied by `STRAINED`. Bonds that exist from the onset have 1 + FIRST times this limit until they have slipped:
-   discs that lose their contacts rearrange, and until slip has aligned all bonds, those at their limit give only 0.77
-   s.
+   multiplied by `STRAINING_SHARE`. Bonds that exist from the onset have 1 + `EXTRA_STRENGTH` times this limit until
+   they have slipped: discs that lose their contacts rearrange, and until slip has aligned all bonds, those at their
+   limit give only 0.77 s.
 
 Pressure and strength of a pair are sums of two terms, one for each disc. A partner that is fixed or has not liquefied
 has no term; the term of the liquefied disc then has the weight 2. If the partner has liquefied to a smaller degree, the
@@ -43,47 +43,53 @@ from dem.kernels.losses import both
 from dem.kernels.period import Period, image
 from dem.kernels.prefetch import wide_vectors
 
-# What a disc has, in a record of its own: how far it has liquefied (0 to 1), area with voids (m2); pressure u0 (Pa) and
-# density rho0 (-) at that time, stiffness K_w (Pa) and viscosity zeta (Pa s) of the pore water; residual strength (Pa)
-# and the shear strain at which it is reached. What was found when pairs were last looked at: place (m), density, push
-# u/rho^2 (Pa) and the part of it by viscosity, V/S (1/m), force (N). What is left of strength, and of the strain
-# at which it is reached, at the strain potential (-); both 0 without one. Number of its stratum.
+# Fields of a disc: degree of liquefaction (0 to 1), area with voids (m2); pressure u0 (Pa) and density rho0 (-) at the
+# onset, stiffness K_w (Pa) and viscosity zeta (Pa s) of the pore water; residual strength (Pa) and the shear strain at
+# which it is reached. At the last evaluation of the pairs: place (m), density (-), pressure term u/rho^2 (Pa) and its
+# part by viscosity, bond term V/S (1/m), force (N). Strength at the strain potential over the residual strength, and
+# strain potential over the strain at which the residual strength is reached (-); both 0 without a strain potential.
+# Number of the stratum.
 SHARE, AREA, PRESSURE, DENSITY, STIFFNESS, VISCOSITY, STRENGTH, STRAIN = range(8)
-AT_X, AT_Z, NOW, PRESSURE_TERM, DRAG, BOND, FORCE_X, FORCE_Z = range(8, 16)
-KNEE, SOFT_TO, STRATUM = 16, 17, 18
+AT_X, AT_Z, PRESENT_DENSITY, PRESSURE_TERM, DRAG, BOND, FORCE_X, FORCE_Z = range(8, 16)
+KNEE_STRENGTH, KNEE_STRAIN, STRATUM = 16, 17, 18
 FIELDS = 19
-ONE, TWO, THREE = (np.uint64(k) for k in (1, 2, 3))  # z, vx, vz in the record of a disc that all share
+RECORD_Z, RECORD_VX, RECORD_VZ = (np.uint64(k) for k in (1, 2, 3))  # fields of the shared record of a disc
 
-# Pairs lie in blocks of 64 lanes, as contacts do; a field of a block is 64 doubles in a row. What a pair remembers: how
-# far its strength is mobilised, along and across (pull and slip positive, 1 together at most); the same of the spring
-# behind its dashpot; twice the energy that the bond stores at its limit (J); force besides (N); what is left of the
-# strength beyond its limit (1 to 0); force that takes back what shear its pressure bears (N), see `pressure_shear`.
+# Pairs lie in blocks of 64 lanes, as contacts do; a field of a block is 64 doubles in a row. History variables of a
+# pair: mobilised share of its strength, along and across (pull and slip positive, resultant at most 1); the same of the
+# spring in series with its second dashpot (Maxwell); twice the energy that the bond stores at its limit (J); force of
+# the dashpots (N); remaining share of its extra strength (1 to 0); force that cancels the shear stress of its pressure
+# (N), see `pressure_shear`.
 LANES = 64
 MEMORY = 10
-FRESH, TAKEN_ALONG_AT, TAKEN_ACROSS_AT = 7, 8, 9
-ALONG, ACROSS, LATE_ALONG, LATE_ACROSS, YIELD, DASH_ALONG, DASH_ACROSS, LEFT, TAKEN_ALONG, TAKEN_ACROSS = (
-    np.uint64(k * LANES) for k in range(MEMORY)
-)
-REMEMBERED = np.uint64(MEMORY * LANES)
+EXTRA_SHARE_AT, COUNTER_ALONG_AT, COUNTER_ACROSS_AT = 7, 8, 9
+(
+    ALONG, ACROSS, MAXWELL_ALONG, MAXWELL_ACROSS, LIMIT_ENERGY, DASH_ALONG, DASH_ACROSS, EXTRA_SHARE, COUNTER_ALONG,
+    COUNTER_ACROSS,
+) = (np.uint64(k * LANES) for k in range(MEMORY))  # fmt: skip
+MEMORY_BLOCK = np.uint64(MEMORY * LANES)  # doubles in the history variables of a block
 
-# What is worked out for a pair: where the second disc is from the first and how it moves (m, m/s), where it was at the
-# last look (m); what stands in between them (N m), areas (m2). The first seven give way to direction, speeds along and
-# across (m/s), stretch and slip (m), distance (m). Then what it adds to sums of its first and of its second disc:
-# density, rate of density, lever (m), which give way to strength and force. Last the time of the dashpot of soft ground
-# (s).
+# Work arrays of a pair: position and velocity of the second disc relative to the first (m, m/s), relative position at
+# the last evaluation (m); areas times the pressures that stand in for a partner that has liquefied less (N m), areas
+# (m2), slope of the kernel. The first seven are overwritten by direction, speeds along and across (m/s), stretch and
+# slip (m), distance (m). Then contributions to the sums of the first and of the second disc: density, its rate, lever
+# (m), which are overwritten by sums of pressure, strength and strain, then by forces. Last the time of the dashpot of
+# soft ground (s).
 WORKING = 17
-DX, DZ, UX, UZ, OX, OZ, EDGE, AREA_1, AREA_2, SLOPE, WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1, LEVER_2, CREEPS = (
-    np.uint64(k * LANES) for k in range(WORKING)
-)
-NX, NZ, SPEED, TURN, STRETCH, SLIP, APART = DX, DZ, UX, UZ, OX, OZ, EDGE
-PAIR_PRESSURE, BOND_SUM, ROOM, STANDS_IN, KNEES, ENDS = WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1, LEVER_2
+(
+    DX, DZ, UX, UZ, OLD_X, OLD_Z, STAND_IN_PRESSURE, AREA_1, AREA_2, SLOPE, WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1,
+    LEVER_2, CREEP_TIME,
+) = (np.uint64(k * LANES) for k in range(WORKING))  # fmt: skip
+NX, NZ, ALONG_SPEED, ACROSS_SPEED, STRETCH, SLIP, DISTANCE = DX, DZ, UX, UZ, OLD_X, OLD_Z, STAND_IN_PRESSURE
+PAIR_PRESSURE, BOND_SUM, STRAIN_SUM, STAND_IN_SHARE = WIDTH_1, WIDTH_2, RATE_1, RATE_2
+KNEE_STRENGTH_SUM, KNEE_STRAIN_SUM = LEVER_1, LEVER_2
 FORCE_X1, FORCE_X2, FORCE_Z1, FORCE_Z2 = WIDTH_1, WIDTH_2, RATE_1, RATE_2
-WORKED = np.uint64(WORKING * LANES)
-TO_RATE, TO_LEVER = RATE_1 - WIDTH_1, LEVER_1 - WIDTH_1  # from where a member's density lies; its forces, likewise
+WORKING_BLOCK = np.uint64(WORKING * LANES)  # doubles in the work arrays of a block
+TO_RATE, TO_LEVER = RATE_1 - WIDTH_1, LEVER_1 - WIDTH_1  # from the density of a contribution, or from its first force
 
-FAR = 1e6  # reaches: how far apart lanes without a pair count
+ABSENT_SQUARE = 1e6  # square of the distance in lanes without a pair, over the square of the reach
 
-LESS = 1e-12  # of a reach: what S is at least
+SMALLEST_DIVISOR = 1e-12  # added to divisors (Pa), and times the reach (m), so that they are not zero
 
 
 class Liquefied(NamedTuple):
@@ -92,31 +98,31 @@ class Liquefied(NamedTuple):
     Attributes
     ----------
     discs (slots, FIELDS) : fields of every disc, in spatial order
-    first, second (lanes,) : numbers of the two discs in spatial order, sorted by the first, then by the second; equal
+    disc_i, disc_j (lanes,) : numbers of the two discs in spatial order, sorted by ``disc_i``, then by ``disc_j``; equal
         in lanes without a pair
-    memory (blocks * REMEMBERED,) : history variables, see `ALONG` and the names after it
-    working (blocks * WORKED,) : work arrays, see `DX` and the names after it
-    start (slices + 1,) : first block of each slice, by the first discs
+    memory (blocks * MEMORY_BLOCK,) : history variables, see `ALONG` and the names after it
+    working (blocks * WORKING_BLOCK,) : work arrays, see `DX` and the names after it
+    start (slices + 1,) : first block of each slice, to which ``disc_i`` belongs
     member (2 pairs,) : places in `working` of the contributions of pairs to the density of every disc
     members (slots + 1,) : first entry of `member` of each disc
-    near (discs with pairs,) : numbers of the discs that have pairs
-    near_start (slices + 1,) : first entry of `near` of each slice
+    paired (discs with pairs,) : numbers of the discs that have pairs
+    paired_start (slices + 1,) : first entry of `paired` of each slice
     reach : reach H of the kernels (m)
-    every : number of steps for which forces are constant
+    steps_between_looks : number of steps for which forces are constant
     """
 
     discs: np.ndarray
-    first: np.ndarray
-    second: np.ndarray
+    disc_i: np.ndarray
+    disc_j: np.ndarray
     memory: np.ndarray
     working: np.ndarray
     start: np.ndarray
     member: np.ndarray
     members: np.ndarray
-    near: np.ndarray
-    near_start: np.ndarray
+    paired: np.ndarray
+    paired_start: np.ndarray
     reach: float
-    every: int
+    steps_between_looks: int
 
 
 @device_function(nogil=True, _nrt=False)
@@ -126,23 +132,25 @@ def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, later: float, w
     wet: liquefied pairs; shared: records of all discs; with_losses: whether work is summed.
     """
     discs, w = wet.discs, wet.working
-    at = np.uint64(block) * WORKED
+    at = np.uint64(block) * WORKING_BLOCK
     for lane in range(LANES):
         q = at + np.uint64(lane)
         c = block * LANES + lane
-        i, j = np.int64(wet.first[c]), np.int64(wet.second[c])
+        i, j = np.int64(wet.disc_i[c]), np.int64(wet.disc_j[c])
         a, b = np.uint64(8 * i), np.uint64(8 * j)
-        ux, uz = shared[b + TWO] - shared[a + TWO], shared[b + THREE] - shared[a + THREE]
+        ux, uz = shared[b + RECORD_VX] - shared[a + RECORD_VX], shared[b + RECORD_VZ] - shared[a + RECORD_VZ]
         w[q + UX], w[q + UZ] = ux, uz
         w[q + DX] = shared[b] - shared[a] + later * ux
-        w[q + DZ] = shared[b + ONE] - shared[a + ONE] + later * uz
-        w[q + OX] = discs[j, AT_X] - discs[i, AT_X]
-        w[q + OZ] = discs[j, AT_Z] - discs[i, AT_Z]
+        w[q + DZ] = shared[b + RECORD_Z] - shared[a + RECORD_Z] + later * uz
+        w[q + OLD_X] = discs[j, AT_X] - discs[i, AT_X]
+        w[q + OLD_Z] = discs[j, AT_Z] - discs[i, AT_Z]
         area_i, area_j = discs[i, AREA], discs[j, AREA]
         w[q + AREA_1], w[q + AREA_2] = area_i, area_j
         if with_losses:
             more_i, more_j = stand_in_shares(discs[i, SHARE], discs[j, SHARE])
-            w[q + EDGE] = area_i * area_j * (more_i * discs[i, PRESSURE_TERM] + more_j * discs[j, PRESSURE_TERM])
+            w[q + STAND_IN_PRESSURE] = (
+                area_i * area_j * (more_i * discs[i, PRESSURE_TERM] + more_j * discs[j, PRESSURE_TERM])
+            )
 
 
 @device_function(nogil=True, _nrt=False)
@@ -157,32 +165,32 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool)
     w, reach = wet.working, wet.reach
     work = 0.0
     for lane in range(LANES):
-        q = np.uint64(block) * WORKED + np.uint64(lane)
+        q = np.uint64(block) * WORKING_BLOCK + np.uint64(lane)
         ux, uz = w[q + UX], w[q + UZ]
         dx, dz = image(w[q + DX], w[q + DZ], period)
-        ox, oz = image(w[q + OX], w[q + OZ], period)
+        ox, oz = image(w[q + OLD_X], w[q + OLD_Z], period)
         square = dx * dx + dz * dz
-        apart = math.sqrt(square if square > 0.0 else FAR * reach * reach)
+        apart = math.sqrt(square if square > 0.0 else ABSENT_SQUARE * reach * reach)
         before = math.sqrt(ox * ox + oz * oz)
         inverse = 1.0 / apart
         nx, nz = dx * inverse, dz * inverse
         inside = apart if apart < reach else reach
         width, slope = density_kernel(inside, reach)
-        area_i, area_j, edge = w[q + AREA_1], w[q + AREA_2], w[q + EDGE]
+        area_i, area_j, edge = w[q + AREA_1], w[q + AREA_2], w[q + STAND_IN_PRESSURE]
         if with_losses:
             was = before if before < reach else reach
             pressure_force = -edge * density_kernel(was, reach)[1]
-            way = ((dx - ox) * ox + (dz - oz) * oz) / (before + LESS * reach)
+            way = ((dx - ox) * ox + (dz - oz) * oz) / (before + SMALLEST_DIVISOR * reach)
             work = both(work, pressure_force * way)
         speed = ux * nx + uz * nz
         lever = bond_kernel(inside, reach) * inside
-        w[q + NX], w[q + NZ], w[q + SPEED], w[q + TURN] = nx, nz, speed, uz * nx - ux * nz
+        w[q + NX], w[q + NZ], w[q + ALONG_SPEED], w[q + ACROSS_SPEED] = nx, nz, speed, uz * nx - ux * nz
         w[q + STRETCH], w[q + SLIP] = apart - before, 2.0 * (ox * dz - oz * dx) / (apart + before)
-        w[q + APART], w[q + SLOPE] = apart, slope
+        w[q + DISTANCE], w[q + SLOPE] = apart, slope
         w[q + WIDTH_1], w[q + WIDTH_2] = area_j * width, area_i * width
         w[q + RATE_1], w[q + RATE_2] = area_j * slope * speed, area_i * slope * speed
         w[q + LEVER_1], w[q + LEVER_2] = lever, lever
-    return (1.0 - 0.5 / wet.every) * work
+    return (1.0 - 0.5 / wet.steps_between_looks) * work
 
 
 @device_function(nogil=True, _nrt=False)
@@ -195,14 +203,14 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, late
     self_kernel = 7.0 / (math.pi * reach * reach)
     lost = 0.0
     for k in range(begin, end):
-        i = np.int64(wet.near[k])
+        i = np.int64(wet.paired[k])
         at = np.uint64(8 * i)
-        discs[i, AT_X] = shared[at] + later * shared[at + TWO]
-        discs[i, AT_Z] = shared[at + ONE] + later * shared[at + THREE]
+        discs[i, AT_X] = shared[at] + later * shared[at + RECORD_VX]
+        discs[i, AT_Z] = shared[at + RECORD_Z] + later * shared[at + RECORD_VZ]
         share, area = discs[i, SHARE], discs[i, AREA]
         if share == 0.0:
             continue
-        density, rate, levers = area * self_kernel, 0.0, LESS * reach
+        density, rate, levers = area * self_kernel, 0.0, SMALLEST_DIVISOR * reach
         for m in range(wet.members[i], wet.members[i + 1]):
             q = np.uint64(wet.member[m])
             density += w[q]
@@ -213,9 +221,9 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, late
         whole = whole if whole > 0.0 else 0.0
         drag = (whole - still) / (density * density)
         if with_losses:
-            viscous_mean = discs[i, DRAG] + 0.5 / wet.every * (drag - discs[i, DRAG])
-            lost += area * viscous_mean * (density - discs[i, NOW])
-        discs[i, NOW] = density
+            viscous_mean = discs[i, DRAG] + 0.5 / wet.steps_between_looks * (drag - discs[i, DRAG])
+            lost += area * viscous_mean * (density - discs[i, PRESENT_DENSITY])
+        discs[i, PRESENT_DENSITY] = density
         discs[i, PRESSURE_TERM] = whole / (density * density)
         discs[i, DRAG] = drag
         discs[i, BOND] = share * discs[i, STRENGTH] * area / levers

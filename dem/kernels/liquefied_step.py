@@ -9,7 +9,7 @@ from dem.kernels.arguments import BONDS, STAND_IN, VISCOSITY, Entries, Law, Team
 from dem.kernels.barrier import slices_of, wait
 from dem.kernels.device_function import device_function
 from dem.kernels.layout import LANES, Layout
-from dem.kernels.liquefied_bonds import RELAXES, fetch_strength, press_pairs, press_pairs_with_losses, sum_pairs
+from dem.kernels.liquefied_bonds import MAXWELL_TIME, fetch_strength, press_pairs, press_pairs_with_losses, sum_pairs
 from dem.kernels.liquefied_pairs import FORCE_X, FORCE_Z, Liquefied, fetch_motion, look_at_discs, look_at_pairs
 from dem.kernels.work_buffers import SUM_X, SUM_Z
 
@@ -22,9 +22,9 @@ def look_at_slice(p: int, layout: Layout, law: Law, entries: Entries, later: flo
     """
     wet = layout.liquefied
     for block in range(wet.start[p], wet.start[p + 1]):
-        fetch_motion(block, wet, layout.shared, later, entries.wanted)
-        work = look_at_pairs(block, wet, law.period, entries.wanted)
-        if entries.wanted:
+        fetch_motion(block, wet, layout.shared, later, entries.summed)
+        work = look_at_pairs(block, wet, law.period, entries.summed)
+        if entries.summed:
             entries.sums[p, STAND_IN] += work
 
 
@@ -36,7 +36,7 @@ def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, r
     """
     for block in range(wet.start[p], wet.start[p + 1]):
         fetch_strength(block, wet)
-        if not entries.wanted:
+        if not entries.summed:
             press_pairs(block, wet, damping_time, relaxation)
         else:
             slid, damped, work = press_pairs_with_losses(block, wet, damping_time, relaxation)
@@ -54,15 +54,15 @@ def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> 
     """
     wet = layout.liquefied
     begin, end = slices_of(team.thread, team.threads, len(layout.chunk_start) - 1)
-    later, interval = 0.5 * (wet.every - 1) * dt, wet.every * dt
-    relaxation = math.exp(-interval / RELAXES)
+    later, interval = 0.5 * (wet.steps_between_looks - 1) * dt, wet.steps_between_looks * dt
+    relaxation = math.exp(-interval / MAXWELL_TIME)
     for p in range(begin, end):
         look_at_slice(p, layout, law, entries, later)
     if team.threads > 1:
         wait(team.barrier, team.threads)
     for p in range(begin, end):
-        lost = look_at_discs(wet.near_start[p], wet.near_start[p + 1], wet, layout.shared, later, entries.wanted)
-        if entries.wanted:
+        lost = look_at_discs(wet.paired_start[p], wet.paired_start[p + 1], wet, layout.shared, later, entries.summed)
+        if entries.summed:
             entries.sums[p, VISCOSITY] += lost
     if team.threads > 1:
         wait(team.barrier, team.threads)
@@ -71,15 +71,15 @@ def press(team: Team, layout: Layout, law: Law, entries: Entries, dt: float) -> 
     if team.threads > 1:
         wait(team.barrier, team.threads)
     for p in range(begin, end):
-        sum_pairs(wet.near_start[p], wet.near_start[p + 1], wet)
+        sum_pairs(wet.paired_start[p], wet.paired_start[p + 1], wet)
 
 
 @device_function(nogil=True, _nrt=False)
 def add_pressed(p: int, layout: Layout, buffer: np.ndarray) -> None:
     """Add the stored forces of liquefied ground to the forces on the discs of slice p."""
     wet = layout.liquefied
-    for k in range(wet.near_start[p], wet.near_start[p + 1]):
-        i = np.int64(wet.near[k])
+    for k in range(wet.paired_start[p], wet.paired_start[p + 1]):
+        i = np.int64(wet.paired[k])
         q = np.uint64(i % LANES)
         buffer[SUM_X + q] += wet.discs[i, FORCE_X]
         buffer[SUM_Z + q] += wet.discs[i, FORCE_Z]

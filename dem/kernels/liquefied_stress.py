@@ -14,7 +14,7 @@ from numba import njit
 
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.bond_law import force_share
-from dem.kernels.liquefied_bonds import FIRST, FITTED, bond_lines, strength_weights
+from dem.kernels.liquefied_bonds import EXTRA_STRENGTH, FITTED_STRENGTH, bond_lines, strength_weights
 from dem.kernels.liquefied_laws import bond_kernel, density_kernel, stand_in_shares
 from dem.kernels.period import Period, image
 
@@ -22,8 +22,8 @@ ALONG_AT, ACROSS_AT, DASH_ALONG_AT, DASH_ACROSS_AT = (
     int(k) // bond.LANES for k in (bond.ALONG, bond.ACROSS, bond.DASH_ALONG, bond.DASH_ACROSS)
 )
 # sums over the pairs of a disc: stress, gradient and moment of its neighbours, mobilised strength
-S_XX, S_XZ, S_ZX, S_ZZ, G_XX, G_XZ, G_ZX, G_ZZ, M_XX, M_XZ, M_ZZ, USED, WEIGHT = range(13)
-FLAT = 1e-6  # of the square of a moment: neighbours on a line have no gradient
+S_XX, S_XZ, S_ZX, S_ZZ, G_XX, G_XZ, G_ZX, G_ZZ, M_XX, M_XZ, M_ZZ, MOBILISED, WEIGHT = range(13)
+SMALLEST_MOMENT_RATIO = 1e-6  # determinant over the square of a moment: neighbours on a line have no gradient
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -53,7 +53,7 @@ def measured_shear(
     for i in range(n):
         if discs[i, bond.SHARE] > 0.0:
             out[0, i], out[1, i] = _shear_of(mean[i])
-            out[2, i] = sums[i, USED] / sums[i, WEIGHT] if sums[i, WEIGHT] > 0.0 else 0.0
+            out[2, i] = sums[i, MOBILISED] / sums[i, WEIGHT] if sums[i, WEIGHT] > 0.0 else 0.0
     return out
 
 
@@ -78,15 +78,15 @@ def _sums(
         pressure = (1.0 + more_i) * discs[i, bond.PRESSURE_TERM] + (1.0 + more_j) * discs[j, bond.PRESSURE_TERM]
         pressure_force = -pressure * discs[i, bond.AREA] * discs[j, bond.AREA] * slope
         a, b = strength_weights(discs, i, j)
-        limit = 0.5 * math.pi * FITTED * (a * discs[i, bond.BOND] + b * discs[j, bond.BOND])
+        limit = 0.5 * math.pi * FITTED_STRENGTH * (a * discs[i, bond.BOND] + b * discs[j, bond.BOND])
         limit *= bond_kernel(apart, reach)
-        limit *= 1.0 + FIRST * memory[c, bond.FRESH]
+        limit *= 1.0 + EXTRA_STRENGTH * memory[c, bond.EXTRA_SHARE_AT]
         along, across = memory[c, ALONG_AT], memory[c, ACROSS_AT]
         soft, steep, _ = bond_lines(discs, i, j)
         share = force_share(along, across, soft, steep)
         along, across = share * along, share * across
-        normal = pressure_force - limit * along - memory[c, DASH_ALONG_AT] - memory[c, bond.TAKEN_ALONG_AT]
-        drag = limit * across + memory[c, DASH_ACROSS_AT] + memory[c, bond.TAKEN_ACROSS_AT]
+        normal = pressure_force - limit * along - memory[c, DASH_ALONG_AT] - memory[c, bond.COUNTER_ALONG_AT]
+        drag = limit * across + memory[c, DASH_ACROSS_AT] + memory[c, bond.COUNTER_ACROSS_AT]
         fx, fz = normal * nx + drag * nz, normal * nz - drag * nx
         near = width[c] / (apart * apart)
         ux, uz = near * (way[0, j] - way[0, i]), near * (way[1, j] - way[1, i])
@@ -103,7 +103,7 @@ def _sums(
             sums[k, M_XX] += near * dx * dx
             sums[k, M_XZ] += near * dx * dz
             sums[k, M_ZZ] += near * dz * dz
-            sums[k, USED] += used
+            sums[k, MOBILISED] += used
             sums[k, WEIGHT] += width[c]
     for i in range(n):
         if discs[i, bond.SHARE] > 0.0:
@@ -164,7 +164,7 @@ def _solve(sums: np.ndarray) -> None:
     line."""
     xx, xz, zz = sums[M_XX], sums[M_XZ], sums[M_ZZ]
     scale = xx * zz - xz * xz
-    inverse = 1.0 / scale if scale > FLAT * (xx + zz) * (xx + zz) else 0.0
+    inverse = 1.0 / scale if scale > SMALLEST_MOMENT_RATIO * (xx + zz) * (xx + zz) else 0.0
     for x, z in ((G_XX, G_XZ), (G_ZX, G_ZZ)):
         gx, gz = sums[x], sums[z]
         sums[x], sums[z] = (gx * zz - gz * xz) * inverse, (gz * xx - gx * xz) * inverse

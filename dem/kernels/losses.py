@@ -24,7 +24,7 @@ def damping_loss(way: float, dashpot: float, dashpot_before: float) -> float:
     (N).
 
     The work in a step is the displacement times the mean of the forces at both ends of the step. The scheme reduces the
-    kinetic energy v(n-1/2) v(n+1/2) m/2 by this amount, so that the balance of linear springs and dashpots closes to
+    kinetic energy v(n-1/2) v(n+1/2) m/2 by this work, so that the balance of linear springs and dashpots closes to
     rounding for any step.
     """
     return (dashpot + dashpot_before) * way

@@ -6,7 +6,7 @@ from numba import njit
 from dem.kernels.layout import DISC_FIELDS, LANES, ROLL, Layout, place
 from dem.kernels.transpose import SHARED
 
-FAR_BEHIND = 1e3  # radii behind a line, from which on a disc has nothing to do with it
+IGNORED_DISTANCE = 1e3  # radii behind a rigid line beyond which the line does not act on a disc
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -66,6 +66,6 @@ def first_behind(
             before = (x[i] - px) * nx + (z[i] - pz) * nz
             along = (z[i] - pz) * nx - (x[i] - px) * nz
             # the mouth of a corner belongs to both lines; far beyond the ends nobody is held
-            if not fixed[i] and -FAR_BEHIND * radius[i] < before < -radius[i] and begin < along < end:
+            if not fixed[i] and -IGNORED_DISTANCE * radius[i] < before < -radius[i] and begin < along < end:
                 return k, i
     return -1, -1

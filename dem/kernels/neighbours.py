@@ -13,14 +13,14 @@ import numpy as np
 from numba import njit
 
 from dem.kernels.device_function import device_function
-from dem.kernels.period import ENDLESS, Period, folded, image
+from dem.kernels.period import NO_PERIOD, Period, folded, image
 
-PANEL = 192  # discs across a panel of the spatial order: two rows of it stay in a core's cache
+PANEL_WIDTH = 192  # discs across a panel of the spatial order: two rows of it stay in a core's cache
 
 
 def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
     """Return the numbers of the discs, sorted by panels of x, then rows of z, then x; spacing: typical diameter (m)."""
-    panel = np.floor((x - x.min()) / (PANEL * spacing))
+    panel = np.floor((x - x.min()) / (PANEL_WIDTH * spacing))
     row = np.floor((z - z.min()) / (spacing * np.sqrt(0.75)) + 0.5)
     return np.lexsort((x, row, panel)).astype(np.int32)
 
@@ -102,7 +102,7 @@ def cell_grid(near: Near) -> Grid:
         size *= 1.5
     columns, rows = int(width / size) + 1, int(height / size) + 1
     across = size
-    if period.length < ENDLESS.length:
+    if period.length < NO_PERIOD.length:
         columns = max(int(period.length / size), 1)
         across = period.length / columns
     column = np.empty(n, np.int32)
@@ -178,7 +178,7 @@ def near_pairs(begin: int, end: int, near: Near, grid: Grid) -> tuple[np.ndarray
     x, z, radius, fixed, factor, skin, period = near
     column, row, columns, rows = grid.column, grid.row, grid.columns, grid.rows
     start, items, places, height = grid.start, grid.items, grid.places, grid.height
-    ends = period.length == ENDLESS.length
+    ends = period.length == NO_PERIOD.length
     room = 4 * (end - begin) + 16
     first = np.empty(end - begin + 1, np.int32)
     others = np.empty(room, np.int32)
@@ -272,7 +272,7 @@ def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
     owned = np.zeros(n, np.int32)
     for c in range(len(i)):
         a, b = i[c], j[c]
-        if owned[a] >= 3 and owned[b] < owned[a] and b - a < 2 * PANEL:
+        if owned[a] >= 3 and owned[b] < owned[a] and b - a < 2 * PANEL_WIDTH:
             i[c], j[c] = b, a
             a = b
         owned[a] += 1

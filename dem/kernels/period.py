@@ -28,7 +28,7 @@ class Period(NamedTuple):
 
 # So long that the nearest image is always the thing itself, to the last bit; not so long that a way over it is a
 # denormal number, with which processors are slow.
-ENDLESS = Period(1e100, 0.0)
+NO_PERIOD = Period(1e100, 0.0)
 
 
 @device_function(forceinline=True)
@@ -43,7 +43,7 @@ def folded(x: np.ndarray, z: np.ndarray, period: Period) -> tuple[np.ndarray, np
     """Return the images of all positions (m) in the period that begins with the leftmost position. If the ground is not
     periodic, return the positions unchanged.
     """
-    if period.length == ENDLESS.length:
+    if period.length == NO_PERIOD.length:
         return x, z
     inside, height = x.copy(), z.copy()
     left = x.min()

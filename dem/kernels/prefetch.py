@@ -8,7 +8,7 @@ from numba import config, njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-LINE = np.uint64(8)  # doubles in a cache line
+CACHE_LINE = np.uint64(8)  # doubles in a cache line
 
 
 @intrinsic

@@ -4,7 +4,7 @@ For springs between pairs, K <= diag(sum over pairs of (1 + w_j / w_i) K_ii) wit
 (a + b)^2 <= (1 + w_j / w_i) a^2 + (1 + w_i / w_j) b^2 for what the motions a of disc i and b of disc j do to a spring.
 Therefore omega_max^2 is at most the largest eigenvalue of these 3 x 3 blocks of translation and rotation over mass:
 with equal weights twice that of K_ii, and only that of K_ii beside fixed discs. Weights that are multiplied by the
-eigenvalues of their discs, as in a power iteration, may give a smaller bound; the smallest of `WEIGHINGS` bounds
+eigenvalues of their discs, as in a power iteration, may give a smaller bound; the smallest of `WEIGHT_ROUNDS` bounds
 counts. The dashpots have the same weights. The stepping scheme is stable for a mode of frequency omega and damping c =
 2 zeta omega as long as h^2 omega^2 + 4 h c <= 4 (its characteristic polynomial leaves the unit circle at -1), and a
 step that is stable at the bound is stable for every mode.
@@ -23,17 +23,17 @@ import numpy as np
 from numba import njit
 
 from dem.kernels.arguments import Springs
-from dem.kernels.contact import CN, CT, KN, KPN, KPS, KS, MU_ROLLING, STOP
+from dem.kernels.contact import CN, CT, KN, KPN, KPS, KS, MU_ROLLING, STOP_STIFFNESS
 from dem.kernels.device_function import device_function
 from dem.kernels.layout import INVMASS, LANES, LENGTH, LINK, RADII, RIM, ROLL_LINK, SHARE, Layout, X, Z, entry, place
 from dem.kernels.period import Period, image
 from dem.kernels.transpose import CONSTANT_RECORD
 
 ONE, TWO, THREE, FOUR, FIVE = (np.uint64(k) for k in range(1, 6))
-DASHPOTS = np.uint64(8)  # behind the block of stiffness
-BLOCKS = 16  # doubles of a disc: its two blocks, each in a cache line
-WEIGHINGS = 3
-ROUNDED = 1.0 + 1e-9  # the formula of the eigenvalue is exact to less
+DASHPOT_BLOCK = np.uint64(8)  # behind the block of stiffness
+BLOCK_DOUBLES = 16  # doubles of a disc: its two blocks, each in a cache line
+WEIGHT_ROUNDS = 3  # sets of weights, each of which gives a bound
+ROUNDING_FACTOR = 1.0 + 1e-9  # on the eigenvalue, whose rounding error is smaller
 
 
 class Bodies(NamedTuple):
@@ -131,16 +131,16 @@ def largest_eigenvalue(blocks: np.ndarray, at: np.uint64, invmass: float, rim: f
     xx, zz, rr = xx - mean, zz - mean, rr - mean
     spread = np.sqrt((xx * xx + zz * zz + rr * rr + 2.0 * (xz * xz + xr * xr + zr * zr)) / 6.0)
     if not spread > 1e-12 * mean:
-        return mean * ROUNDED
+        return mean * ROUNDING_FACTOR
     determinant = xx * (zz * rr - zr * zr) - xz * (xz * rr - zr * xr) + xr * (xz * zr - zz * xr)
     cosine = min(1.0, max(-1.0, 0.5 * determinant / spread**3))
-    return (mean + 2.0 * spread * np.cos(np.arccos(cosine) / 3.0)) * ROUNDED
+    return (mean + 2.0 * spread * np.cos(np.arccos(cosine) / 3.0)) * ROUNDING_FACTOR
 
 
 @device_function(nogil=True, forceinline=True)
 def blocks_of(disc: int) -> np.uint64:
     """Return the places of the two blocks of a disc: of stiffness, then of dashpots."""
-    return np.uint64(disc) * np.uint64(BLOCKS)
+    return np.uint64(disc) * np.uint64(BLOCK_DOUBLES)
 
 
 @device_function(nogil=True, forceinline=True)
@@ -170,7 +170,7 @@ def add_pair(
     # overlap only shortens the lever
     along = (dx / d, dz / d, max(d / radii, 1.0))
     constant = np.uint64(kind) * np.uint64(CONSTANT_RECORD)
-    kn = records[constant + np.uint64(KN)] + records[constant + np.uint64(STOP)]
+    kn = records[constant + np.uint64(KN)] + records[constant + np.uint64(STOP_STIFFNESS)]
     ks = records[constant + np.uint64(KS)]
     rolls = ks if records[constant + np.uint64(MU_ROLLING)] > 0.0 else 0.0
     if length != 0.0:
@@ -180,14 +180,14 @@ def add_pair(
     turns = ct if rolls > 0.0 else 0.0
     block, share = blocks_of(a), share_of(weights, a, b)
     add_block(blocks, block, 1.0, along, share * kn, share * ks)
-    add_block(blocks, block + DASHPOTS, 1.0, along, share * cn, share * ct)
+    add_block(blocks, block + DASHPOT_BLOCK, 1.0, along, share * cn, share * ct)
     blocks[block + FIVE] += share * rolls * parts[1] ** 2
-    blocks[block + DASHPOTS + FIVE] += share * turns * parts[1] ** 2
+    blocks[block + DASHPOT_BLOCK + FIVE] += share * turns * parts[1] ** 2
     block, share = blocks_of(b), share_of(weights, b, a)
     add_block(blocks, block, -1.0, along, share * kn, share * ks)
-    add_block(blocks, block + DASHPOTS, -1.0, along, share * cn, share * ct)
+    add_block(blocks, block + DASHPOT_BLOCK, -1.0, along, share * cn, share * ct)
     blocks[block + FIVE] += share * rolls * parts[0] ** 2
-    blocks[block + DASHPOTS + FIVE] += share * turns * parts[0] ** 2
+    blocks[block + DASHPOT_BLOCK + FIVE] += share * turns * parts[0] ** 2
 
 
 @device_function(nogil=True)
@@ -196,10 +196,10 @@ def add_line(blocks: np.ndarray, disc: int, line: int, kind: int, springs: Sprin
     table, at = springs.lines, blocks_of(disc)
     against = (springs.walls[line, 2], springs.walls[line, 3], 1.0)
     add_block(blocks, at, -1.0, against, table[KN, kind], table[KS, kind])
-    add_block(blocks, at + DASHPOTS, -1.0, against, table[CN, kind], table[CT, kind])
+    add_block(blocks, at + DASHPOT_BLOCK, -1.0, against, table[CN, kind], table[CT, kind])
     if table[MU_ROLLING, kind] > 0.0:
         blocks[at + FIVE] += table[KS, kind]
-        blocks[at + DASHPOTS + FIVE] += table[CT, kind]
+        blocks[at + DASHPOT_BLOCK + FIVE] += table[CT, kind]
 
 
 @device_function(nogil=True)
@@ -208,11 +208,11 @@ def step_of(blocks: np.ndarray, disc: int, invmass: float, rim: float, least: fl
     above it; inf for a disc that cannot move; invmass, rim: see `bound`.
     """
     at = blocks_of(disc)
-    step = _stable(bound(blocks, at, invmass, rim), bound(blocks, at + DASHPOTS, invmass, rim))
+    step = _stable(bound(blocks, at, invmass, rim), bound(blocks, at + DASHPOT_BLOCK, invmass, rim))
     if step >= least:
         return step
     return _stable(
-        largest_eigenvalue(blocks, at, invmass, rim), largest_eigenvalue(blocks, at + DASHPOTS, invmass, rim)
+        largest_eigenvalue(blocks, at, invmass, rim), largest_eigenvalue(blocks, at + DASHPOT_BLOCK, invmass, rim)
     )
 
 
@@ -228,7 +228,7 @@ def weigh(blocks: np.ndarray, weights: np.ndarray, disc: int, invmass: float, ri
     `bound`."""
     at = blocks_of(disc)
     weights[disc] *= bound(blocks, at, invmass, rim)
-    for k in range(BLOCKS):
+    for k in range(BLOCK_DOUBLES):
         blocks[at + np.uint64(k)] = 0.0
 
 
@@ -243,7 +243,7 @@ def _add_all(
     springs: Springs,
     period: Period,
 ) -> None:
-    """Add all pairs and lines to the blocks; arguments as in `stable_step`."""
+    """Add stiffness and damping of all pairs and lines to the blocks of the discs; arguments as in `stable_step`."""
     x, z, radius = bodies.x, bodies.z, bodies.radius
     for c in range(len(pairs.i)):
         a, b = pairs.i[c], pairs.j[c]
@@ -266,10 +266,10 @@ def stable_step(
     at_lines: contacts with rigid lines; springs: constants; period: period of the ground.
     """
     discs = len(bodies.x)
-    blocks = np.zeros(discs * BLOCKS)
+    blocks = np.zeros(discs * BLOCK_DOUBLES)
     weights = np.where(bodies.invmass > 0.0, 1.0, 0.0)
     largest, which = 0.0, -1
-    for weighing in range(WEIGHINGS):
+    for weighing in range(WEIGHT_ROUNDS):
         _add_all(blocks, weights, bodies, pairs, skin, at_lines, springs, period)
         least, slowest = np.inf, -1
         for a in range(discs):
@@ -321,10 +321,10 @@ def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Spri
 
     layout: discs and contacts; discs: number of discs; skin, springs, period: as in `stable_step`.
     """
-    blocks, weights, largest = np.zeros(discs * BLOCKS), np.zeros(discs), 0.0
+    blocks, weights, largest = np.zeros(discs * BLOCK_DOUBLES), np.zeros(discs), 0.0
     for a in range(discs):
         weights[a] = 1.0 if layout.discs[place(a, INVMASS)] > 0.0 else 0.0
-    for _ in range(WEIGHINGS):
+    for _ in range(WEIGHT_ROUNDS):
         _add_layout(blocks, weights, layout, discs, skin, springs, period)
         least = np.inf
         for a in range(discs):

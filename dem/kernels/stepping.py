@@ -40,8 +40,8 @@ from dem.kernels.device_function import device_function
 from dem.kernels.layout import Layout
 from dem.kernels.liquefied_step import add_pressed, press
 from dem.kernels.losses import along
-from dem.kernels.prefetch import LINE, fetch, wide_vectors
-from dem.kernels.transpose import EIGHT, add_gathered, spread
+from dem.kernels.prefetch import CACHE_LINE, fetch, wide_vectors
+from dem.kernels.transpose import LANE_GROUP, add_gathered, spread
 from dem.kernels.work_buffers import OWNED_DISCS, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_constants, load_own
 
 # Why a run of the kernel came to its end.
@@ -81,7 +81,7 @@ def sum_forces(p: int, layout: Layout, buffer: np.ndarray) -> None:
                 buffer[SUM_R + q] += layout.rolling[at + field.TORQUE + q]
     for k in range(count):
         slot = (others + np.uint64(k)) * ROW
-        for lane in range(0, field.LANES, EIGHT):
+        for lane in range(0, field.LANES, LANE_GROUP):
             q = np.uint64(lane)
             add_gathered(links, layout.incoming, slot + q, buffer, SUM_X + q)
 
@@ -132,9 +132,9 @@ def move_lanes(
             by_external = add(by_external, along(mass * step.mean_x, mass * step.mean_z, vx, vz))
             driven = along(buffer[SUM_X + q], buffer[SUM_Z + q], vx, vz) + buffer[SUM_R + q] * vr
             by_boundary = add(by_boundary, 0.0 if invmass > 0.0 else -driven)
-    for lane in range(0, field.LANES, EIGHT):
+    for lane in range(0, field.LANES, LANE_GROUP):
         q = np.uint64(lane)
-        spread(buffer, OWNED_DISCS + q, shared, (np.uint64(p) * ROW + q) * LINE)
+        spread(buffer, OWNED_DISCS + q, shared, (np.uint64(p) * ROW + q) * CACHE_LINE)
     return moved, by_weight * step.dt, by_external * step.dt, by_boundary * step.kick
 
 
@@ -180,14 +180,14 @@ def contacts_of_slice(
     pores = law.pores or not law.soil
     damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
     for line in range(OWN_LINES):
-        fetch(layout.discs, np.uint64(p) * field.DISC + np.uint64(line) * LINE)
+        fetch(layout.discs, np.uint64(p) * field.DISC + np.uint64(line) * CACHE_LINE)
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
         if chunk == unknown:
             load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, law.soil, pores, buffer)
         else:
-            for k in range(layout.fresh_start[chunk], layout.fresh_start[chunk + 1]):
-                load_constants(np.uint64(layout.fresh[k]), layout.kinds, springs.records, law.soil, pores, buffer)
-        if entries.wanted:
+            for k in range(layout.changed_start[chunk], layout.changed_start[chunk + 1]):
+                load_constants(np.uint64(layout.changed[k]), layout.kinds, springs.records, law.soil, pores, buffer)
+        if entries.summed:
             deep, damped, slid, cracked, rolled = contacts_with_losses(chunk, state, buffer, slip_time, law)
             damping += damped
             sliding += slid
@@ -202,7 +202,7 @@ def contacts_of_slice(
         damping += damped
         sliding += slid
         rolling += rolled
-    if entries.wanted:
+    if entries.summed:
         entries.sums[p, DASHPOT] += damping
         entries.sums[p, SLIDING] += sliding
         entries.sums[p, CRACKS] += cracks
@@ -218,12 +218,12 @@ def move_slice(p: int, layout: Layout, buffer: np.ndarray, step: Step, entries: 
     at_hand: the slice whose discs are in the buffer.
     """
     sum_forces(p, layout, buffer)
-    if len(layout.liquefied.near) > 0:
+    if len(layout.liquefied.paired) > 0:
         add_pressed(p, layout, buffer)
     pull_added_mass(p, layout, step.level)
     if p != at_hand:
         load_own(p, layout.shared, buffer)
-    if not entries.wanted:
+    if not entries.summed:
         return move(p, layout.discs, layout.shared, buffer, step)
     moved, by_weight, by_external, by_boundary = move_with_work(p, layout.discs, layout.shared, buffer, step)
     added = added_momentum(p, layout) * step.dt
@@ -334,7 +334,8 @@ def take_steps(
         while place + 2 < len(loads.times) and loads.times[place + 1] < time:
             place += 1
         step = step_at(time, last_dt, clock.dt, loads, place, reach)
-        if len(layout.liquefied.first) > 0 and (clock.before + taken) % layout.liquefied.every == 0:
+        wet = layout.liquefied
+        if len(wet.disc_i) > 0 and (clock.steps_before + taken) % wet.steps_between_looks == 0:
             press(team, layout, law, entries, clock.dt)
         too_deep = False
         moved = False
@@ -344,8 +345,8 @@ def take_steps(
             at_hand = p
             if threads > 1:
                 report(barrier, thread)
-            while ready < end and (layout.last[ready] <= p or layout.last[ready] >= end):
-                if layout.first[ready] >= begin and layout.last[ready] < end:
+            while ready < end and (layout.highest_owner[ready] <= p or layout.highest_owner[ready] >= end):
+                if layout.lowest_owner[ready] >= begin and layout.highest_owner[ready] < end:
                     moved |= move_slice(ready, layout, buffer, step, entries, at_hand)
                     at_hand = ready
                 ready += 1

@@ -12,14 +12,14 @@ from numba import config, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-EIGHT = 8  # lanes at a time
+LANE_GROUP = 8  # lanes at a time
 SHARED = 8  # doubles in the record of a disc: the fields of a partner that a contact reads, one cache line
 CONSTANT_RECORD = 24  # doubles from one record of constants to the next
 _ROW = 64
 
 _double = ir.DoubleType()
 _pair = ir.VectorType(_double, 2)
-_eight = ir.VectorType(_double, EIGHT)
+_eight = ir.VectorType(_double, LANE_GROUP)
 
 
 def _order(*lanes: int) -> ir.Constant:
@@ -48,9 +48,9 @@ def _join(builder: Any, parts: list[Any]) -> Any:
 def _all(builder: Any, value: Any) -> Any:
     """Return a vector of eight equal entries."""
     single = builder.insert_element(
-        ir.Constant(ir.VectorType(value.type, EIGHT), ir.Undefined), value, ir.IntType(32)(0)
+        ir.Constant(ir.VectorType(value.type, LANE_GROUP), ir.Undefined), value, ir.IntType(32)(0)
     )
-    return builder.shuffle_vector(single, single, _order(*[0] * EIGHT))
+    return builder.shuffle_vector(single, single, _order(*[0] * LANE_GROUP))
 
 
 def _turn(builder: Any, source: Any, begin: list[Any], fields: int, target: Any, to: Any) -> None:
@@ -80,7 +80,7 @@ def gather(context: Any, records: Any, apart: Any, fields: Any, places: Any, fir
         target = _data(context, builder, signature.args[5], arguments[5])
         word = ir.IntType(64)
         begin = []
-        for lane in range(EIGHT):
+        for lane in range(LANE_GROUP):
             place = builder.load(builder.gep(index, [builder.add(arguments[4], word(lane))]))
             begin.append(builder.mul(builder.zext(place, word), word(apart.literal_value)))
         _turn(builder, source, begin, fields.literal_value, target, arguments[6])
@@ -100,7 +100,7 @@ def unfold(context: Any, records: Any, at: Any, rows: Any, to: Any) -> Any:
         source = _data(context, builder, signature.args[0], arguments[0])
         target = _data(context, builder, signature.args[2], arguments[2])
         word = ir.IntType(64)
-        begin = [builder.add(arguments[1], word(lane * SHARED)) for lane in range(EIGHT)]
+        begin = [builder.add(arguments[1], word(lane * SHARED)) for lane in range(LANE_GROUP)]
         _turn(builder, source, begin, SHARED, target, arguments[3])
         return context.get_dummy_value()
 
@@ -126,7 +126,7 @@ def spread(context: Any, rows: Any, at: Any, records: Any, to: Any) -> Any:
             )
             for odd, order in enumerate((_LOW, _HIGH)):
                 both = builder.shuffle_vector(low, high, order)
-                for k in range(0, EIGHT, 2):
+                for k in range(0, LANE_GROUP, 2):
                     place = builder.add(arguments[3], word((k + odd) * SHARED + field))
                     part = builder.shuffle_vector(both, both, _order(k, k + 1))
                     builder.store(part, _at(builder, target, place, _pair), 8)
@@ -148,26 +148,27 @@ def add_gathered(context: Any, values: Any, places: Any, first: Any, rows: Any, 
         source = _data(context, builder, signature.args[0], arguments[0])
         index = _data(context, builder, signature.args[1], arguments[1])
         target = _data(context, builder, signature.args[3], arguments[3])
-        word, number = ir.IntType(64), ir.VectorType(index.type.pointee, EIGHT)
-        wide, mask = ir.VectorType(word, EIGHT), ir.VectorType(ir.IntType(1), EIGHT)
+        word, number = ir.IntType(64), ir.VectorType(index.type.pointee, LANE_GROUP)
+        wide, mask = ir.VectorType(word, LANE_GROUP), ir.VectorType(ir.IntType(1), LANE_GROUP)
         begin = builder.load(_at(builder, index, arguments[2], number), align=index.type.pointee.width // 8)
         begin = builder.zext(begin, wide)
-        pointers = ir.VectorType(_double.as_pointer(), EIGHT)
+        pointers = ir.VectorType(_double.as_pointer(), LANE_GROUP)
         read = cgutils.get_or_insert_function(
             builder.module,
             ir.FunctionType(_eight, [pointers, ir.IntType(32), mask, _eight]),
             "llvm.masked.gather.v8f64.v8p0",
         )
         for row in range(3):
-            place = builder.add(begin, ir.Constant(wide, [row * _ROW] * EIGHT))
+            place = builder.add(begin, ir.Constant(wide, [row * _ROW] * LANE_GROUP))
             there = builder.inttoptr(
                 builder.add(
-                    builder.mul(place, ir.Constant(wide, [8] * EIGHT)), _all(builder, builder.ptrtoint(source, word))
+                    builder.mul(place, ir.Constant(wide, [8] * LANE_GROUP)),
+                    _all(builder, builder.ptrtoint(source, word)),
                 ),
                 pointers,
             )
             gathered = builder.call(
-                read, [there, ir.IntType(32)(8), ir.Constant(mask, [1] * EIGHT), ir.Constant(_eight, ir.Undefined)]
+                read, [there, ir.IntType(32)(8), ir.Constant(mask, [1] * LANE_GROUP), ir.Constant(_eight, ir.Undefined)]
             )
             sums = _at(builder, target, builder.add(arguments[4], word(row * _ROW)), _eight)
             builder.store(builder.fadd(builder.load(sums, align=8), gathered), sums, 8)
@@ -180,24 +181,24 @@ if config.DISABLE_JIT:
 
     def gather(records: Any, apart: int, fields: int, places: Any, first: Any, rows: Any, to: Any) -> None:
         """Do the same as `gather` without vector instructions, one double at a time."""
-        for lane in range(EIGHT):
+        for lane in range(LANE_GROUP):
             for field in range(fields):
                 rows[int(to) + field * _ROW + lane] = records[int(places[int(first) + lane]) * apart + field]
 
     def unfold(records: Any, at: Any, rows: Any, to: Any) -> None:
         """Do the same as `unfold` without vector instructions, one double at a time."""
-        for lane in range(EIGHT):
+        for lane in range(LANE_GROUP):
             for field in range(SHARED):
                 rows[int(to) + field * _ROW + lane] = records[int(at) + lane * SHARED + field]
 
     def spread(rows: Any, at: Any, records: Any, to: Any) -> None:
         """Do the same as `spread` without vector instructions, one double at a time."""
-        for lane in range(EIGHT):
+        for lane in range(LANE_GROUP):
             for field in range(SHARED):
                 records[int(to) + lane * SHARED + field] = rows[int(at) + field * _ROW + lane]
 
     def add_gathered(values: Any, places: Any, first: Any, rows: Any, to: Any) -> None:
         """Do the same as `add_gathered` without vector instructions, one double at a time."""
-        for lane in range(EIGHT):
+        for lane in range(LANE_GROUP):
             for row in range(3):
                 rows[int(to) + row * _ROW + lane] += values[int(places[int(first) + lane]) + row * _ROW]

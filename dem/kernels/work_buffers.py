@@ -11,8 +11,8 @@ from dem.kernels.arguments import State
 from dem.kernels.contact import KN
 from dem.kernels.device_function import device_function
 from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS
-from dem.kernels.prefetch import LINE, fetch
-from dem.kernels.transpose import CONSTANT_RECORD, EIGHT, SHARED, gather, unfold
+from dem.kernels.prefetch import CACHE_LINE, fetch
+from dem.kernels.transpose import CONSTANT_RECORD, LANE_GROUP, SHARED, gather, unfold
 
 # The partners' first eight fields, overwritten by the direction there, and two of `contact_geometry`;
 # the constants; three sums of forces.
@@ -21,11 +21,12 @@ CONSTANT = np.uint64(10 * LANES)
 SUM_X, SUM_Z, SUM_R = (np.uint64((10 + CONSTANT_RECORD + k) * LANES) for k in range(3))
 OWNED_DISCS = np.uint64((13 + CONSTANT_RECORD) * LANES)  # the shared fields of the slice's own discs
 BUFFER_SIZE = (13 + CONSTANT_RECORD + SHARED) * LANES
-FEWER, ALL = 14, 20  # constants of the paper's discs, or of soil discs without pore springs; of all: even numbers
+# Constants of the discs of the paper, or of soil discs without pore springs; and of all discs: even numbers.
+FEW_CONSTANTS, ALL_CONSTANTS = 14, 20
 ROW = np.uint64(LANES)
 ONE = np.uint64(1)
-BLOCK = 16  # partners fetched at a time: the fewest lanes in a loop that LLVM makes vectors of
-PREFETCHED = 2  # chunks
+FETCH_BLOCK = 16  # partners fetched at a time: the fewest lanes in a loop that LLVM makes vectors of
+PREFETCHED_CHUNKS = 2  # chunks
 
 
 @njit(cache=True, nogil=True)
@@ -52,11 +53,11 @@ def load_constants(
     """
     q = first % ROW
     if soil and pores:
-        gather(records, CONSTANT_RECORD, ALL, kinds, first, buffer, CONSTANT + q)
+        gather(records, CONSTANT_RECORD, ALL_CONSTANTS, kinds, first, buffer, CONSTANT + q)
     elif pores:
-        gather(records, CONSTANT_RECORD, FEWER, kinds, first, buffer, CONSTANT + q)
+        gather(records, CONSTANT_RECORD, FEW_CONSTANTS, kinds, first, buffer, CONSTANT + q)
     else:
-        gather(records[KN:], CONSTANT_RECORD, FEWER, kinds, first, buffer, constant(KN) + q)
+        gather(records[KN:], CONSTANT_RECORD, FEW_CONSTANTS, kinds, first, buffer, constant(KN) + q)
 
 
 @device_function(nogil=True)
@@ -66,16 +67,16 @@ def load_all_constants(
     """Load the constants of all contacts of a chunk; first, kinds, records, soil, pores, buffer: as in
     `load_constants`.
     """
-    for lane in range(0, LANES, EIGHT):
+    for lane in range(0, LANES, LANE_GROUP):
         load_constants(first + np.uint64(lane), kinds, records, soil, pores, buffer)
 
 
 @device_function(nogil=True, forceinline=True)
 def load_own(p: int, shared: np.ndarray, buffer: np.ndarray) -> None:
     """Copy the shared fields of the 64 discs of slice p into rows."""
-    for lane in range(0, LANES, EIGHT):
+    for lane in range(0, LANES, LANE_GROUP):
         q = np.uint64(lane)
-        unfold(shared, (np.uint64(p) * ROW + q) * LINE, buffer, OWNED_DISCS + q)
+        unfold(shared, (np.uint64(p) * ROW + q) * CACHE_LINE, buffer, OWNED_DISCS + q)
 
 
 @device_function(nogil=True, forceinline=True)
@@ -87,14 +88,14 @@ def load_partners(chunk: int, lane: int, state: State, buffer: np.ndarray, soil:
     requests.
     """
     chunks = np.uint64(len(state.partner)) // ROW
-    later = min(np.uint64(chunk + PREFETCHED), chunks - ONE) * ROW
-    for k in range(lane, lane + BLOCK):
+    later = min(np.uint64(chunk + PREFETCHED_CHUNKS), chunks - ONE) * ROW
+    for k in range(lane, lane + FETCH_BLOCK):
         q = np.uint64(k)
-        fetch(state.links, later * np.uint64(LINK_FIELDS) + q * LINE)
-        fetch(state.shared, np.uint64(state.partner[later + q]) * LINE)
+        fetch(state.links, later * np.uint64(LINK_FIELDS) + q * CACHE_LINE)
+        fetch(state.shared, np.uint64(state.partner[later + q]) * CACHE_LINE)
     if soil:
-        for k in range(lane * ROLL_FIELDS // 8, (lane + BLOCK) * ROLL_FIELDS // 8):
-            fetch(state.rolling, later * np.uint64(ROLL_FIELDS) + np.uint64(k) * LINE)
-    for k in range(lane, lane + BLOCK, EIGHT):
+        for k in range(lane * ROLL_FIELDS // 8, (lane + FETCH_BLOCK) * ROLL_FIELDS // 8):
+            fetch(state.rolling, later * np.uint64(ROLL_FIELDS) + np.uint64(k) * CACHE_LINE)
+    for k in range(lane, lane + FETCH_BLOCK, LANE_GROUP):
         q = np.uint64(k)
         gather(state.shared, SHARED, SHARED, state.partner, np.uint64(chunk) * ROW + q, buffer, q)

@@ -102,7 +102,7 @@ def _layer_check(layer: SoilLayer, spring: LayerSprings, patches: Sequence[Patch
     return LayerCheck(
         stratum=stratum.name,
         pressures_Pa=tuple(map(float, layer.pressures)),
-        strength_soil_Pa=tuple(map(float, layer.wanted)),
+        strength_soil_Pa=tuple(map(float, layer.required_strength)),
         strength_discs_Pa=tuple(map(known, after)),
         peak_discs_Pa=tuple(
             float(np.mean([patch.course for patch in at_pressure], axis=0).max()) if at_pressure else None

@@ -22,7 +22,7 @@ LEAST_RIGIDITY = 50.0  # E over strength; of clays some 150 to 1000
 # kn over strength below which the contacts of cohesive ground open widely; it may then be stiffer than
 # LARGEST_STIFFNESS.
 FIRM_STIFFNESS = 200.0
-STRENGTH_TOLERANCE = 0.09  # of the strength wanted
+STRENGTH_TOLERANCE = 0.09  # of the required strength
 OVERLAP = 0.5  # of a radius, that soil discs may reach whatever softens
 
 
@@ -36,9 +36,9 @@ class SoilContacts:
         Vertical effective stress for which the contacts are fitted (Pa).
     pressures : (3,)
         Confining pressures at which strength is compared (Pa).
-    wanted : (3,)
+    required_strength : (3,)
         Half the deviator stress at failure of the soil at these pressures (Pa).
-    expected : (3,)
+    expected_strength : (3,)
         Half the deviator stress at failure of the discs at these pressures, by the strength map (Pa).
     friction : float
         Friction coefficient mu of the contacts.
@@ -54,8 +54,8 @@ class SoilContacts:
 
     stress: float
     pressures: np.ndarray
-    wanted: np.ndarray
-    expected: np.ndarray
+    required_strength: np.ndarray
+    expected_strength: np.ndarray
     friction: float
     cohesion: float
     stiffness: float
@@ -98,7 +98,7 @@ class SoilContacts:
         weight = density if buoyant_density is None else buoyant_density
         strength = self.strength(radius)
         discs = soil_discs(name, self.stiffness, strength, density, weight, radius, void_ratio, allowed_overlap=OVERLAP)
-        return replace(discs, undrained_strength=0.0 if self.turns else float(self.wanted[0]))
+        return replace(discs, undrained_strength=0.0 if self.turns else float(self.required_strength[0]))
 
 
 @dataclass(frozen=True)
@@ -174,12 +174,12 @@ def soil_contacts(
     turns = friction_angle > 0.0
     table = strength_map(turns)
     pressures = np.array(SHARES) * stress
-    wanted = mohr_coulomb_strength(cohesion, friction_angle, pressures)
+    required = mohr_coulomb_strength(cohesion, friction_angle, pressures)
     cohesive = cohesion > 0.0
     reach = 0.95 * table.strongest(cohesive) * pressures
     if youngs_modulus is not None:  # what is cohesive without being stiff would need contacts that open widely
         reach = np.minimum(reach, youngs_modulus / LEAST_RIGIDITY)
-    aimed = np.minimum(wanted, reach)
+    aimed = np.minimum(required, reach)
     contacts = table.fit(aimed, pressures, cohesive)
     real = LARGEST_STIFFNESS * stress
     if youngs_modulus is not None:
@@ -189,10 +189,18 @@ def soil_contacts(
     )
     gain = table.gained_by_softness(stiffness, pressures, contacts.cohesion)
     contacts = table.fit(aimed / gain, pressures, cohesive)
-    contacts = replace(contacts, expected=contacts.expected * gain)
-    notes = (*_on_strength(contacts, wanted, reach, pressures), *_on_stiffness(stiffness, real, stress))
+    contacts = replace(contacts, expected_strength=contacts.expected_strength * gain)
+    notes = (*_on_strength(contacts, required, reach, pressures), *_on_stiffness(stiffness, real, stress))
     return SoilContacts(
-        stress, pressures, wanted, contacts.expected, contacts.friction, contacts.cohesion, stiffness, turns, notes
+        stress,
+        pressures,
+        required,
+        contacts.expected_strength,
+        contacts.friction,
+        contacts.cohesion,
+        stiffness,
+        turns,
+        notes,
     )
 
 
@@ -220,13 +228,16 @@ def _fitted_layer(stratum: Stratum, stress: float) -> SoilLayer:
     return SoilLayer(**vars(contacts), stratum=stratum)
 
 
-def _on_strength(contacts: ContactStrength, wanted: np.ndarray, reach: np.ndarray, pressures: np.ndarray) -> list[str]:
-    if (wanted > reach).any():
+def _on_strength(
+    contacts: ContactStrength, required: np.ndarray, reach: np.ndarray, pressures: np.ndarray
+) -> list[str]:
+    if (required > reach).any():
         return [
-            f"discs cannot be as strong as this soil: the strength of the soil is {wanted[-1] / 1e3:.0f} kPa under "
-            f"{pressures[-1] / 1e3:.3g} kPa, the largest strength of discs {contacts.expected[-1] / 1e3:.0f} kPa"
+            f"discs cannot be as strong as this soil: the strength of the soil is {required[-1] / 1e3:.0f} kPa under "
+            f"{pressures[-1] / 1e3:.3g} kPa, the largest strength of discs "
+            f"{contacts.expected_strength[-1] / 1e3:.0f} kPa"
         ]
-    miss = contacts.expected / wanted - 1.0
+    miss = contacts.expected_strength / required - 1.0
     if np.abs(miss).max() <= STRENGTH_TOLERANCE:
         return []
     misses = ", ".join(f"{100.0 * m:+.0f} %" for m in miss)

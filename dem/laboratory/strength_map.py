@@ -56,12 +56,12 @@ class ContactStrength:
     ----------
     friction : friction coefficient mu
     cohesion : C over the mean diameter (Pa)
-    expected (n,) : strength at the required pressures, by the map (Pa)
+    expected_strength (n,) : strength at the required pressures by the strength map (Pa)
     """
 
     friction: float
     cohesion: float
-    expected: np.ndarray
+    expected_strength: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -139,24 +139,24 @@ class StrengthMap:
         has_any = self.friction >= 0.0
         return self.friction[has_any], self.after[has_any, 0]
 
-    def fit(self, wanted: np.ndarray, pressure: np.ndarray, cohesive: bool = True) -> ContactStrength:
+    def fit(self, required: np.ndarray, pressure: np.ndarray, cohesive: bool = True) -> ContactStrength:
         """Fit the friction and cohesion of contacts, so that the ratios of the strengths by the map to the required
         strengths (Pa) are closest to 1 at all pressures.
 
         cohesive: False for contacts without cohesion.
         """
         if not cohesive:
-            ratio = float(np.exp(np.mean(np.log(wanted / pressure))))
+            ratio = float(np.exp(np.mean(np.log(required / pressure))))
             friction, after = self._sand
             mu = float(np.interp(np.log(ratio), np.log(after), friction))
             return ContactStrength(mu, 0.0, self.strength(mu, 0.0, pressure))
         highest = float(self.cohesion[-1] * np.max(pressure))
 
         def miss(values: np.ndarray) -> np.ndarray:
-            return np.asarray(np.log(self.strength(values[0], values[1], pressure) / wanted))
+            return np.asarray(np.log(self.strength(values[0], values[1], pressure) / required))
 
         bounds = [self.friction[0], 0.0], [self.friction[-1], highest]
-        scale = max(1e-3 * highest, min(float(wanted.mean()), 0.9 * highest))
+        scale = max(1e-3 * highest, min(float(required.mean()), 0.9 * highest))
         best = min(
             (
                 least_squares(miss, [min(mu, float(self.friction[-1])), c], bounds=bounds, x_scale=[0.1, scale])

@@ -55,7 +55,7 @@ class BaseMotion:
     ----------
     acceleration : external acceleration of the discs in the frame of the base
     starts : time at which each stratum begins to liquefy
-    first : first time at which a stratum liquefies, or could liquefy (s)
+    first_onset : first time at which a stratum liquefies, or could liquefy (s)
     onset : time in which each stratum liquefies (s)
     rest_from : time before which the slide does not end, even if the ground is at rest (s)
     end : time at which the computation ends (s)
@@ -63,7 +63,7 @@ class BaseMotion:
 
     acceleration: Acceleration
     starts: Mapping[int, float]
-    first: float
+    first_onset: float
     onset: float
     rest_from: float
     end: float
@@ -81,7 +81,7 @@ class BaseMotion:
 
     def wait(self, since: float, longest: float) -> float:
         """Return the time to the next change of springs (s), at most ``longest``."""
-        starts = {self.first, *self.starts.values()}
+        starts = {self.first_onset, *self.starts.values()}
         waits = [start - since for start in starts if start - since > TIME_TOLERANCE]
         going = self.onset > 0.0 and any(-TIME_TOLERANCE <= since - start < self.onset for start in starts)
         return min([longest, *waits, *([self.onset / FADING_STEPS] if going else [])])
@@ -129,7 +129,7 @@ def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], setting
             settings.kh, start.time, lead or max(onset, 1e-3), settings.kh_seconds
         ),
         starts=dict.fromkeys(strata, lead),
-        first=lead,
+        first_onset=lead,
         onset=onset,
         rest_from=begin if settings.kh_seconds is None else max(begin, settings.kh_seconds + 1.0),
         end=settings.duration,
@@ -146,11 +146,11 @@ def recorded_motion(
     """
     over, onset = float(shaking.time[-1] - shaking.time[0]), settings.onset_of(start.law)
     starts = {k: shaking.onsets[k] for k in strata}
-    first = min(starts.values(), default=0.0)
+    first_onset = min(starts.values(), default=0.0)
     return BaseMotion(
         acceleration=ground.recorded_acceleration(shaking.time - shaking.time[0] + start.time, shaking.acceleration),
         starts=starts,
-        first=first,
+        first_onset=first_onset,
         onset=onset,
         rest_from=max([over, *(begin + onset for begin in starts.values())]),
         end=over + settings.duration,

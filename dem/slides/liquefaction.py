@@ -172,7 +172,7 @@ class Slider:
     def _initial_model(self) -> DiscModel:
         model = self.start.copy()
         self.cut = set()
-        self._cut(model, [k for k in self.strata if self.motion.starts[k] == self.motion.first])
+        self._cut(model, [k for k in self.strata if self.motion.starts[k] == self.motion.first_onset])
         model.acceleration = self.motion.acceleration
         model.base_impedance = self.impedance
         model.rough_base = self.ground.section is not None and self.ground.kind == "random"
@@ -196,7 +196,7 @@ class Slider:
     def _liquefy(self) -> None:
         """Set the springs of the layers to the degree of liquefaction at the current time."""
         since = self.model.time - self.start.time
-        if since < self.motion.first - TIME_TOLERANCE:
+        if since < self.motion.first_onset - TIME_TOLERANCE:
             return
         model, law, case = self.model, self.model.law, self.case
         shares = {k: share for k in self.strata if (share := self.motion.share(k, since)) > 0.0}
@@ -218,7 +218,7 @@ class Slider:
     def _drained(self) -> dict[int, float]:
         """Return the share of the volume of strata lost by drainage so far."""
         since = self.model.time - self.start.time
-        if self.case is None or since < self.motion.first - TIME_TOLERANCE:
+        if self.case is None or since < self.motion.first_onset - TIME_TOLERANCE:
             return {}
         return {k: self.motion.share(k, since) * self.case.volumetric_strain for k in self.strata}
 

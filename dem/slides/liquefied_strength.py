@@ -9,7 +9,7 @@ from dem.case import Case
 from dem.disc_area import area_with_voids
 from dem.ground import Ground
 from dem.kernels import liquefied_pairs as bond
-from dem.kernels.liquefied_bonds import FITTED
+from dem.kernels.liquefied_bonds import FITTED_STRENGTH
 from dem.liquefied_ground import LARGEST_STRAIN, SHEAR_MODULUS, SMALLEST_STRAIN, Onset, change_strength, is_liquefying
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
@@ -20,7 +20,7 @@ from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potentia
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NO_STRENGTH = 1e-6  # Pa
 # Shear modulus of elastic bonds in simple shear over the strength at their limit, over the strain of a bond there.
-ELASTIC = 0.25 * np.pi * FITTED
+ELASTIC = 0.25 * np.pi * FITTED_STRENGTH
 
 
 def liquefied(

@@ -186,8 +186,8 @@ class PlaneStrain:
         if len(masters) != len(slaves) or not np.allclose(
             master_heights, slave_heights, atol=1e-6 * master_heights[-1], rtol=0.0
         ):
-            alike = "points of the mesh" if section.layering.repeats else "layers and the same height"
-            remedy = f'expected the same {alike} at both; use sides = "free-field" or "fixed"'
+            alike = "the same points of the mesh" if section.layering.repeats else "layers of the same thickness"
+            remedy = f'expected {alike} at both; use sides = "free-field" or "fixed"'
             raise InputError(
                 section.name, [f'fem, sides = "periodic": the {first} and {second} sides differ; {remedy}']
             )

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 # Of a column of nodes (J/m): kinetic energy that forces gave it, work of pore water.
-GAINED, BUOYED = range(2)
+KINETIC_GAIN, WATER_WORK = range(2)
 FREE, FIXED, WALL = range(3)  # of a node: free; at rest relative to the base; horizontally at rest relative to it
 # Of a compliant base: ρ V_s L (kg/s per metre), 0 if rigid; its velocity before and after a step (m/s); energy (J/m)
 # that left through it.
-IMPEDANCE, OLD, NEW, LEFT = range(4)
-BASE = 4
+IMPEDANCE, OLD_VELOCITY, NEW_VELOCITY, RADIATED = range(4)
+BASE_FIELDS = 4
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -31,7 +31,7 @@ def move_base(grid: Floats, uplift: Floats, support: NDArray[np.int8], dt: float
 
     M their mass, F the force on them, and F_0 the sum of all forces on the ground but those of shaking: the base
     carries F_0 while the ground is at rest. The dashpots are implicit, so that no time step is too long for them.
-    ``base`` (BASE,) is changed; ``grid``, ``uplift``, ``support``, ``dt``: as in `move_grid`; ``shaking``: as in
+    ``base`` (BASE_FIELDS,) is changed; ``grid``, ``uplift``, ``support``, ``dt``: as in `move_grid`; ``shaking``: as in
     `scatter`.
     """
     if base[IMPEDANCE] == 0.0:
@@ -46,10 +46,10 @@ def move_base(grid: Floats, uplift: Floats, support: NDArray[np.int8], dt: float
                 if support[i, j] != FREE:
                     base_mass += mass
                     base_force += force
-    old = base[NEW]
+    old = base[NEW_VELOCITY]
     new = (base_mass * old + dt * (base_force - at_rest)) / (base_mass + dt * base[IMPEDANCE])
-    base[OLD], base[NEW] = old, new
-    base[LEFT] += 0.5 * dt * (old + new) * (base[IMPEDANCE] * new + at_rest)
+    base[OLD_VELOCITY], base[NEW_VELOCITY] = old, new
+    base[RADIATED] += 0.5 * dt * (old + new) * (base[IMPEDANCE] * new + at_rest)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -60,12 +60,12 @@ def move_grid(
     """Compute the velocities (nx, nz, 4) of the nodes in columns first to last, before and after a step.
 
     ``grid`` (nx, nz, NODE): see `scatter`; ``uplift`` (nx, nz, 2): force of pore water on a volume of ground, minus its
-    pressure gradient (N/m³); ``support`` (nx, nz): FREE, FIXED or WALL; ``dt``: time step (s); ``damping``: local non-
-    viscous damping of the forces (Cundall 1987), 0 for none; ``base`` (BASE,): motion of the base and of the nodes that
-    are held. Fills ``velocity`` (m/s) and ``gained`` (nx, 2): the kinetic energy (J/m) that all forces gave to the
-    nodes of each column, and the part of this energy by pore water.
+    pressure gradient (N/m³); ``support`` (nx, nz): FREE, FIXED or WALL; ``dt``: time step (s); ``damping``: local
+    non-viscous damping of the forces (Cundall 1987), 0 for none; ``base`` (BASE_FIELDS,): motion of the base and of the
+    nodes fixed to it. Fills ``velocity`` (m/s) and ``gained`` (nx, 2): the kinetic energy (J/m) that all forces gave to
+    the nodes of each column, and the part of this energy by pore water.
     """
-    base_old, base_new = base[OLD], base[NEW]
+    base_old, base_new = base[OLD_VELOCITY], base[NEW_VELOCITY]
     for i in range(first, last):
         energy = buoyed = 0.0
         for j in range(grid.shape[1]):
@@ -93,5 +93,5 @@ def move_grid(
             velocity[i, j, 0], velocity[i, j, 1], velocity[i, j, 2], velocity[i, j, 3] = old_x, old_z, new_x, new_z
             energy += 0.5 * mass * (new_x * new_x + new_z * new_z - old_x * old_x - old_z * old_z)
             buoyed += 0.5 * dt * (water_x * (old_x + new_x) + water_z * (old_z + new_z))
-        gained[i, GAINED] += energy
-        gained[i, BUOYED] += buoyed
+        gained[i, KINETIC_GAIN] += energy
+        gained[i, WATER_WORK] += buoyed

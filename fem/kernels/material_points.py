@@ -44,25 +44,27 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fem.kernels.grid_motion import NEW, move_base, move_grid
+from fem.kernels.grid_motion import NEW_VELOCITY, move_base, move_grid
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# Of a point: Lamé's λ + G (Pa), shear modulus (Pa), c cos φ (Pa), sin φ, largest mean tension (Pa), volume that
-# drains in a unit of time (1/s, shrinking positive), weight over seismic mass; shear modulus (Pa) below a radius of
-# Mohr's circle (Pa), where it is less, and viscosity (Pa s) besides.
-BULK, SHEAR, STRENGTH, SIN_PHI, LIMIT, DRAINS, HEAVY, SOFT, KNEE, VISCOUS = range(10)
+# Properties of a point: Lamé's λ + G (Pa), shear modulus (Pa), c cos φ (Pa), sin φ, largest mean tension (Pa), rate of
+# volumetric strain by drainage (1/s, shrinking positive), weight over seismic mass; smaller shear modulus (Pa) below a
+# radius of Mohr's circle (Pa), and viscosity (Pa s) there.
+BULK, SHEAR, STRENGTH, SIN_PHI, TENSION_LIMIT, DRAINAGE_RATE, WEIGHT_RATIO = range(7)
+SOFT_SHEAR, SOFT_RADIUS, VISCOSITY = range(7, 10)
 PROPERTIES = 10
-# Of a point: volume (m²), mass (kg/m), opened volumetric strain, plastic shear strain; of its stress, half the
-# difference of the normal ones and the shear stress (Pa) that are viscous.
-VOLUME, MASS, OPENED, SHEARED, VISCOUS_HALF, VISCOUS_CROSS = range(6)
+# State of a point: volume (m²), mass (kg/m), volumetric strain of open cracks, plastic shear strain; viscous part (Pa)
+# of half the difference of the normal stresses, and of the shear stress.
+VOLUME, MASS, OPENED_STRAIN, PLASTIC_STRAIN, VISCOUS_HALF_DIFFERENCE, VISCOUS_SHEAR = range(6)
 STATE = 6
-# Of a node: mass, momentum, force, volume, what is above 0 where it is held vertically; then volume strain (m²) by the
-# mean stress and compliance (m²/Pa) of the points in the knot span about the next node to the right and above.
+# Of a node: mass, momentum (2), force (2), volume, a number above 0 where the node is fixed vertically; then volume
+# strain (m²) by the mean stress, and compliance (m²/Pa), of the points in the knot span about the next node to the
+# right and above.
 NODE = 9
 SPAN_STRAIN, SPAN_COMPLIANCE = 7, 8
-RELAXED = 0.1  # of its deviation from the mean stress of its knot span, that a point loses in a step
+RELAXED_SHARE = 0.1  # share ρ of the deviation from the mean stress of the knot span that a point loses in a step
 # Sums of a stripe (J/m): work of weight and shaking, energy dissipated by shear, opening and drainage.
 EXTERNAL, DISSIPATED = range(2)
 
@@ -79,7 +81,11 @@ def _flows(state: Floats, properties: Floats, p: int) -> bool:
     """Return whether the mean stress of a point is relaxed towards that of its knot span, which is done in ground that
     has φ = 0, can yield and is not cracked open.
     """
-    return properties[p, SIN_PHI] == 0.0 and properties[p, STRENGTH] < properties[p, BULK] and state[p, OPENED] <= 0.0
+    return (
+        properties[p, SIN_PHI] == 0.0
+        and properties[p, STRENGTH] < properties[p, BULK]
+        and state[p, OPENED_STRAIN] <= 0.0
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -165,14 +171,19 @@ def _update_stress(
 ) -> float:  # fmt: skip
     """Return the stress of a point after a strain increment (tensor components) and a rotation, and the energy
     dissipated (J/m)."""
-    bulk, shear, soft, knee = properties[p, BULK], properties[p, SHEAR], properties[p, SOFT], properties[p, KNEE]
+    bulk, shear, soft, knee = (
+        properties[p, BULK],
+        properties[p, SHEAR],
+        properties[p, SOFT_SHEAR],
+        properties[p, SOFT_RADIUS],
+    )
     mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
     # dissipated (slip, viscosity, opening, drainage, softening): work at the mean of both stresses less elastic energy
     cos, sin = math.cos(2.0 * spin), math.sin(2.0 * spin)
     half, cross = half * cos + cross * sin, cross * cos - half * sin
     lost = 0.5 * (mean * (xx + zz) + half * (xx - zz)) + cross * xz + 0.5 * mean * mean / bulk
     if knee > 0.0:
-        late_half, late_cross = state[p, VISCOUS_HALF], state[p, VISCOUS_CROSS]
+        late_half, late_cross = state[p, VISCOUS_HALF_DIFFERENCE], state[p, VISCOUS_SHEAR]
         half, cross = half - (late_half * cos + late_cross * sin), cross - (late_cross * cos - late_half * sin)
         radius = math.sqrt(half * half + cross * cross)
         lost += _shear_energy(radius, shear, soft, knee)
@@ -185,30 +196,30 @@ def _update_stress(
         lost += 0.5 * (half * half + cross * cross) / shear
         half, cross = half + shear * (xx - zz), cross + 2.0 * shear * xz
     volumetric = xx + zz + drained
-    opened = state[p, OPENED]
+    opened = state[p, OPENED_STRAIN]
     if opened > 0.0:
         opened += volumetric
         if opened < 0.0:
             mean, opened = mean + bulk * opened, 0.0
     else:
         mean += bulk * volumetric + relaxed
-    if mean > properties[p, LIMIT]:
-        opened += (mean - properties[p, LIMIT]) / bulk
-        mean = properties[p, LIMIT]
-    state[p, OPENED] = opened
+    if mean > properties[p, TENSION_LIMIT]:
+        opened += (mean - properties[p, TENSION_LIMIT]) / bulk
+        mean = properties[p, TENSION_LIMIT]
+    state[p, OPENED_STRAIN] = opened
     radius = math.sqrt(half * half + cross * cross)
     strength = max(properties[p, STRENGTH] - mean * properties[p, SIN_PHI], 0.0)
     if radius > strength:
-        state[p, SHEARED] += _strain_of(radius, shear, soft, knee) - _strain_of(strength, shear, soft, knee)
+        state[p, PLASTIC_STRAIN] += _strain_of(radius, shear, soft, knee) - _strain_of(strength, shear, soft, knee)
         half, cross, radius = half * strength / radius, cross * strength / radius, strength
     lost -= 0.5 * mean * mean / bulk + _shear_energy(radius, shear, soft, knee)
     if knee > 0.0:
-        late_half = half + properties[p, VISCOUS] * (xx - zz) / dt
-        late_cross = cross + 2.0 * properties[p, VISCOUS] * xz / dt
+        late_half = half + properties[p, VISCOSITY] * (xx - zz) / dt
+        late_cross = cross + 2.0 * properties[p, VISCOSITY] * xz / dt
         total = math.sqrt(late_half * late_half + late_cross * late_cross)
         scale = strength / total if total > strength else 1.0
         late_half, late_cross = scale * late_half, scale * late_cross
-        state[p, VISCOUS_HALF], state[p, VISCOUS_CROSS] = late_half - half, late_cross - cross
+        state[p, VISCOUS_HALF_DIFFERENCE], state[p, VISCOUS_SHEAR] = late_half - half, late_cross - cross
         half, cross = late_half, late_cross
     stress[p, 0], stress[p, 1], stress[p, 2] = mean + half, mean - half, cross
     lost += 0.5 * (mean * (xx + zz) + half * (xx - zz)) + cross * xz
@@ -272,7 +283,7 @@ def gather(
             affine[p, 2] = czx + keep * (affine[p, 2] - stiff * ozx)
             affine[p, 3] = czz + keep * (affine[p, 3] - stiff * ozz)
             cxx, czx = cxx - slope * cxz, czx - slope * czz
-            heavy, mass = properties[p, HEAVY], state[p, MASS]
+            heavy, mass = properties[p, WEIGHT_RATIO], state[p, MASS]
             middle_x, middle_z = 0.5 * (old_x + new_x), 0.5 * (old_z + new_z)
             external += mass * dt * ((shaking + heavy * gravity_x) * middle_x + heavy * gravity_z * middle_z)
             external += dt * (side[p] * middle_x - 0.25 * cell * abs(side[p]) * cxx)
@@ -288,8 +299,10 @@ def gather(
             relaxed = 0.0
             if _flows(state, properties, p):
                 span = grid[i % columns if periodic else i, j]
-                relaxed = RELAXED * (span[SPAN_STRAIN] / span[SPAN_COMPLIANCE] - 0.5 * (stress[p, 0] + stress[p, 1]))
-            drained = dt * properties[p, DRAINS]
+                relaxed = RELAXED_SHARE * (
+                    span[SPAN_STRAIN] / span[SPAN_COMPLIANCE] - 0.5 * (stress[p, 0] + stress[p, 1])
+                )
+            drained = dt * properties[p, DRAINAGE_RATE]
             dissipated += _update_stress(
                 stress, state, properties, p, dt * cxx, dt * czz, 0.5 * dt * (cxz + czx), 0.5 * dt * (cxz - czx),
                 relaxed, drained, dt,
@@ -343,7 +356,7 @@ def advance(
     ``sums``: as in `gather`; ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``,
     ``cell``, ``slope``, ``periodic``, ``dt``, ``gravity_x``, ``gravity_z``, ``grid``: as in `scatter`.
     """
-    heavy = properties[:, HEAVY].copy()
+    heavy = properties[:, WEIGHT_RATIO].copy()
     for step in range(steps):
         grid[:] = 0.0
         shaking = accelerations[step]
@@ -355,6 +368,6 @@ def advance(
         move_base(grid, uplift, support, dt, shaking, base)
         move_grid(0, grid.shape[0], grid, uplift, support, dt, damping, base, velocity, gained)
         gather(
-            stripes, offsets, grid, velocity, cell, slope, periodic, dt, keep, shaking, gravity_x, gravity_z, base[NEW],
-            x, v, affine, stress, state, side, properties, sums,
+            stripes, offsets, grid, velocity, cell, slope, periodic, dt, keep, shaking, gravity_x, gravity_z,
+            base[NEW_VELOCITY], x, v, affine, stress, state, side, properties, sums,
         )  # fmt: skip

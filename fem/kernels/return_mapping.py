@@ -46,7 +46,7 @@ APEX, TENSION_APEX, LEFT_CORNER, RIGHT_CORNER = range(7, 11)
 ROUNDING = 1e-12
 # Closer than this, relative to their size, the in-plane principal stresses before and after the return have a
 # ratio that is lost to cancellation, and its limit is taken.
-COINCIDENT = 1e-9
+COINCIDENCE_TOLERANCE = 1e-9
 
 # Columns of the table of materials.
 LAME, SHEAR, COMPLIANCE, POISSON, LATERAL, SIN_PHI, COS_PHI, STRENGTH, SIN_PSI, APEX_STRESS = range(10)
@@ -259,7 +259,7 @@ def update_points(
             mean, radius_new = 0.5 * (sa + sb), 0.5 * (sa - sb)
             stress[i, 0], stress[i, 1] = mean + radius_new * cos, mean - radius_new * cos
             stress[i, 2], stress[i, 3] = sz, radius_new * sin
-            ratio = radius_new / radius if radius > COINCIDENT * (abs(x1) + abs(x3)) else -1.0
+            ratio = radius_new / radius if radius > COINCIDENCE_TOLERANCE * (abs(x1) + abs(x3)) else -1.0
         if with_tangent:
             _write_tangent(tangent, i, table, m, region, place, ratio, cos, sin)
         if with_plastic:

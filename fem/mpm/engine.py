@@ -109,7 +109,7 @@ class MaterialPointEngine:
             stripes -= 1  # even, so that the last one is no neighbour of its like
         self._stripes = np.arange(stripes, dtype=np.int64)
         self._sums = np.zeros((stripes, 2))
-        self.base = np.zeros(grid_motion.BASE)  # rigid; see `grid_motion.move_base`
+        self.base = np.zeros(grid_motion.BASE_FIELDS)  # rigid; see `grid_motion.move_base`
         self._sort()
 
     @property
@@ -117,7 +117,7 @@ class MaterialPointEngine:
         """Return the energy balance since the beginning."""
         (external, dissipated), (gained, buoyed) = self._sums.sum(axis=0), self._gained.sum(axis=0)
         energies = self.points.kinetic(self.grid.cell), self.points.elastic()
-        dissipated += self.base[grid_motion.LEFT]
+        dissipated += self.base[grid_motion.RADIATED]
         return MaterialPointEnergy(float(external + buoyed), float(dissipated), float(gained), *energies, *self._began)
 
     def run(self, seconds: float, shaking: ShakingHistory | None = None, damping: float = 0.0) -> None:
@@ -156,7 +156,7 @@ class MaterialPointEngine:
     def begin_again(self) -> None:
         """Set time and energies to zero."""
         self.time, self.steps, self._filtered = 0.0, 0, (0.0, 0)
-        self._gained[:], self._sums[:], self.base[grid_motion.OLD :] = 0.0, 0.0, 0.0
+        self._gained[:], self._sums[:], self.base[grid_motion.OLD_VELOCITY :] = 0.0, 0.0, 0.0
         self._began = self.points.kinetic(self.grid.cell), self.points.elastic()
 
     def dissipate(self, energy: float) -> None:
@@ -205,13 +205,13 @@ class MaterialPointEngine:
             list(pool.map(lambda stripe, acceleration=acceleration: kernel.gather(
                 stripe, self._offsets, self._nodes, self._velocity, grid.cell, grid.slope, grid.periodic,
                 dt, keep, acceleration,
-                *self.gravity, self.base[grid_motion.NEW], *moving, points.side, points.properties, self._sums,
+                *self.gravity, self.base[grid_motion.NEW_VELOCITY], *moving, points.side, points.properties, self._sums,
             ), self._all))  # fmt: skip
 
     def _scatter(self, pool: ThreadPoolExecutor, v: np.ndarray, affine: np.ndarray, acceleration: float) -> None:
         """Compute mass, momentum and forces of the nodes from velocities (n, 2), (n, 4) of the points."""
         points, grid = self.points, self.grid
-        heavy = points.properties[:, kernel.HEAVY].copy()
+        heavy = points.properties[:, kernel.WEIGHT_RATIO].copy()
         self._nodes[:] = 0.0
         for shares in self._even, self._odd:
             list(pool.map(lambda stripe: kernel.scatter(
@@ -232,8 +232,8 @@ class MaterialPointEngine:
         points, grid = self.points, self.grid
         if self.decay == 0.0 or np.isinf(self.decay):
             return
-        v, affine, at_rest = points.v.copy(), points.affine.copy(), np.zeros(grid_motion.BASE)
-        v[:, 0] -= self.base[grid_motion.NEW]
+        v, affine, at_rest = points.v.copy(), points.affine.copy(), np.zeros(grid_motion.BASE_FIELDS)
+        v[:, 0] -= self.base[grid_motion.NEW_VELOCITY]
         for _ in range(FILTER_POWER):
             self._scatter(pool, v, affine, 0.0)
             self._move_grid(pool, 0.0, 0.0, at_rest)

@@ -237,11 +237,11 @@ def _add_surcharges(
 ) -> None:
     """Add surcharges to the points of the surface: their weight, and the mass that shakes."""
     x, mass = places[surface, 0], points.state[surface, kernel.MASS]
-    weighs = points.properties[surface, kernel.HEAVY] * mass
+    weighs = points.properties[surface, kernel.WEIGHT_RATIO] * mass
     for load in section.surcharges:
         surcharge = load.at(x, x) * spacing / GRAVITY
         weighs, mass = weighs + surcharge, mass + load.seismic_share * surcharge
-    points.state[surface, kernel.MASS], points.properties[surface, kernel.HEAVY] = mass, weighs / mass
+    points.state[surface, kernel.MASS], points.properties[surface, kernel.WEIGHT_RATIO] = mass, weighs / mass
 
 
 def _soil(

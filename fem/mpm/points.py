@@ -79,7 +79,7 @@ class MaterialPoints:
         shear = soil.youngs_modulus / (2.0 * (1.0 + np.asarray(soil.poissons_ratio)))
         properties[:, kernel.SHEAR] = shear
         properties[:, kernel.BULK] = shear / (1.0 - 2.0 * np.asarray(soil.poissons_ratio))
-        properties[:, kernel.HEAVY] = soil.weight_ratio
+        properties[:, kernel.WEIGHT_RATIO] = soil.weight_ratio
         state = np.zeros((n, kernel.STATE))
         state[:, kernel.VOLUME] = volume
         state[:, kernel.MASS] = soil.density * state[:, kernel.VOLUME]
@@ -114,13 +114,13 @@ class MaterialPoints:
             apex = np.where(np.tan(phi) > 0.0, c / np.tan(phi), UNLIMITED_TENSION)
         self.properties[where, kernel.STRENGTH] = c * np.cos(phi)
         self.properties[where, kernel.SIN_PHI] = np.sin(phi)
-        self.properties[where, kernel.LIMIT] = np.minimum(np.minimum(limit, apex), UNLIMITED_TENSION)
+        self.properties[where, kernel.TENSION_LIMIT] = np.minimum(np.minimum(limit, apex), UNLIMITED_TENSION)
 
     def scale_shear(self, where: np.ndarray, factor: float) -> None:
         """Multiply the shear stress of points ``where``, without its viscous part, by a factor; the mean stress is
         unchanged.
         """
-        late = self.state[where, kernel.VISCOUS_HALF], self.state[where, kernel.VISCOUS_CROSS]
+        late = self.state[where, kernel.VISCOUS_HALF_DIFFERENCE], self.state[where, kernel.VISCOUS_SHEAR]
         xx, zz, xz = self.stress[where].T
         half, mean = late[0] + factor * (0.5 * (xx - zz) - late[0]), 0.5 * (xx + zz)
         self.stress[where] = np.column_stack([mean + half, mean - half, late[1] + factor * (xz - late[1])])
@@ -149,9 +149,11 @@ class MaterialPoints:
     def elastic(self) -> float:
         """Return the elastic energy (J/m) of the stress in the plane."""
         mean = 0.5 * (self.stress[:, 0] + self.stress[:, 1])
-        half = 0.5 * (self.stress[:, 0] - self.stress[:, 1]) - self.state[:, kernel.VISCOUS_HALF]
-        radius = np.hypot(half, self.stress[:, 2] - self.state[:, kernel.VISCOUS_CROSS])
-        bulk, shear, soft, knee = (self.properties[:, k] for k in (kernel.BULK, kernel.SHEAR, kernel.SOFT, kernel.KNEE))
+        half = 0.5 * (self.stress[:, 0] - self.stress[:, 1]) - self.state[:, kernel.VISCOUS_HALF_DIFFERENCE]
+        radius = np.hypot(half, self.stress[:, 2] - self.state[:, kernel.VISCOUS_SHEAR])
+        bulk, shear, soft, knee = (
+            self.properties[:, k] for k in (kernel.BULK, kernel.SHEAR, kernel.SOFT_SHEAR, kernel.SOFT_RADIUS)
+        )
         below = np.minimum(radius, knee)
         softly = np.divide(below**2, soft, out=np.zeros(len(soft)), where=knee > 0.0)
         density = 0.5 * (mean**2 / bulk + softly + (radius**2 - below**2) / shear)

@@ -31,15 +31,17 @@ ONSET_STEPS = 20  # in which strength changes as ground liquefies
 # 1/s: with which velocities of points decay that the grid cannot resolve. The first one counts. The smaller one keeps
 # more noise; the difference of the two, in coarse cells, is part of the method's interval.
 DECAY_RATES = (10.0, 1.0)
-# s: viscosity over stiffness of liquefied ground that has not strained by its potential. With it ground comes to rest
-# where it would if its stiffness were lost slowly, and does not swing for minutes; the loops of sand take that energy.
+# s: viscosity over stiffness of liquefied ground below its strain potential. With this viscosity ground comes to rest
+# where it would if its stiffness were lost slowly, and does not swing for minutes; in sand hysteresis dissipates this
+# energy.
 CREEP_TIME = 5.0
 CHECKPOINT_INTERVAL = 10.0  # s of wall-clock time between two checkpoints
 ENERGY_TOLERANCE = 0.02  # of the total energy exchanged: imbalance above which there is a warning
 # Properties that change as ground liquefies, and their columns, and that of the force at free-field sides, in what is
 # remembered of them.
 CHANGED_COLUMNS = (
-    kernel.STRENGTH, kernel.SIN_PHI, kernel.LIMIT, kernel.SHEAR, kernel.BULK, kernel.SOFT, kernel.KNEE, kernel.VISCOUS,
+    kernel.STRENGTH, kernel.SIN_PHI, kernel.TENSION_LIMIT, kernel.SHEAR, kernel.BULK, kernel.SOFT_SHEAR,
+    kernel.SOFT_RADIUS, kernel.VISCOSITY,
 )  # fmt: skip
 STRENGTH, SINE, LIMIT, SHEAR, BULK, SOFT, KNEE, VISCOUS, SIDE = range(9)
 ENGINE_PREFIX, START_PREFIX = "engine_", "began_"  # begin the names of arrays in a checkpoint
@@ -110,7 +112,7 @@ class PointSlider:
             points = self.ground.points
         points.start[:] = points.x
         points.v[:], points.affine[:] = 0.0, 0.0
-        points.state[:, kernel.SHEARED] = 0.0
+        points.state[:, kernel.PLASTIC_STRAIN] = 0.0
         self.engine.begin_again()
         return largest_movement
 
@@ -320,7 +322,7 @@ class PointSlider:
                 values[:, SIDE],
             )
             draining = programme.drained / programme.onset if 0.0 < share < 1.0 else 0.0
-            points.properties[points.stratum == k, kernel.DRAINS] = draining
+            points.properties[points.stratum == k, kernel.DRAINAGE_RATE] = draining
             shares[k] = share
         self.engine.dissipate(stored - points.elastic())
 

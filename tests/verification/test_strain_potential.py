@@ -36,7 +36,7 @@ def point() -> MaterialPoints:
     """A point of a cubic metre with a strain potential, under 50 kPa."""
     points = MaterialPoints.of(np.zeros((1, 2)), np.ones(1), PointSoil(1900.0, 2e7, 0.3, STRENGTH, 0.0))
     knee = float(stress_at_potential(np.array([5e4]), np.array([STRENGTH]))[0])
-    points.properties[0, [kernel.SOFT, kernel.KNEE]] = knee / POTENTIAL, knee
+    points.properties[0, [kernel.SOFT_SHEAR, kernel.SOFT_RADIUS]] = knee / POTENTIAL, knee
     points.properties[0, kernel.SHEAR] = (STRENGTH - knee) / REGAINING_STRAIN
     return points
 
@@ -67,7 +67,7 @@ def test_stress_of_a_point_follows_two_straight_lines_and_back() -> None:
 def test_a_point_holds_its_residual_strength_past_its_potential() -> None:
     """Beyond 55 % of strain the shear stress is the residual strength, however fast it is strained."""
     points = point()
-    points.properties[0, kernel.VISCOUS] = CREEP_TIME * points.properties[0, kernel.SOFT]
+    points.properties[0, kernel.VISCOSITY] = CREEP_TIME * points.properties[0, kernel.SOFT_SHEAR]
     stress, lost = sheared(points, np.full(400, 0.01))
     assert stress[60:] == pytest.approx(STRENGTH, rel=1e-9)
     assert lost == pytest.approx((4.0 - POTENTIAL - REGAINING_STRAIN) * STRENGTH, rel=0.05)
@@ -80,9 +80,9 @@ def crust_of_points(slope: EndlessSlope, cell: float) -> float:
     layer = points.stratum == 0
     effective = -points.stress[layer, 1]
     knee = stress_at_potential(effective, np.full(len(effective), STRENGTH))
-    points.properties[layer, kernel.SOFT], points.properties[layer, kernel.KNEE] = knee / POTENTIAL, knee
+    points.properties[layer, kernel.SOFT_SHEAR], points.properties[layer, kernel.SOFT_RADIUS] = knee / POTENTIAL, knee
     points.properties[layer, kernel.SHEAR] = (STRENGTH - knee) / REGAINING_STRAIN
-    points.properties[layer, kernel.VISCOUS] = CREEP_TIME * knee / POTENTIAL
+    points.properties[layer, kernel.VISCOSITY] = CREEP_TIME * knee / POTENTIAL
     points.scale_shear(layer, 0.0)
     engine.run(50.0)
     return float(points.displacement[points.stratum == 1, 0].mean())

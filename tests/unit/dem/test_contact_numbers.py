@@ -78,7 +78,7 @@ def test_patches_that_are_as_strong_as_the_map_make_layers_that_are(layers: list
 
     checks = programme.checks([by_the_map(task) for task in programme.tasks])
     for check, soil in zip(checks, layers, strict=True):
-        np.testing.assert_allclose(check.strength_discs_Pa, soil.expected, rtol=1e-9)
+        np.testing.assert_allclose(check.strength_discs_Pa, soil.expected_strength, rtol=1e-9)
     sand = checks[0]
     assert sand.phi_discs_deg == pytest.approx(33.0, abs=1.0)
     assert sand.E_discs_Pa == pytest.approx(sand.E_soil_Pa, rel=0.1)

@@ -12,18 +12,18 @@ from dem.case import Case
 from dem.engine.engine import Engine, largest_step
 from dem.ground import Ground
 from dem.kernels.contact import ALLOWED, CN, CT, KN, KS, MU
-from dem.kernels.liquefied_bonds import FITTED
+from dem.kernels.liquefied_bonds import FITTED_STRENGTH
 from dem.kernels.liquefied_laws import bond_kernel, density_kernel, stand_in_shares
 from dem.kernels.liquefied_pairs import (
     AREA,
     BOND,
+    COUNTER_ACROSS_AT,
+    COUNTER_ALONG_AT,
     DENSITY,
-    NOW,
+    PRESENT_DENSITY,
     PRESSURE_TERM,
     STRAIN,
     STRENGTH,
-    TAKEN_ACROSS_AT,
-    TAKEN_ALONG_AT,
 )
 from dem.kernels.liquefied_stress import measured_shear
 from dem.liquefied_ground import (
@@ -180,7 +180,7 @@ def test_pairs_take_back_the_shear_that_pressure_bears(axes: int, seed: int) -> 
     width, slope = np.array([density_kernel.py_func(min(r, model.reach), model.reach) for r in apart]).T
     twice = np.where(started[i] & started[j], 1.0, 2.0)
     loaded = twice * (wet[i, PRESSURE_TERM] + wet[j, PRESSURE_TERM]) * wet[i, AREA] * wet[j, AREA] * slope * apart
-    along, across = model.bonds[:, [TAKEN_ALONG_AT, TAKEN_ACROSS_AT]].T * apart
+    along, across = model.bonds[:, [COUNTER_ALONG_AT, COUNTER_ACROSS_AT]].T * apart
     fx, fz = along * nx - across * nz, along * nz + across * nx
     borne = loaded * (0.5 * (nx * nx - nz * nz) if axes == 0 else nx * nz)
     taken = 0.5 * (fx * nx - fz * nz) if axes == 0 else 0.5 * (fx * nz + fz * nx)
@@ -240,14 +240,14 @@ def affine(strain: np.ndarray) -> tuple[DiscModel, np.ndarray]:
     [([[0.0, 0.01], [0.0, 0.0]], 1.0), ([[0.0, 0.0], [-0.02, 0.0]], 1.0), ([[0.01, 0.0], [0.0, -0.01]], np.pi / 4.0)],
 )
 def test_the_shear_stress_that_bonds_hold_is_measured(strain: list[list[float]], constant: float) -> None:
-    """By integration over directions: FITTED times the strength in simple shear, and pi/4 of that in pure shear, since
-    bonds resist the rotation of simple shear, too."""
+    """By integration over directions: FITTED_STRENGTH times the strength in simple shear, and pi/4 of that in pure
+    shear, since bonds resist the rotation of simple shear, too."""
     model, way = affine(np.array(strain))
     stress, shear, used = measured_shear(
         model.liquefied, way, np.array([model.liquefied_i, model.liquefied_j]), model.bonds, model.reach, model.repeats
     )
     inside = (np.abs(model.x - 13.0) < 9.0) & (np.abs(model.z - 13.0) < 9.0)
-    assert stress[inside].mean() == pytest.approx(FITTED * constant * 1e4, rel=0.03)
+    assert stress[inside].mean() == pytest.approx(FITTED_STRENGTH * constant * 1e4, rel=0.03)
     gamma = np.hypot(strain[0][0] - strain[1][1], strain[0][1] + strain[1][0])
     assert shear[inside] == pytest.approx(gamma)
     assert used[inside] == pytest.approx(1.0)
@@ -259,7 +259,7 @@ def test_bonds_hold_less_where_the_ground_holds_more_than_was_asked() -> None:
     inside = (np.abs(model.x - 13.0) < 9.0) & (np.abs(model.z - 13.0) < 9.0)
     model.x, model.z = model.x_list + way[0], model.z_list + way[1]
     match_strength(model)
-    expected = np.exp(ADJUSTMENT_RATE * 0.02 * (1.0 - FITTED))
+    expected = np.exp(ADJUSTMENT_RATE * 0.02 * (1.0 - FITTED_STRENGTH))
     assert model.strength_factor[inside].mean() == pytest.approx(expected, rel=0.02)
     assert model.liquefied[:, STRENGTH] == pytest.approx(1e4 * model.strength_factor)
     model, way = affine(np.array([[0.0, 0.02], [-0.02, 0.0]]))
@@ -285,13 +285,13 @@ def test_contacts_of_liquefied_layers_are_gone() -> None:
 
 def test_what_drains_takes_its_area_along() -> None:
     model = heap()
-    area, density = model.liquefied[:, AREA].copy(), model.liquefied[:, NOW].copy()
+    area, density = model.liquefied[:, AREA].copy(), model.liquefied[:, PRESENT_DENSITY].copy()
     wet = is_liquefying(model)
     model.set_radius(np.where(wet, 0.95, 1.0) * model.radius)
     assert model.liquefied[wet, AREA] == pytest.approx(0.95**2 * area[wet])
     assert (model.liquefied[~wet, AREA] == area[~wet]).all()
     deep = wet & (model.z > 4.0) & (model.z < 6.0)
-    assert model.liquefied[deep, NOW] == pytest.approx(0.95**2 * density[deep])
+    assert model.liquefied[deep, PRESENT_DENSITY] == pytest.approx(0.95**2 * density[deep])
 
 
 def test_a_free_surface_counts_as_ground_that_is_as_dense_as_below() -> None:

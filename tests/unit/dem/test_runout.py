@@ -63,11 +63,11 @@ def test_run_until_rest() -> None:
 def test_contacts_without_a_section() -> None:
     sand = dem.soil_contacts(0.0, np.radians(35.0), 1e5)
     sine = np.sin(np.radians(35.0))
-    assert sand.wanted == pytest.approx(np.array([0.25, 0.5, 1.0]) * 1e5 * sine / (1.0 - sine))
-    assert sand.expected == pytest.approx(sand.wanted, rel=0.08)
+    assert sand.required_strength == pytest.approx(np.array([0.25, 0.5, 1.0]) * 1e5 * sine / (1.0 - sine))
+    assert sand.expected_strength == pytest.approx(sand.required_strength, rel=0.08)
     assert sand.cohesion == 0.0
     clay = dem.soil_contacts(5e4, 0.0, 1e5, 15e6)
-    assert clay.expected == pytest.approx(np.full(3, 5e4), rel=0.07)
+    assert clay.expected_strength == pytest.approx(np.full(3, 5e4), rel=0.07)
     assert not clay.notes
     springs = clay.discs("clay", 1800.0, 0.5, 0.25, buoyant_density=800.0)
     assert springs.density == pytest.approx(1.25 * 1800.0)

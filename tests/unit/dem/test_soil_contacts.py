@@ -74,7 +74,7 @@ def test_any_sand_is_met_at_all_stresses(degrees: float) -> None:
     wanted = PRESSURES * np.sin(phi) / (1.0 - np.sin(phi))
     fit = strength_map().fit(wanted, PRESSURES, cohesive=False)
     assert fit.cohesion == 0.0
-    assert fit.expected == pytest.approx(wanted, rel=0.02)
+    assert fit.expected_strength == pytest.approx(wanted, rel=0.02)
 
 
 @settings(deadline=None, max_examples=25)
@@ -84,13 +84,13 @@ def test_any_clay_is_met_at_all_stresses(cohesion_over_stress: float) -> None:
     wanted = np.full(3, cohesion_over_stress * PRESSURES[-1])
     fit = strength_map(turns=False).fit(wanted, PRESSURES)
     assert fit.friction < 0.0
-    assert fit.expected == pytest.approx(wanted, rel=0.07)
+    assert fit.expected_strength == pytest.approx(wanted, rel=0.07)
 
 
 def test_every_layer_of_s13() -> None:
     layers = {soil_layer.stratum.name: soil_layer for soil_layer in soil_layers(Section.read(SECTIONS / "s13.toml"))}
     # stiff discs are a little stronger at little stress, as sand is: 7 % to either side of the middle
-    assert layers["5 Asd"].expected == pytest.approx(layers["5 Asd"].wanted, rel=0.08)
+    assert layers["5 Asd"].expected_strength == pytest.approx(layers["5 Asd"].required_strength, rel=0.08)
     asd = layers["5 Asd"]
     kappa = asd.stiffness / (0.5 * asd.stress)
     assert asd.stratum.youngs_modulus / asd.stiffness == pytest.approx(0.493 * (kappa / 400.0) ** -0.22, rel=0.02)
@@ -108,17 +108,17 @@ def test_contacts_of_stiff_ground_are_as_soft_as_their_strength_allows() -> None
     """The stiffest contacts decide the time step of all discs: gravel would halve it, and rock quarter it."""
     gravel = soil_layers(homogeneous(youngs_modulus="500 MPa", cohesion="0 kPa", friction_angle="40 deg"))[0]
     assert gravel.stiffness == pytest.approx(LARGEST_STIFFNESS * gravel.stress)
-    assert gravel.expected == pytest.approx(gravel.wanted, rel=0.1)
+    assert gravel.expected_strength == pytest.approx(gravel.required_strength, rel=0.1)
     assert "softer than the soil" in gravel.notes[-1]
     clay = soil_layers(homogeneous(youngs_modulus="2 GPa", cohesion="900 kPa", friction_angle="0 deg"))[0]
-    assert clay.stiffness == pytest.approx(FIRM_STIFFNESS * clay.wanted[-1])
-    assert clay.expected == pytest.approx(clay.wanted, rel=0.1)
+    assert clay.stiffness == pytest.approx(FIRM_STIFFNESS * clay.required_strength[-1])
+    assert clay.expected_strength == pytest.approx(clay.required_strength, rel=0.1)
 
 
 def test_a_layer_that_no_discs_can_be_is_named_with_what_can_be_had() -> None:
     rock = soil_layers(homogeneous(cohesion="0 kPa", friction_angle="65 deg"))[0]
     assert "discs cannot be as strong" in rock.notes[0]
-    assert f"{rock.expected[-1] / 1e3:.0f} kPa" in rock.notes[0]
+    assert f"{rock.expected_strength[-1] / 1e3:.0f} kPa" in rock.notes[0]
     soft = soil_layers(homogeneous(youngs_modulus="1 MPa", cohesion="20 kPa", friction_angle="0 deg"))[0]
     assert any("stiffer than the soil" in note for note in soft.notes)
 

@@ -9,7 +9,7 @@ from dem.acceleration import Acceleration, tilted_gravity
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
-from dem.kernels.contact import GAP
+from dem.kernels.contact import ATTRACTION_REACH
 from dem.model import DiscModel
 from dem.pair_table import pair_table
 from dem.springs import STOP_DEPTH, LayerSprings
@@ -154,13 +154,13 @@ def test_of_two_materials_the_one_that_attracts_less_counts() -> None:
     clay = replace(BARE_SPRINGS, contact_cohesion=5e4, attraction=2.0)
     sand = replace(BARE_SPRINGS, name="sand", friction=0.5)
     loam = replace(clay, name="loam", kn=3.0 * KN, contact_cohesion=2e4)
-    gap = pair_table([clay, sand, loam], law="soil").pairs[GAP].reshape(4, 4)
+    gap = pair_table([clay, sand, loam], law="soil").pairs[ATTRACTION_REACH].reshape(4, 4)
     stored = np.array([1e5, 0.0, 4e4])
     assert np.diag(gap)[:3] == pytest.approx(stored / [KN, KN, 3.0 * KN])
     assert gap[0, 1] == gap[1, 2] == 0.0
     assert gap[0, 2] == gap[2, 0] == pytest.approx(4e4 / (2.0 * KN))
     assert gap[:3, 3] == pytest.approx(np.diag(gap)[:3])  # the boundary attracts as what touches it does
-    assert np.all(pair_table([replace(clay, contact_cohesion=0.0)], law="soil").pairs[GAP] == 0.0)
+    assert np.all(pair_table([replace(clay, contact_cohesion=0.0)], law="soil").pairs[ATTRACTION_REACH] == 0.0)
 
 
 @pytest.mark.parametrize(("loading", "due"), [(5e4, 0.7 * 5e4), (2e5, 6e4 + 0.1 * 2e5)])

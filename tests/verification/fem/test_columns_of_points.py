@@ -16,7 +16,7 @@ def test_vertical_cut_stands_below_its_stability_number(stability: float, stands
     engine = PointColumn(15.0, height, UNIT_WEIGHT * height / stability, 0.0, 1.0, 24.0).engine(1.0)
     engine.run(5.0)
     ground = engine.points.stratum == 0
-    sheared = engine.points.state[ground, kernel.SHEARED]
+    sheared = engine.points.state[ground, kernel.PLASTIC_STRAIN]
     assert (np.quantile(sheared, 0.99) < 0.1) == stands
 
 

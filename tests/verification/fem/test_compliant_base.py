@@ -69,7 +69,7 @@ def test_two_threads_and_a_checkpoint_give_the_same_bits() -> None:
             engine.run(0.1, shaking)
             engine.restore(stored)
         engine.run(0.3, shaking)
-        states.append((engine.original(engine.points.x), engine.base[grid_motion.NEW]))
+        states.append((engine.original(engine.points.x), engine.base[grid_motion.NEW_VELOCITY]))
     assert states[0][1] != 0.0
     assert np.array_equal(states[0][0], states[1][0])
     assert states[0][1] == states[1][1]
