@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import Field, StrictBool
 
 from dem.case import LOOSE_SAND, PAPER_CASES, Case
+from dem.disc_count import DISCS_ACROSS_LAYER, FEWEST_DISCS, MOST_DISCS, lattice_radius
 from dem.springs import Mean
 from meshes.section.motion_units import RecordComponent, RecordUnit
 from meshes.section.quantity import Length
@@ -64,7 +64,15 @@ class DemSettings(Model):
         ),
     )
     radius: Length | None = Field(default=None, description='mean radius of the discs, such as "0.75 m"')
-    elements: int = Field(default=2500, ge=50, le=1_000_000, description="number of discs if no radius is given")
+    elements: int = Field(
+        default=FEWEST_DISCS,
+        ge=50,
+        le=1_000_000,
+        description=(
+            f"number of discs if no radius is given; in a section file up to {MOST_DISCS} soil discs by default, so "
+            f"that the thinnest layer that liquefies, or lies on such a layer, is {DISCS_ACROSS_LAYER:g} discs thick"
+        ),
+    )
     spread: float = Field(
         default=0.2,
         ge=0.0,
@@ -212,7 +220,7 @@ class DemSettings(Model):
         """Return the mean radius of the discs (m): `radius`, or the radius with which `elements` discs fill the section
         as a lattice.
         """
-        return self.radius or float(np.sqrt(section.layering.areas().sum() / self.elements / np.sqrt(12.0)))
+        return self.radius or lattice_radius(section, self.elements)
 
 
 Seconds = Annotated[float, Field(ge=0.0)]

@@ -53,6 +53,14 @@ class Layering:
         at_left, at_right = self.thickness()
         return 0.5 * (self.width[:, None] * (at_left + at_right)).sum(axis=0)
 
+    def typical_thickness(self) -> np.ndarray:
+        """Return the thickness (m) of every stratum, averaged over its area, so that the thin end of a wedge counts
+        little; 0 for a stratum without an area."""
+        left, right = self.thickness()
+        squares = (self.width[:, None] * (left**2 + left * right + right**2)).sum(axis=0) / 3.0
+        areas = self.areas()
+        return np.divide(squares, areas, out=np.zeros_like(areas), where=areas > 0.0)
+
     def present(self) -> np.ndarray:
         """Return a mask of the intervals in which a stratum has an area, (intervals, strata)."""
         at_left, at_right = self.thickness()

@@ -9,6 +9,7 @@ import tomli_w
 from pydantic import PrivateAttr, ValidationError, model_validator
 
 from dem.case import Case, cases_of_loose_sand
+from dem.disc_count import usual_disc_count
 from dem.settings import AVERAGE, CASES, SlideSettings
 from fem.settings import Sides, usual_point_sides, usual_sides
 from meshes.errors import InputError
@@ -247,8 +248,12 @@ class Config(Tables):
                 fem = fem.changed(sides=usual_sides(section))
                 if slide.mpm_sides is None and (sides := usual_point_sides(section)) is not None:
                     slide = slide.changed(mpm_sides=sides)
+            dem = settings.dem
+            if dem.model == "soil" and not dem.model_fields_set & {"elements", "radius"}:
+                dem = dem.changed(elements=usual_disc_count(section))
             used = {
                 **dict(settings),
+                "dem": dem,
                 "fem": fem,
                 "slide": slide,
                 "mesh": settings.mesh.at_most(settings.fem.max_cells),

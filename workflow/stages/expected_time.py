@@ -6,6 +6,7 @@ numbers of minutes were wrong by up to four times. The order of magnitude is not
 
 from collections.abc import Callable, Mapping, Sequence
 
+from dem.disc_count import lattice_count
 from workflow.config import Config
 from workflow.estimates.structures import structures_of
 from workflow.run.plan import Decision
@@ -28,9 +29,7 @@ def _cases(config: Config) -> int:
 
 def _discs(config: Config) -> float:
     """Return the time of a run of the discs over that of `DISCS` discs."""
-    area = float(config.section.layering.areas().sum())
-    discs = area / (12.0**0.5 * config.dem.mean_radius(config.section) ** 2)
-    return float((discs / DISCS) ** TIME_POWER)
+    return float((lattice_count(config.section, config.dem.mean_radius(config.section)) / DISCS) ** TIME_POWER)
 
 
 def _packings(config: Config) -> int:

@@ -1,0 +1,47 @@
+"""Determines how many discs a section has by default: enough for the thinnest layer that slides.
+
+A crust or a seam of two discs neither bends nor shears as ground does. With 2500 discs a bank whose crust was 3 discs
+thick moved 0.5 m behind its edge, with 5000 discs 1.9 m, and material points 1.7 m; a fill on a seam of 1.5 discs moved
+12 m, with 5000 discs 14 m.
+"""
+
+import numpy as np
+
+from meshes.section.section import Section
+
+DISCS_ACROSS_LAYER = 4.0  # in the thinnest layer that slides, if the number of discs allows it
+FEWEST_DISCS, MOST_DISCS = 2500, 5000
+
+
+def usual_disc_count(section: Section) -> int:
+    """Return the default number of soil discs of a section file.
+
+    The layers that slide are those that liquefy in a case and those above them. The thinnest of them is
+    `DISCS_ACROSS_LAYER` discs thick if `FEWEST_DISCS` to `MOST_DISCS` discs suffice.
+
+    Parameters
+    ----------
+    section : Section
+        The ground as it stands in the file.
+
+    Returns
+    -------
+    int
+        The number of discs.
+    """
+    liquefying = [k for k, s in enumerate(section.strata) if s.liquefies_in or s.liquefies_in.triggered]
+    if not liquefying:
+        return FEWEST_DISCS
+    thickness = section.layering.typical_thickness()[: liquefying[-1] + 1]
+    radius = 0.5 * float(thickness[thickness > 0.0].min()) / DISCS_ACROSS_LAYER
+    return int(np.clip(lattice_count(section, radius), FEWEST_DISCS, MOST_DISCS))
+
+
+def lattice_count(section: Section, radius: float) -> float:
+    """Return the number of discs with a ``radius`` (m) that fill the section as a lattice."""
+    return float(section.layering.areas().sum()) / (np.sqrt(12.0) * radius**2)
+
+
+def lattice_radius(section: Section, count: float) -> float:
+    """Return the radius (m) with which ``count`` discs fill the section as a lattice."""
+    return float(np.sqrt(section.layering.areas().sum() / count / np.sqrt(12.0)))
