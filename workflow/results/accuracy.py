@@ -19,9 +19,9 @@ WIDENING = 2.0
 LAST_DIGIT, LAST_SHARE = 0.0005, 0.0005
 # What an interval can follow from.
 METHODS = (
-    "by the sequence of meshes", "by strict bounds", "by strict bounds (shallow failures of faces excluded)",
+    "by the sequence of meshes", "by strict bounds", "by strict bounds (shallow failures excluded)",
     "by strict bounds and the sequence of meshes",
-    "by strict bounds (shallow failures of faces excluded) and the sequence of meshes",
+    "by strict bounds (shallow failures excluded) and the sequence of meshes",
 )  # fmt: skip
 
 
@@ -92,7 +92,7 @@ def remaining_error(factor: FactorOfSafety, strict: SafetyPart | None) -> float 
 def proven_by(strengthened: bool) -> str:
     """Return the name of the bounds that limit an interval: bounds of the ground of the section file, or of ground with
     its bare faces ``strengthened``."""
-    return "by strict bounds (shallow failures of faces excluded)" if strengthened else "by strict bounds"
+    return "by strict bounds (shallow failures excluded)" if strengthened else "by strict bounds"
 
 
 def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:

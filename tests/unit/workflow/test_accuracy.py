@@ -72,7 +72,7 @@ def test_the_first_page_names_all_that_its_interval_follows_from() -> None:
     values = [headlines(results(RUN, fem=answer, bounds=item), Texts())[0].interval for item in (wide, deeper, None)]
     assert values == [
         "0.282 to 0.283 by strict bounds and the sequence of meshes",
-        "0.282 to 0.283 by strict bounds (shallow failures of faces excluded) and the sequence of meshes",
+        "0.282 to 0.283 by strict bounds (shallow failures excluded) and the sequence of meshes",
         "0.282 to 0.283 by the sequence of meshes",
     ]
 
