@@ -14,6 +14,7 @@ from dem.laboratory.patch import POROSITIES
 from dem.model import DiscModel
 from dem.packing import densest, one_stratum, random_packing
 from dem.search.undrained_clay import replace_contacts_of_clay
+from dem.slides.surface import topmost
 from dem.slides.until_rest import UntilRest, run_until_rest
 from dem.springs import SMOOTH, LayerSprings
 
@@ -98,8 +99,7 @@ class SoilColumn:
         """Return the area of voids over total area of the column below its mean top, before the release."""
         free = ~self.model.fixed
         x, top = self.model.x[free], (self.model.z + self.model.radius)[free]
-        column = (x / (4.0 * self.radius)).astype(int)
-        level = np.mean([top[column == k].max() for k in np.unique(column)])
+        level = np.mean(top[topmost(x, top, 4.0 * self.radius)])
         return float(1.0 - np.sum(np.pi * self.model.radius[free] ** 2) / (self.width * level))
 
     def settle(self) -> None:

@@ -33,10 +33,7 @@ class Surface:
         """Return the surface of discs in their present positions."""
         free = np.flatnonzero(~model.fixed)
         x, z = ground.to_section(model.x[free], model.z[free])
-        column = ((x - x.min()) / (2.0 * ground.radius)).astype(int)
-        order = np.lexsort((z, column))
-        last = np.flatnonzero(np.append(np.diff(column[order]) > 0, True))
-        top = order[last][:: ground.downhill]
+        top = topmost(x, z, 2.0 * ground.radius)[:: ground.downhill]
         third = np.minimum((np.arange(len(top)) * 3) // len(top), 2)
         return cls(free[top], x[top], z[top], third)
 
@@ -58,6 +55,20 @@ class Surface:
         x, z = ground.to_section(model.x[self.discs], model.z[self.discs])
         order = np.argsort(x, kind="stable")
         return np.column_stack([x, z + model.radius[self.discs]])[order]
+
+
+def topmost(x: np.ndarray, z: np.ndarray, width: float) -> np.ndarray:
+    """Return the numbers of the highest discs of all columns of a width (m), from left to right.
+
+    The last column is up to twice as wide: a narrower one at the right side may contain only discs far below the
+    surface.
+
+    x, z : (n,) positions of the discs (m)
+    """
+    last = max(int(np.ptp(x) / width) - 1, 0)
+    column = np.minimum(((x - x.min()) / width).astype(int), last)
+    order = np.lexsort((z, column))
+    return order[np.flatnonzero(np.append(np.diff(column[order]) > 0, True))]
 
 
 def crack_opening(model: DiscModel, ground: Ground, surface: Surface) -> float:

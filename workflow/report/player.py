@@ -16,6 +16,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
+from dem.slides.surface import topmost
 from workflow.figures.canvas import soil_colours
 from workflow.figures.discs import DISPLACEMENT_COLOURS
 from workflow.figures.fem import MOBILISED, MOBILISED_COLOURS, nice_number
@@ -119,9 +120,7 @@ def _extent(places: list[np.ndarray], reach: float) -> tuple[float, float]:
 def _surface(frame: Frame) -> np.ndarray:
     """Return the topmost disc of every column of discs, from left to right."""
     free = np.flatnonzero(frame.free)
-    column = ((frame.x[free] - frame.x[free].min()) / (2.0 * frame.radius.mean())).astype(int)
-    order = np.lexsort((frame.z[free], column))
-    return free[order[np.append(np.diff(column[order]) > 0, True)]]
+    return free[topmost(frame.x[free], frame.z[free], 2.0 * float(frame.radius.mean()))]
 
 
 def _path(results: Results) -> Iterator[Film]:

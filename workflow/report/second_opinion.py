@@ -52,7 +52,9 @@ class SecondOpinion:
             return f"{slides}, and both reach a side of the model, which limits both slides"
         if self.agreed and any(self.limits) and any(self.resting):
             stopped = "discs" if self.limits[0] else "material points"
-            return f"{slides}, and both agree, since a side of the model limits the slide of the {stopped}"
+            farther = self.points > self.discs if self.limits[0] else self.discs > self.points
+            link = "since" if farther else "although"
+            return f"{slides}, and both agree, {link} a side of the model limits the slide of the {stopped}"
         if self.agreed:
             return f"{slides}, and both agree" + ("" if any(self.resting) else " that the slide does not come to rest")
         if self.resting[0] != self.resting[1] and not any(self.limits):

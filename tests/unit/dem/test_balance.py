@@ -109,6 +109,19 @@ def test_ground_that_piles_up_at_a_side_is_told(start: DiscModel, ground: Ground
     assert (stopped_by(before), stopped_by(after)) == (None, "right")
 
 
+def test_a_narrow_column_at_the_right_side_is_no_hollow(start: DiscModel, ground: Ground) -> None:
+    """A column narrower than a disc had its highest disc 5 m below the ground: ground that rose by 0.4 m "piled up by
+    2.1 m at the right side", which then had stopped a slide that was at rest."""
+    free = np.flatnonzero(~start.fixed)
+    deepest = free[np.argmin(start.z[free])]
+    narrow = start.copy()
+    narrow.x[deepest] = start.x[free].min() + 2.0 * ground.radius * (
+        int(np.ptp(start.x[free]) / (2.0 * ground.radius)) + 1.2
+    )
+    assert deepest not in Surface.of(narrow, ground).discs
+    assert stopped_by(both_sides(start, narrow, ground)) is None
+
+
 @pytest.mark.parametrize(("columns", "side"), [(13, None), (8, "right")])
 def test_what_slid_far_and_ends_at_a_side_was_stopped_by_it(
     columns: int, side: str | None, start: DiscModel, ground: Ground

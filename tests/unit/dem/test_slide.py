@@ -274,4 +274,5 @@ def test_no_record_moves_nothing_and_its_sign_is_downhill(ground: Ground, start:
 
     count, down, up = far(0.0 * wave), far(wave), far(-wave)
     assert abs(count) < 1e-4
-    assert down > count > up
+    assert down > 1e-3
+    assert abs(up) < 0.1 * down  # ground that spreads to both sides: the weight resists this one

@@ -84,6 +84,8 @@ def test_a_slide_that_a_side_of_the_model_limits_agrees_with_a_longer_one(monkey
         "discs slide 32 m and material points 33 m, and both agree, since a side of the model limits the slide of the "
         "discs"
     )
+    although = "both agree, although a side of the model limits the slide of the discs"
+    assert at_side(2.3, 1.6).sentence().endswith(although)
     assert at_side(32.0, 90.0).agreed
     assert not at_side(32.0, 10.0).agreed
     assert "differ by more than" in at_side(32.0, 10.0).sentence()
