@@ -39,7 +39,7 @@ class Sizes:
     towards : size at "surface", "base" or the bottom of a stratum, by name
     corners, at_corners : triangles (k, 3, 2) in m that cover the section, and sizes (k, 3) at their corners, linear in
         between; empty without such sizes
-    far : factor by which ordinary sizes are larger far beyond the given ends of the section
+    far_factor : factor by which ordinary sizes are larger far beyond the given ends of the section
     repeats : whether the right side gets the points of the left side, as periodic sides require, if both have the same
         layers
     """
@@ -49,7 +49,7 @@ class Sizes:
     towards: Mapping[str, float] = field(default_factory=dict)
     corners: np.ndarray = field(default_factory=lambda: np.empty((0, 3, 2)))
     at_corners: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
-    far: float = 1.0
+    far_factor: float = 1.0
     repeats: bool = False
 
     @cached_property
@@ -302,7 +302,7 @@ def _size_field(
     for k, stratum in enumerate(section.strata):
         inside = fields.add("Constant")
         fields.setNumbers(inside, "SurfacesList", surfaces[k])
-        fields.setNumber(inside, "VIn", sizes.strata.get(stratum.name, sizes.far * sizes.ordinary))
+        fields.setNumber(inside, "VIn", sizes.strata.get(stratum.name, sizes.far_factor * sizes.ordinary))
         numbers.append(inside)
     for name, wanted in sizes.towards.items():
         far = max(sizes.ordinary, wanted)
@@ -313,7 +313,7 @@ def _size_field(
             numbers.append(_near_field([curve], near, sizes.ordinary, (sizes.ordinary - near) / STEP_GROWTH))
     if len(sizes.corners):
         numbers.append(_view_field(sizes))
-    if sizes.far > 1.0:
+    if sizes.far_factor > 1.0:
         numbers.append(_inside_field(section, sizes))
     smallest = fields.add("Min")
     fields.setNumbers(smallest, "FieldsList", numbers)
@@ -344,7 +344,7 @@ def _inside_field(section: Section, sizes: Sizes) -> int:
     fields = gmsh.model.mesh.field
     number = int(fields.add("Box"))
     (left, right), (low, high) = section.given_extent, (section.outline()[:, 1].min(), section.outline()[:, 1].max())
-    far = sizes.far * sizes.ordinary
+    far = sizes.far_factor * sizes.ordinary
     values = {
         "VIn": sizes.ordinary, "VOut": far, "XMin": left, "XMax": right, "YMin": low, "YMax": high,
         "ZMin": -1.0, "ZMax": 1.0, "Thickness": (far - sizes.ordinary) / STEP_GROWTH,

@@ -99,7 +99,7 @@ def generate(section: Section, settings: MeshSettings | None = None, path: Path 
 def sizes_of(section: Section, settings: MeshSettings) -> Sizes:
     """Return the sizes of a free mesh by its settings."""
     far = DISTANT_SIZE_RATIO if section.beyond is not None else 1.0
-    sizes = Sizes(settings.cell_size(section), settings.sizes_in(section), settings.towards_in(section), far=far)
+    sizes = Sizes(settings.cell_size(section), settings.sizes_in(section), settings.towards_in(section), far_factor=far)
     return sizes.times(1.0 / settings.refine)
 
 

@@ -10,7 +10,7 @@ class TipChange:
 
     Attributes
     ----------
-    part : the part of the ground whose tip changes, in words
+    name : the part of the ground whose tip changes, in words
     soil : its soil, as messages name it; empty for the whole section
     x : place of the tip (m)
     step : height of the step in which the tip ends (m)
@@ -18,7 +18,7 @@ class TipChange:
     gain : area that the part of the ground gets (m²); negative if it loses its tip
     """
 
-    part: str
+    name: str
     soil: str
     x: float
     step: float
@@ -28,7 +28,7 @@ class TipChange:
     @property
     def words(self) -> str:
         """Return a sentence on the tip."""
-        words = f"mesh: {self.part} thins out to nothing at x = {self.x:.4g} m; in the mesh it ends"
+        words = f"mesh: {self.name} thins out to nothing at x = {self.x:.4g} m; in the mesh it ends"
         if self.gain >= 0.0:
             return f"{words} there in a step of {self.step:.2g} m, with {self.gain:.2g} m² more"
         return f"{words} in a step of {self.step:.2g} m at x = {self.at:.4g} m, without the last {-self.gain:.2g} m²"

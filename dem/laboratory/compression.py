@@ -23,7 +23,7 @@ class PatchStrength:
     ----------
     pressure : confining pressure (Pa)
     E : Young's modulus in plane strain of a soil with the stiffness of the confined patch (Pa)
-    peak, after : half the deviator stress (Pa): at the peak, and its mean from a strain of `POST_PEAK_STRAIN` to
+    peak, post_peak : half the deviator stress (Pa): at the peak, and its mean from a strain of `POST_PEAK_STRAIN` to
         `LAST_STRAIN`
     dilation : angle of dilation at the peak (rad)
     course (BINS,) : half the deviator stress in each of `BINS` equal intervals of strain up to `LAST_STRAIN` (Pa). The
@@ -34,7 +34,7 @@ class PatchStrength:
     pressure: float
     E: float
     peak: float
-    after: float
+    post_peak: float
     dilation: float
     course: np.ndarray
 

@@ -45,7 +45,7 @@ def _pore_pressure(section: Section, x: float, z: float, stratum: int) -> float:
     if not water.present:
         return 0.0
     place = np.array([[x, z]])
-    ponded = water.ponded(water.after, place, place)
+    ponded = water.ponded(water.table_after, place, place)
     return float(water.at_rest(place, place, np.array([stratum]))[0] - ponded[0])
 
 

@@ -79,7 +79,7 @@ def _scaled_outcome(patch: TestOutcome, numbers: ContactNumbers, pressure: float
     share = numbers.strength / near.strength * pressure / PRESSURE
     stiffer = numbers.modulus * numbers.stiffness * pressure / (near.modulus * near.stiffness * PRESSURE)
     return replace(
-        patch, pressure=pressure, E=patch.E * stiffer, peak=patch.peak * share, after=patch.after * share,
+        patch, pressure=pressure, E=patch.E * stiffer, peak=patch.peak * share, post_peak=patch.post_peak * share,
         course=patch.course * share,
     )  # fmt: skip
 

@@ -72,15 +72,15 @@ class StrengthMap:
     ----------
     friction (m,) : friction coefficients mu of the contacts, in rising order
     cohesion (k,) : cohesion numbers C / (2 r p) of the contacts, in rising order
-    after, peak (m, k) : half the deviator stress over the confining pressure, after the peak and at the peak; mean over
-        the seeds
-    scatter (m, k) : standard deviation of `after` from seed to seed
+    post_peak, peak (m, k) : half the deviator stress over the confining pressure, after the peak and at the peak; mean
+        over the seeds
+    scatter (m, k) : standard deviation of `post_peak` from seed to seed
     modulus (m, k) : E over kn, with E of a soil of the same stiffness in plane strain; see `normal_stiffness`
     """
 
     friction: np.ndarray
     cohesion: np.ndarray
-    after: np.ndarray
+    post_peak: np.ndarray
     peak: np.ndarray
     scatter: np.ndarray
     modulus: np.ndarray
@@ -89,7 +89,7 @@ class StrengthMap:
         """Return the largest ratio in the map of half the deviator stress to the pressure, with or without cohesion of
         contacts.
         """
-        return float(self.after.max() if cohesive else self._sand[1].max())
+        return float(self.post_peak.max() if cohesive else self._sand[1].max())
 
     def normal_stiffness(self, youngs_modulus: float, pressure: float, friction: float, cohesion: float) -> float:
         """Return the contact stiffness kn (N/m) with which patches have this Young's modulus (Pa) at this pressure
@@ -129,7 +129,7 @@ class StrengthMap:
         diameter (Pa).
         """
         pressure = np.asarray(pressure, float)
-        return self._at(self.after, friction, cohesion / pressure) * pressure
+        return self._at(self.post_peak, friction, cohesion / pressure) * pressure
 
     @property
     def _sand(self) -> tuple[np.ndarray, np.ndarray]:
@@ -137,7 +137,7 @@ class StrengthMap:
         patches over the pressure.
         """
         has_any = self.friction >= 0.0
-        return self.friction[has_any], self.after[has_any, 0]
+        return self.friction[has_any], self.post_peak[has_any, 0]
 
     def fit(self, required: np.ndarray, pressure: np.ndarray, cohesive: bool = True) -> ContactStrength:
         """Fit the friction and cohesion of contacts, so that the ratios of the strengths by the map to the required

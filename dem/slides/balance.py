@@ -115,15 +115,15 @@ class SideEffect(NamedTuple):
     Attributes
     ----------
     name : "left" or "right"
-    came : number of surface discs that slid to within `SIDE_DISTANCE` diameters of the side
-    furthest : largest slide of these discs, over the largest slide of the surface
+    discs_near : number of surface discs that slid to within `SIDE_DISTANCE` diameters of the side
+    slide_share : largest slide of these discs, over the largest slide of the surface
     rise : rise of the surface at the side (m)
     piled : whether ground has piled up at the side
     """
 
     name: str
-    came: int
-    furthest: float
+    discs_near: int
+    slide_share: float
     rise: float
     piled: bool
 
@@ -153,8 +153,8 @@ def stopped_by(sides: Sequence[SideEffect]) -> str | None:
     A side counts as having stopped the slide if ground piled up there, or if ground there slid at least half as far as
     the largest slide.
     """
-    reached = [side for side in sides if side.piled or side.furthest > STOPPED_SHARE]
-    return max(reached, key=lambda side: (side.furthest, side.rise)).name if reached else None
+    reached = [side for side in sides if side.piled or side.slide_share > STOPPED_SHARE]
+    return max(reached, key=lambda side: (side.slide_share, side.rise)).name if reached else None
 
 
 def at_the_sides(sides: Sequence[SideEffect]) -> list[str]:
@@ -166,10 +166,10 @@ def at_the_sides(sides: Sequence[SideEffect]) -> list[str]:
                 f"the ground has piled up by {side.rise:.2g} m at the {side.name} side: take a longer section (setting "
                 "beyond)"
             )
-        if side.came:
+        if side.discs_near:
             notes.append(
-                f"{counted(side.came, 'disc', 'discs')} of the surface slid to within two diameters of the "
-                f"{side.name} side, which may stop {'this disc' if side.came == 1 else 'these discs'}: take a "
+                f"{counted(side.discs_near, 'disc', 'discs')} of the surface slid to within two diameters of the "
+                f"{side.name} side, which may stop {'this disc' if side.discs_near == 1 else 'these discs'}: take a "
                 "longer section (setting beyond)"
             )
     return notes

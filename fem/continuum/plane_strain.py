@@ -40,8 +40,8 @@ class PartialProblem:
     stress (points, 4) : accepted stress (Pa)
     material (points,) : numbers of the soils in ``table``, for every quadrature point
     table : constants of the soils, as ``mohr_coulomb.table`` returns them
-    least (points, 4, 4) : small stiffness (Pa) that is added to the tangent, so that the stiffness matrix is not
-        singular
+    regularisation (points, 4, 4) : small stiffness (Pa) that is added to the tangent, so that the stiffness matrix is
+        not singular
     """
 
     components: np.ndarray
@@ -52,7 +52,7 @@ class PartialProblem:
     stress: np.ndarray
     material: np.ndarray
     table: np.ndarray
-    least: np.ndarray
+    regularisation: np.ndarray
 
 
 class PlaneStrain:
@@ -267,7 +267,7 @@ class PlaneStrain:
             stress=self.stress[own_points],
             material=self.material[own_points],
             table=self.table,
-            least=ELASTIC_SHARE * self._elastic[self.material[own_points]],
+            regularisation=ELASTIC_SHARE * self._elastic[self.material[own_points]],
         )
 
     def elastic_stiffness(self) -> np.ndarray:

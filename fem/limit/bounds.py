@@ -200,7 +200,7 @@ def kh_bounds(
     }
     allowed = settings.seconds - sum(ground.work for ground in grounds.values())
     seconds = allowed / (2.0 if with_davis else 1.0)
-    limits = Limits(settings.gap, settings.max_cells, seconds, enough=0.0, least=LEAST_KH)
+    limits = Limits(settings.gap, settings.max_cells, seconds, sufficient_upper=0.0, smallest_mean=LEAST_KH)
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
     bounds = search_all(section, tuple(searches.values()), limits, observer)
     strong = {direction: (ground, searches[direction]) for direction, ground in grounds.items()}
@@ -349,7 +349,7 @@ def body_of(
         for name, stress in side_stresses(section, mesh).items():
             # The total stress stays when shaking adds to the pore pressure.
             pressing = _pressure_traction(stress, -1.0 if name == "left" else 1.0)
-            sides[name] = Side("y", dead=pressing, pressure=lambda at: water.at_rest(at.points, at.near, at.stratum))
+            sides[name] = Side("y", dead=pressing, pressure=lambda at: water.at_rest(at.points, at.middles, at.stratum))
     return RigidPlasticBody(
         cohesion=cohesion,
         friction=friction,
@@ -387,9 +387,9 @@ def _ground(section: Section, sign: int) -> Side:
     if not (water.present or loads.present):
         return Side()
     return Side(
-        dead=lambda at: loads.dead(at.points, at.near, at.normal),
-        live=lambda at: loads.seismic(sign, at.points, at.near, at.normal),
-        pressure=lambda at: water.on_ground(at.points, at.near),
+        dead=lambda at: loads.dead(at.points, at.middles, at.normal),
+        live=lambda at: loads.seismic(sign, at.points, at.middles, at.normal),
+        pressure=lambda at: water.on_ground(at.points, at.middles),
     )
 
 

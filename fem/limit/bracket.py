@@ -143,26 +143,26 @@ class Limits:
 
     Attributes
     ----------
-    gap : required gap between the bounds, as a share of their mean, or of ``least`` if the mean is smaller
+    gap : required gap between the bounds, as a share of their mean, or of ``smallest_mean`` if the mean is smaller
     max_cells : largest number of triangles of any mesh
     seconds : largest computing work for all meshes, in seconds on the reference machine. A further mesh is begun if it
         is likely to be solved within this work. Work is computed from the number of iterations, not measured, so that
         the same input has the same meshes on a busy machine.
-    enough : load multiplier below which an upper bound needs no improvement
-    least : multiplier below which ``gap`` is a share of this constant instead of the mean; ``LEAST_KH`` for Kh
+    sufficient_upper : load multiplier below which an upper bound needs no improvement
+    smallest_mean : multiplier below which ``gap`` is a share of this constant instead of the mean; ``LEAST_KH`` for Kh
     """
 
     gap: float
     max_cells: int
     seconds: float = np.inf
-    enough: float = -np.inf
-    least: float = 0.0
+    sufficient_upper: float = -np.inf
+    smallest_mean: float = 0.0
 
     def open(self, lower: float, upper: float) -> float:
         """Return the gap of two bounds over the required gap; inf if a bound is missing."""
         if not (np.isfinite(lower) and np.isfinite(upper)):
             return np.inf
-        return (upper - lower) / max(self.gap * max(0.5 * (abs(upper) + abs(lower)), self.least), 1e-12)
+        return (upper - lower) / max(self.gap * max(0.5 * (abs(upper) + abs(lower)), self.smallest_mean), 1e-12)
 
     def growth(self, bracket: Bracket, cells: int) -> float:
         """Return the ratio of the number of cells of the next mesh to that of the last mesh. The ratio is large enough
@@ -178,7 +178,7 @@ class Limits:
         counts towards the same limit of work."""
         if self.open(bracket.lower, bracket.upper) <= 1.0:
             return "gap"
-        if bracket.upper < self.enough:
+        if bracket.upper < self.sufficient_upper:
             return "enough"
         if cells * LEAST_CELL_RATIO > self.max_cells:
             return "triangles"

@@ -139,7 +139,7 @@ def search_all(
             for search in searches
             if search.bracket.ended is None and search.bracket.lower < smaller.upper and search.direction in counting
         ]
-        if smaller.upper < limits.enough or not open_searches:
+        if smaller.upper < limits.sufficient_upper or not open_searches:
             return smaller
         search = min(open_searches, key=lambda candidate: candidate.bracket.lower)
         search.advance(_work_of_others(search, searches))

@@ -36,9 +36,9 @@ class BoundsTrial:
 @dataclass(frozen=True)
 class TrialStart:
     """Holds the given Kh, the first factor, whether sides are smooth, and when a search may end early: once the lower
-    bound is at least ``lower_suffices``, or the upper bound is below ``upper_suffices``. ``known`` are bounds of the
-    critical Kh, if they were computed before. The search may begin on one of the meshes of these bounds, which are fine
-    where the ground fails.
+    bound is at least ``lower_suffices``, or the upper bound is below ``upper_suffices``. ``kh_bounds`` are bounds of
+    the critical Kh, if they were computed before. The search may begin on one of the meshes of these bounds, which are
+    fine where the ground fails.
     """
 
     kh: float
@@ -46,7 +46,7 @@ class TrialStart:
     smooth_sides: bool
     lower_suffices: float = math.inf
     upper_suffices: float = 0.0
-    known: KhBounds | None = None
+    kh_bounds: KhBounds | None = None
 
 
 @dataclass

@@ -22,13 +22,13 @@ class Places:
     Attributes
     ----------
     points (k, 2) : the points in m
-    near (k, 2) : middle of the edge to which each point belongs, in m
+    middles (k, 2) : middle of the edge to which each point belongs, in m
     stratum (k,) : the strata of the cells
     normal (k, 2) : outward unit normals of the edges
     """
 
     points: np.ndarray
-    near: np.ndarray
+    middles: np.ndarray
     stratum: np.ndarray
     normal: np.ndarray
 

@@ -93,7 +93,7 @@ def safety_bounds(
     if there are no triangles. ``section``: the section of the ground; ``fem``: settings of the elements, of which sides
     and direction matter here.
     """
-    start, work = TrialStart(kh, guess, smooth_sides, known=known), FactorWork(settings.seconds)
+    start, work = TrialStart(kh, guess, smooth_sides, kh_bounds=known), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)
     shallow = least_rolling_factor(section, faces, kh, strengths(section.strata)[1])
     if shallow is None or shallow >= LARGEST_FACTOR:
@@ -193,7 +193,7 @@ def _first_mesh(
     section: Section, fem: FemSettings, settings: BoundsSettings, start: TrialStart, work: FactorWork
 ) -> TriMesh:
     """Return a mesh of the known bounds of Kh if these bounds are of the same section, else a coarse mesh."""
-    known = start.known
+    known = start.kh_bounds
     mesh = known.mesh_for_factors if known is not None and known.section == section else None
     return mesh or first_mesh(
         section, cells_of_first_search(settings.max_cells, work.left / TRIALS_ON_FIRST_MESH), fem.sides

@@ -89,7 +89,7 @@ def _water_and_surcharges(section: Section, mesh: TriMesh, strain: sparse.csr_ma
     ends = mesh.boundaries["surface"]
     edges = mesh.edge_numbers(ends)
     at = edge_ends(mesh, ends, mesh.edge_cells[edges, 0])
-    pressed = surface.dead(at.points, at.near, at.normal)
-    pressed = pressed - water.on_ground(at.points, at.near)[:, None] * at.normal
+    pressed = surface.dead(at.points, at.middles, at.normal)
+    pressed = pressed - water.on_ground(at.points, at.middles)[:, None] * at.normal
     add_edge_loads(load, mesh, np.column_stack([ends, len(mesh.points) + edges]), pressed.reshape(-1, 2, 2))
     return load

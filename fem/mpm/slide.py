@@ -61,8 +61,8 @@ class SlideProgramme:
     onset : time in which a stratum liquefies (s)
     rest_from : time before which the computation does not end, even if the ground is at rest (s)
     duration : time at which the computation ends (s)
-    still : the surface counts as at rest if its mean displacement changes by less than this length (m), or by less than
-        0.2 % of the slide, from one window of 5 s to the next, twice in a row
+    rest_displacement : the surface counts as at rest if its mean displacement changes by less than this length (m), or
+        by less than 0.2 % of the slide, from one window of 5 s to the next, twice in a row
     drained : volumetric strain by drainage while a stratum liquefies (-)
     base_impedance : impedance of a compliant base times its length (kg/s per metre), see
         `meshes.section.base_impedance`; 0 for a rigid base
@@ -74,7 +74,7 @@ class SlideProgramme:
     onset: float
     rest_from: float
     duration: float
-    still: float = 0.01
+    rest_displacement: float = 0.01
     drained: float = 0.0
     base_impedance: float = 0.0
 
@@ -143,7 +143,7 @@ class PointSlider:
         ``checkpoint`` is a file from which an interrupted slide continues. ``programme`` gives the times of shaking and
         liquefaction.
         """
-        slide = PointSlide(before=self._surface(), cell=self.ground.grid.cell)
+        slide = PointSlide(surface_before=self._surface(), cell=self.ground.grid.cell)
         self.engine.decay = decay
         self.engine.base[grid_motion.IMPEDANCE] = programme.base_impedance
         self._remember(programme)
@@ -160,7 +160,7 @@ class PointSlider:
             if on_look is not None:
                 on_look(self.engine.time, slide.slide[-1])
             slide.stopped_by = self._side_reached()
-            if slide.at_rest(programme.still, programme.rest_from):
+            if slide.at_rest(programme.rest_displacement, programme.rest_from):
                 slide.settled, slide.reason = True, "the surface has come to rest"
             elif slide.stopped_by and slide.slide_max > ROOM_BEYOND_SIDES * float(np.ptp(self.ground.section.extent)):
                 side_words = "out of the section at" if self.ground.room > 0.0 else "across the section to"
@@ -170,7 +170,7 @@ class PointSlider:
             if checkpoint is not None and (slide.reason or time.monotonic() - saved_at > CHECKPOINT_INTERVAL):
                 self._keep(checkpoint, slide, shares)
                 saved_at = time.monotonic()
-        slide.after = self._surface()
+        slide.surface_after = self._surface()
         energy = self.engine.energy
         slide.transfer_loss_share, slide.energy_lost_share = energy.transfer_loss_share, energy.imbalance_share
         return slide
@@ -179,7 +179,7 @@ class PointSlider:
         """Write a checkpoint: the engine, the slide so far, and the ``shares`` of strength that the strata have
         lost."""
         arrays = {ENGINE_PREFIX + name: array for name, array in self.engine.snapshot().items()}
-        arrays |= {name: np.array(getattr(slide, name)) for name in (*RECORDED_LISTS, "before")}
+        arrays |= {name: np.array(getattr(slide, name)) for name in (*RECORDED_LISTS, "surface_before")}
         plain = {
             "shares": [*shares.values()],
             **{name: getattr(slide, name) for name in END_FIELDS},
@@ -198,10 +198,10 @@ class PointSlider:
         self.began |= _unprefixed(arrays, START_PREFIX)
         shares.update(zip(list(shares), plain["shares"], strict=True))
         slide.times = [float(time) for time in arrays["times"]]
-        slide.slide, slide.settlement, slide.before = (
+        slide.slide, slide.settlement, slide.surface_before = (
             list(arrays["slide"]),
             list(arrays["settlement"]),
-            arrays["before"],
+            arrays["surface_before"],
         )
         for name in END_FIELDS:
             setattr(slide, name, plain[name])

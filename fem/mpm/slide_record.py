@@ -25,7 +25,7 @@ class PointSlide:
     slide, settlement (k,) : displacement of the surface at each time, from left to right, smoothed along the surface
     settled : whether the surface came to rest
     reason : reason why the computation of the slide ended
-    before, after (k, 2) : surface before and after the slide, in the coordinates of the section
+    surface_before, surface_after (k, 2) : surface before and after the slide, in the coordinates of the section
     transfer_loss_share : energy lost between points and grid over the total energy exchanged (-)
     energy_lost_share : energy that the ground neither dissipated nor stores, over the total energy exchanged (-)
     stopped_by : side ("left" or "right") at which the slide was stopped, or through which it left the section if the
@@ -38,8 +38,8 @@ class PointSlide:
     settlement: list[np.ndarray] = field(default_factory=list)
     settled: bool = False
     reason: str = ""
-    before: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
-    after: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    surface_before: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    surface_after: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     transfer_loss_share: float = 0.0
     energy_lost_share: float = 0.0
     stopped_by: str | None = None

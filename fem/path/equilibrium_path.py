@@ -30,13 +30,13 @@ class PathSettings:
     Attributes
     ----------
     newton : settings of Newton's method within a step
-    first, largest : first and largest step (-)
+    first_step, largest_step : first and largest step (-)
     relaxation : arc length over which the overstress decays (-); 0 for no overstress
     """
 
     newton: NewtonSettings = field(default_factory=NewtonSettings)
-    first: float = 0.08
-    largest: float = 0.3
+    first_step: float = 0.08
+    largest_step: float = 0.3
     relaxation: float = 0.0
 
 
@@ -78,7 +78,7 @@ class EquilibriumPath:
 
     def __post_init__(self) -> None:
         self.start = self.factor
-        self._step = self.settings.first
+        self._step = self.settings.first_step
         self._elastic: tuple[np.ndarray, float] | None = None
 
     def advance(self) -> bool:
@@ -97,7 +97,7 @@ class EquilibriumPath:
         step_taken = self._step
         self._accept(result, step_taken, cutbacks, at_rest=False)
         if result.iterations <= FEW_ITERATIONS:
-            self._step = min(self._step * STEP_GROWTH, self.settings.largest)
+            self._step = min(self._step * STEP_GROWTH, self.settings.largest_step)
         elif result.iterations > MANY_ITERATIONS:
             self._step *= STEP_REDUCTION
         return True

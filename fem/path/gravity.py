@@ -54,8 +54,8 @@ def path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
     """Return settings of paths in this ground: long steps and no overstress if its flow is associated."""
     newton = NewtonSettings(tolerance=settings.tolerance)
     if problem.associated:
-        return PathSettings(newton=newton, largest=LARGEST_ASSOCIATED_STEP)
-    return PathSettings(newton=newton, largest=LARGEST_STEP, relaxation=settings.relaxation)
+        return PathSettings(newton=newton, largest_step=LARGEST_ASSOCIATED_STEP)
+    return PathSettings(newton=newton, largest_step=LARGEST_STEP, relaxation=settings.relaxation)
 
 
 def gravity_equilibrium(
@@ -253,7 +253,7 @@ def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, set
     problem.factorise()
     control = load / norm(load)
     newton = replace(LOADING_NEWTON, tolerance=settings.tolerance)
-    follow = replace(path_settings(problem, settings), first=0.2, largest=0.2, newton=newton)
+    follow = replace(path_settings(problem, settings), first_step=0.2, largest_step=0.2, newton=newton)
     path = EquilibriumPath(
         problem, ProportionalLoad(constant, load), control, dot(control, problem.solve(load)),
         norm(load) + norm(constant), follow,

@@ -108,7 +108,7 @@ def _elements(part: PartialProblem, tangent: np.ndarray, moves: np.ndarray) -> n
     """Return the stiffness matrices (nc, nd, nd) of the cells, with zero for components that ``moves`` (components,)
     leaves out."""
     elements = part.hourglass.copy()
-    assembly.element_stiffness(part.matrix, part.weights, tangent + part.least, moves, part.dofs, elements)
+    assembly.element_stiffness(part.matrix, part.weights, tangent + part.regularisation, moves, part.dofs, elements)
     return elements
 
 

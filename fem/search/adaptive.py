@@ -123,7 +123,7 @@ class AdaptiveSearch:
     ----------
     section : the ground
     meshing : settings of the meshes
-    first : the first mesh; the only mesh if meshes are not adapted
+    first_mesh : the first mesh; the only mesh if meshes are not adapted
     comm : MPI communicator of the ranks; by default this process alone
     tell : function that is called with a message before each step
     executor : executor that computes both directions concurrently
@@ -131,7 +131,7 @@ class AdaptiveSearch:
 
     section: Section
     meshing: MeshSettings
-    first: QuadMesh
+    first_mesh: QuadMesh
     comm: Any = None
     tell: Callable[[str], None] = _ignore
     executor: Executor = SERIAL
@@ -158,10 +158,10 @@ class AdaptiveSearch:
             # Its meshes ended where the other direction was taken to govern.
             if uphill_result.result.kc > downhill_result.result.kc:
                 uphill_result = self._towards("uphill", settings, no_other_kh)
-            return replace(uphill_result, other=downhill_result)
+            return replace(uphill_result, opposite=downhill_result)
         if "uphill" in counting and uphill_result.result.kc < downhill_result.result.kc:
-            return replace(uphill_result, other=downhill_result)
-        return replace(downhill_result, other=uphill_result)
+            return replace(uphill_result, opposite=downhill_result)
+        return replace(downhill_result, opposite=uphill_result)
 
     def _towards(
         self, direction: Direction, settings: FemSettings, other: Callable[[], float]
@@ -169,7 +169,7 @@ class AdaptiveSearch:
         one_way = settings.changed(direction=direction)
         faces = self._rough_faces(one_way)
         request = RefinementCriteria(settings.accuracy, self._most_cells(settings), other, LEAST_KH)
-        sequence = MeshSequence[LimitLoadResult](self.first, request)
+        sequence = MeshSequence[LimitLoadResult](self.first_mesh, request)
         while (mesh := sequence.mesh) is not None:
             self.tell(f"limit load of {len(mesh.cells)} cells, {direction}")
             answer: LimitLoadResult | NoAnswerError
@@ -194,7 +194,7 @@ class AdaptiveSearch:
         flow is not associated, so that the limit load is not unique, or if columns and rows or the mesh itself are
         given.
         """
-        chosen = self.meshing.columns or self.meshing.rows or self.first.method == "given"
+        chosen = self.meshing.columns or self.meshing.rows or self.first_mesh.method == "given"
         unique = is_associated(self.section.strata, settings.flow)
         return settings.max_cells if settings.accuracy > 0.0 and not chosen and unique else 0
 
@@ -261,7 +261,7 @@ class AdaptiveSearch:
         try:
             compared = self.by_other_rule(base, settings.changed(flow="davis"))
         except UnstableError:
-            compared = replace(base, result=replace(base.result, kc=-1.0, flow="davis"), other=None)
+            compared = replace(base, result=replace(base.result, kc=-1.0, flow="davis"), opposite=None)
         if compared.result.kc <= 0.0:
             return base, failing_by_itself(compared)
         if compared.mesh is base.mesh:
@@ -281,7 +281,7 @@ class AdaptiveSearch:
         guess = self._rough_safety(settings, kh) if similar is None else factor_like(similar, kh)
         remade = partial(self._next, faces=faces, settings=settings)
         request = RefinementCriteria(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
-        first, fits = (self.first, None) if similar is None else (similar.mesh, similar.is_as_fine_along)
+        first, fits = (self.first_mesh, None) if similar is None else (similar.mesh, similar.is_as_fine_along)
         sequence = MeshSequence[SafetyFactor](first, request, fits)
         while (mesh := sequence.mesh) is not None:
             self.tell(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")
@@ -346,9 +346,9 @@ class AdaptiveSearch:
 
     def _rough_mesh(self) -> QuadMesh | None:
         """Return a coarse mesh; None if the first mesh is coarse itself."""
-        if len(self.first.cells) <= MANY_CELLS_RATIO * FEWEST_CELLS:
+        if len(self.first_mesh.cells) <= MANY_CELLS_RATIO * FEWEST_CELLS:
             return None
-        size = math.sqrt(float(areas(self.first.points, self.first.cells).sum()) / FEWEST_CELLS)
+        size = math.sqrt(float(areas(self.first_mesh.points, self.first_mesh.cells).sum()) / FEWEST_CELLS)
         try:
             return generate(self.section, MeshSettings(size=size))
         except (NoAnswerError, InputError):

@@ -182,7 +182,7 @@ class _Search:
 
     section: Section
     meshing: MeshSettings
-    first: QuadMesh
+    first_mesh: QuadMesh
     comm: Any
     listener: AssessmentListener
     executor: Executor
@@ -209,15 +209,15 @@ class _Search:
         better, other = limits.result()
         if better.mesh is not adapted.mesh:
             critical = follow(mesh=better.mesh, ground=better.result.ground if reduced else None)
-        assessment = _collected(critical, better.mesh, better, better.other, other, safety)
+        assessment = _collected(critical, better.mesh, better, better.opposite, other, safety)
         return replace(assessment, own_dilation=third.result())
 
     def by_path(self, settings: FemSettings, safety: list[Safety] | None) -> Assessment:
         """Return the results from equilibrium paths alone; raise UnstableError."""
-        mesh, other_flow = self.first, None
+        mesh, other_flow = self.first_mesh, None
         critical = critical_coefficient(self.section, mesh, settings, self.comm, self.path_listener("Kh"))
         one_way = settings.changed(direction=critical.direction)
-        opposite = AdaptiveResult(critical.other, mesh) if critical.other is not None else None
+        opposite = AdaptiveResult(critical.opposite, mesh) if critical.opposite is not None else None
         if not is_dilating_fully(self.section.strata):
             other_flow = self.by_other_flow(one_way)
         safety = self.begin_safety(one_way) if safety is None else safety
@@ -287,11 +287,11 @@ class _Search:
         def prefixed(words: str) -> None:
             self.tell(f"{what}: {words}" if what else words, None)
 
-        return AdaptiveSearch(self.section, self.meshing, self.first, self.comm, prefixed, self.executor)
+        return AdaptiveSearch(self.section, self.meshing, self.first_mesh, self.comm, prefixed, self.executor)
 
     def between_sides(self, settings: FemSettings) -> AdaptiveResult[CriticalResult]:
         """Return the critical Kh with the sides and the flow rule of the settings."""
-        mesh, start = self.first, None
+        mesh, start = self.first_mesh, None
         if is_associated(self.section.strata, settings.flow):
             limit = self.on_meshes(f"Kh, {settings.sides} sides").critical(settings)
             mesh, ground = limit.mesh, limit.result.ground
@@ -311,9 +311,9 @@ class _Search:
             if adapted is not None:
                 return self.with_other_factor(adapted, settings, kh)
         result = safety_factor(
-            self.section, self.first, settings, kh, self.comm, self.path_listener("factor of safety")
+            self.section, self.first_mesh, settings, kh, self.comm, self.path_listener("factor of safety")
         )
-        return AdaptiveResult(result, self.first)
+        return AdaptiveResult(result, self.first_mesh)
 
     def with_other_factor(
         self, adapted: AdaptiveResult[SafetyFactor], settings: FemSettings, kh: float

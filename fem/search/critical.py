@@ -80,7 +80,7 @@ class CriticalResult:
         Cohesionless faces that fail at a smaller Kh; ``kc`` is that of a deeper failure.
     limit_mechanism : FieldState or None
         The mechanism by finite element limit analysis.
-    other : CriticalResult or None
+    opposite : CriticalResult or None
         The answer for the opposite direction, where both directions were analysed.
     """
 
@@ -101,7 +101,7 @@ class CriticalResult:
     gravity_plastic_share: float
     shallow_failures: list[ShallowFailure]
     limit_mechanism: FieldState | None = None
-    other: "CriticalResult | None" = None
+    opposite: "CriticalResult | None" = None
 
     @property
     def value(self) -> float:
@@ -167,8 +167,8 @@ def critical_coefficient(
     sides = (touched_sides(mesh, result.mechanism) for result in (first, second))
     counting = counting_directions(section, dict(zip(get_args(Direction), sides, strict=True)))
     if "downhill" not in counting or ("uphill" in counting and second.kc < first.kc):
-        return replace(second, other=first)
-    return replace(first, other=second)
+        return replace(second, opposite=first)
+    return replace(first, opposite=second)
 
 
 def _critical_in_direction(
@@ -305,7 +305,7 @@ def seismic_path(
     problem.use_elastic_tangent()
     problem.factorise()
     elastic = problem.exchange.dot(control, problem.solve(load))
-    follow = replace(path_settings(problem, settings), first=settings.first_step / REFERENCE_KH)
+    follow = replace(path_settings(problem, settings), first_step=settings.first_step / REFERENCE_KH)
     scale = problem.exchange.norm(constant)
     return EquilibriumPath(problem, ProportionalLoad(constant, load), control, REFERENCE_KH * elastic, scale, follow)
 

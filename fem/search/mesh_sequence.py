@@ -49,17 +49,17 @@ class MeshRound:
     cells : number of quadrilaterals
     value : critical Kh, or factor of safety, on this mesh (-)
     change : difference from the mesh before as a share of ``value``; infinite for the first mesh
-    rest : estimated remaining error as a share of ``value``, from this mesh and the previous mesh; infinite for the
-        first mesh
-    tells : whether the estimate of the error is meaningful; it is not if ``value`` rose on a mesh with about as many
-        cells as before
+    remaining_error : estimated remaining error as a share of ``value``, from this mesh and the previous mesh; infinite
+        for the first mesh
+    meaningful : whether the estimate of the error is meaningful; it is not if ``value`` rose on a mesh with about as
+        many cells as before
     """
 
     cells: int
     value: float
     change: float
-    rest: float
-    tells: bool = True
+    remaining_error: float
+    meaningful: bool = True
 
 
 class MeshResult(Protocol):
@@ -89,7 +89,7 @@ class AdaptiveResult(Generic[F]):
     rounds : the sequence, coarsest first
     converged : whether the remaining error is within the required accuracy
     reason : reason why there was no further mesh
-    other : the result for the opposite direction, where both directions were analysed
+    opposite : the result for the opposite direction, where both directions were analysed
     earlier : the answers on those earlier meshes of the sequence that are adapted to a mechanism, coarsest first
     """
 
@@ -98,7 +98,7 @@ class AdaptiveResult(Generic[F]):
     rounds: list[MeshRound] = field(default_factory=list)
     converged: bool = False
     reason: str = ""
-    other: "AdaptiveResult[F] | None" = None
+    opposite: "AdaptiveResult[F] | None" = None
     earlier: "list[AdaptiveResult[F]]" = field(default_factory=list)
 
     @property
@@ -153,20 +153,20 @@ class RefinementCriteria:
     ----------
     accuracy : largest remaining error, as a share of the answer (-)
     max_cells : cells of the finest mesh
-    other : function that returns the Kh (-) of the other direction; the sequence ends once this direction certainly has
-        a larger critical Kh
-    least : answer (-) below which ``accuracy`` is a share of this constant instead of the answer
+    opposite_kh : function that returns the Kh (-) of the other direction; the sequence ends once this direction
+        certainly has a larger critical Kh
+    smallest_answer : answer (-) below which ``accuracy`` is a share of this constant instead of the answer
     """
 
     accuracy: float
     max_cells: int
-    other: Callable[[], float] = no_other_kh
-    least: float = 0.0
+    opposite_kh: Callable[[], float] = no_other_kh
+    smallest_answer: float = 0.0
 
     def is_met(self, last: MeshRound) -> bool:
         """Return whether the remaining error of a mesh is within the accuracy."""
         size = max(abs(last.value), SMALLEST_KH)
-        return last.tells and last.rest * size <= self.accuracy * max(size, self.least)
+        return last.meaningful and last.remaining_error * size <= self.accuracy * max(size, self.smallest_answer)
 
 
 class MeshSequence(Generic[F]):
@@ -252,9 +252,9 @@ class MeshSequence(Generic[F]):
         previous, size = self._rounds[-1], max(abs(value), SMALLEST_KH)
         error = remaining_error(previous, cells, value)
         rest = (error if error >= 0.0 else -RISE_RATIO * error) / size
-        if value > min(mesh.value for mesh in self._rounds) and math.isfinite(previous.rest):
+        if value > min(mesh.value for mesh in self._rounds) and math.isfinite(previous.remaining_error):
             # After a rise, an answer that stays above an earlier one has at least the error of before, on more cells.
-            rest = max(rest, previous.rest * previous.cells / cells)
+            rest = max(rest, previous.remaining_error * previous.cells / cells)
         tells = error >= 0.0 or cells >= (1.0 + SMALLEST_CELL_GAIN) * previous.cells
         return MeshRound(cells, value, abs(value - previous.value) / size, rest, tells)
 
@@ -265,12 +265,12 @@ def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wi
     if wish.is_met(last):
         return (
             f"the last refinement changed the result by {100 * last.change:.1f} %, and the remaining error is about "
-            f"{100 * last.rest:.1f} %"
+            f"{100 * last.remaining_error:.1f} %"
         )
     if result.mechanism is None:
         return f"there is no mechanism to refine: {result.reason}"
-    rest = min(FIRST_ERROR_SHARE, LATER_ERROR_RATIO * last.rest)
-    if last.value * (1.0 - rest) > wish.other():
+    rest = min(FIRST_ERROR_SHARE, LATER_ERROR_RATIO * last.remaining_error)
+    if last.value * (1.0 - rest) > wish.opposite_kh():
         return "the other direction governs"
     if wanted > wish.max_cells:
         return f"the next mesh would have {wanted} cells, {wish.max_cells} are allowed"

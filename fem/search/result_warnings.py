@@ -32,18 +32,18 @@ class ComparedKh:
 
     Attributes
     ----------
-    what : the change that was made, such as "cells of half the size"
+    change : the change that was made, such as "cells of half the size"
     kc : critical Kh (-)
     decisive : whether a difference contradicts the answer, as a difference on a finer mesh does and one with a poorer
         element does not
-    without : critical Kh without the change, if the critical Kh with and without the change were computed on another
+    kc_without : critical Kh without the change, if the critical Kh with and without the change were computed on another
         mesh than the answer; None if the answer is the critical Kh without the change
     """
 
-    what: str
+    change: str
     kc: float
     decisive: bool = True
-    without: float | None = None
+    kc_without: float | None = None
 
 
 def of_bounds(
@@ -75,11 +75,11 @@ def of_bounds(
 def of_others(kc: float, others: Iterable[ComparedKh]) -> Iterator[ResultWarning]:
     """Yield the warnings of notable differences to ``others``: the critical Kh by another mesh or element."""
     for other in others:
-        without = other.without or kc
+        without = other.kc_without or kc
         change = other.kc / without - 1.0
         if abs(change) > REPEAT_TOLERANCE and abs(other.kc - without) > KH_TOLERANCE:
             yield ResultWarning(
-                f"With {other.what} the critical Kh is {other.kc:.3f} instead of {without:.3f}, "
+                f"With {other.change} the critical Kh is {other.kc:.3f} instead of {without:.3f}, "
                 f"{100.0 * change:+.0f} %.",
                 "refine the mesh until the difference vanishes, or run the bounds",
                 contradiction=other.decisive,

@@ -188,7 +188,8 @@ def safety_factor(
     follow = path_settings(problem, settings)
     path = EquilibriumPath(
         problem, StrengthReduction(forces), control, DISPLACEMENT_UNIT * elastic, norm(forces),
-        replace(follow, first=0.2, largest=max(follow.largest, 0.5)), beta=1.0 / FACTOR_UNIT, factor=start,
+        replace(follow, first_step=0.2, largest_step=max(follow.largest_step, 0.5)), beta=1.0 / FACTOR_UNIT,
+        factor=start,
     )  # fmt: skip
 
     def ductility(path: EquilibriumPath) -> float:

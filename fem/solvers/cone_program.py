@@ -273,7 +273,7 @@ def _by_interior_point(
         for place in (warm.place, None) if warm and warm.place else (None,):
             solution = interior_point.InteriorPointMethod(form, magnified, tolerance, matrix).run(place, most)
             iterations += solution.iterations
-            met = solution.residual <= tolerance.nearly and solution.gap <= ACCEPTED_GAP_RATIO * tolerance.gap
+            met = solution.residual <= tolerance.stalled_residual and solution.gap <= ACCEPTED_GAP_RATIO * tolerance.gap
             met = met or solution.below_floor
             most = iterations_within(most_work - cost * iterations, cost, interior_point.MOST_ITERATIONS)
             spent = most_work < cost * (iterations + 1)

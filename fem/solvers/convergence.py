@@ -12,18 +12,19 @@ class Tolerance:
     Attributes
     ----------
     gap : difference of both objectives as a share of the multiplier (-)
-    least : multiplier (-) below which ``gap`` is a share of this constant instead of the multiplier
+    smallest_multiplier : multiplier (-) below which ``gap`` is a share of this constant instead of the multiplier
     residual : relative residual of both equations (-)
-    nearly : residual that is accepted if iterations no longer reduce it (-). If edges pass almost straight through a
-        point, the volume conditions of clay around the point are nearly dependent, and a residual of 5e-9 remains.
+    stalled_residual : residual that is accepted if iterations no longer reduce it (-). If edges pass almost straight
+        through a point, the volume conditions of clay around the point are nearly dependent, and a residual of 5e-9
+        remains.
     floor : multiplier (-) below which the method ends with the velocities that prove the multiplier to be smaller: if
         no stress balances the dead load, velocities prove ever smaller multipliers
     """
 
     gap: float
-    least: float = 0.05
+    smallest_multiplier: float = 0.05
     residual: float = 1e-9
-    nearly: float = 1e-8
+    stalled_residual: float = 1e-8
     floor: float = -np.inf
 
 

@@ -105,7 +105,7 @@ class InteriorPointMethod:
         """Begin with the program in standard form, whose costs are ``unit`` times the multiplier of the loads, and the
         ``matrix`` of its normal equations; the program is solved to a ``tolerance``."""
         self.program, self.tolerance, self.stiffness_matrix = standard, tolerance, matrix
-        self.least, self.floor = tolerance.least * unit, tolerance.floor * unit
+        self.smallest_multiplier, self.floor = tolerance.smallest_multiplier * unit, tolerance.floor * unit
         corners = standard.corners
         self.a, self.a_t = standard.matrix, standard.matrix.T.tocsr()
         self.b, self.c = standard.offset, standard.cost
@@ -152,14 +152,14 @@ class InteriorPointMethod:
                 of_velocities,
                 np.abs(ry).max() / max(1.0, np.abs(self.c).max() + np.abs(z).max()),
             )
-            gap = max(abs(primal - dual), product) / max(abs(dual), self.least)
+            gap = max(abs(primal - dual), product) / max(abs(dual), self.smallest_multiplier)
             iterate = Iterate(y, z, s, primal, dual, gap, float(residual), iteration)
-            if primal < self.floor and of_velocities <= criteria.nearly:
+            if primal < self.floor and of_velocities <= criteria.stalled_residual:
                 best = replace(iterate, below_floor=True)
                 break
-            if best is None or iterate.rank(criteria.nearly) < best.rank(criteria.nearly):
+            if best is None or iterate.rank(criteria.stalled_residual) < best.rank(criteria.stalled_residual):
                 best = iterate
-            if warm is None and product <= WARM_START_GAP * max(abs(dual), self.least):
+            if warm is None and product <= WARM_START_GAP * max(abs(dual), self.smallest_multiplier):
                 warm = y, z, s
             if (iterate is best and residual <= criteria.residual and gap <= criteria.gap) or not np.isfinite(gap):
                 break
@@ -168,7 +168,7 @@ class InteriorPointMethod:
                 break
             if residual < 0.5 * smallest_residual:
                 smallest_residual, last_halving = float(residual), iteration
-            elif smallest_residual > criteria.nearly and iteration - last_halving >= STALLED_ITERATIONS:
+            elif smallest_residual > criteria.stalled_residual and iteration - last_halving >= STALLED_ITERATIONS:
                 break
             if iteration > ITERATIONS_TO_FEASIBILITY and best.residual > FEASIBLE_RESIDUAL:  # as without a solution
                 break

@@ -140,7 +140,7 @@ class CohesionField:
     def _passes(self, line: np.ndarray) -> np.ndarray:
         """Return the x (n,) in m where a line, above which ground does not count, crosses the ground surface, a layer
         or the water."""
-        layers, table = self.water.layers, self.water.after
+        layers, table = self.water.layers, self.water.table_after
         x = np.unique(np.concatenate([layers.x, line[:, 0], *([] if table is None else [table[:, 0]])]))
         x = x[(x >= layers.x[0]) & (x <= layers.x[-1])]
         middle, gaps = 0.5 * (x[1:] + x[:-1]), []

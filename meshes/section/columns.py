@@ -181,8 +181,8 @@ class _Edges:
     (m) at both ends."""
 
     outline: np.ndarray
-    first: np.ndarray
-    last: np.ndarray
+    first_breakpoint: np.ndarray
+    last_breakpoint: np.ndarray
     z_first: np.ndarray
     z_last: np.ndarray
 
@@ -211,8 +211,8 @@ class _Cell:
 
 def _cells(edges: _Edges, x: np.ndarray, column: int, rank: Sequence[float], tally: ColumnFindings) -> list[_Cell]:
     """Return the cells of a column, from the top down."""
-    crossing = np.flatnonzero((edges.first <= column) & (edges.last > column))
-    start, end = x[edges.first[crossing]], x[edges.last[crossing]]
+    crossing = np.flatnonzero((edges.first_breakpoint <= column) & (edges.last_breakpoint > column))
+    start, end = x[edges.first_breakpoint[crossing]], x[edges.last_breakpoint[crossing]]
     share = (x[[column, column + 1]][:, None] - start) / (end - start)
     lines = (edges.z_first[crossing] + share * (edges.z_last[crossing] - edges.z_first[crossing])).T
     order = np.argsort(-lines.sum(axis=1), kind="stable")

@@ -40,7 +40,7 @@ def seepage_of(
     InputError : if the water table lies above neither the ground nor a side, so that there is no head
     SeepageError : if the iteration of the phreatic line does not converge
     """
-    table = still.before
+    table = still.table_before
     assert table is not None  # Water sees to it
     plain = layers_with([])
     shores = _shores(plain, table)

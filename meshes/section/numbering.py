@@ -21,7 +21,7 @@ class _Stratum:
     """Holds a stratum under construction: its name, and where it was met last."""
 
     name: str
-    last: Piece
+    last_piece: Piece
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,11 @@ def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
             stratum = aligned.get(k)
             if stratum is None:
                 after = next((strata.index(aligned[j]) for j in range(k + 1, len(column)) if j in aligned), len(strata))
-                while place < after and sum(strata[place].last.right) > sum(piece.left):
+                while place < after and sum(strata[place].last_piece.right) > sum(piece.left):
                     place += 1
                 stratum = _Stratum(piece.name, piece)
                 strata.insert(place, stratum)
-            stratum.last = piece
+            stratum.last_piece = piece
             place = strata.index(stratum) + 1
             members[-1].append(stratum)
     numbers = {id(stratum): k for k, stratum in enumerate(strata)}
@@ -110,7 +110,7 @@ def _aligned(column: Sequence[Piece], strata: Sequence[_Stratum]) -> dict[int, _
 def _worth(piece: Piece, stratum: _Stratum, pieces: int) -> float:
     if piece.name != stratum.name:
         return 0.0
-    (top, bottom), (last_top, last_bottom) = piece.left, stratum.last.right
+    (top, bottom), (last_top, last_bottom) = piece.left, stratum.last_piece.right
     overlap, whole = min(top, last_top) - max(bottom, last_bottom), max(top, last_top) - min(bottom, last_bottom)
     return MATCH + 0.9 * MATCH * max(0.0, overlap / whole if whole > 0.0 else 0.0) / pieces
 

@@ -66,7 +66,7 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
     if section.water_pressure.still:  # levels and ratios of the strata and a drawdown are in it
         place, field = np.array([[x, elevation]]), section.water_pressure
         pressure = float(field.at_rest(place, place, np.array([stratum]))[0])
-        free_water = float(field.ponded(field.after, place, place)[0])
+        free_water = float(field.ponded(field.table_after, place, place)[0])
         below_water = below_water and pressure > 0.0
     added, drained = loads = _loads(section, x, elevation)
     return Overburden(stratum, total + added, total + free_water - pressure + drained, below_water, loads)

@@ -227,7 +227,7 @@ def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:
 
 def nothing_flows(water: WaterPressure) -> Iterator[str]:
     """Return a sentence if seepage is to be computed, but its heads, or a wall, prevent any flow."""
-    table = water.before
+    table = water.table_before
     if water.flow is None or table is None or water.flow.discharge:
         return
     low, high = float(table[:, 1].min()), float(table[:, 1].max())

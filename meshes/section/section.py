@@ -173,11 +173,11 @@ class Section(Model):
         notices = [*self._zone_notices, *self._line_notices, *(f"geometry: {text}" for text in self._layers.notices)]
         notices += [text.split(";")[0] for text in implausible(self.strata, self.water, self.surcharges)]
         drawn = None if self.water_table is None else self.elevations_of(self.water_table)
-        table = self.water_pressure.before if self.water_pressure.flow is None else self.water_points()
+        before, after = self.water_pressure.table_before, self.water_pressure.table_after
+        table = before if self.water_pressure.flow is None else self.water_points()
         notices += against_the_water(self.layering, self.strata, drawn, table)
-        if self.water_pressure.after is not None:
-            notices += not_level(self.ground, self.water_pressure.after)
-            notices += [] if table is not self.water_pressure.before else not_lower(table, self.water_pressure.after)
+        if after is not None:
+            notices += [*not_level(self.ground, after), *(not_lower(table, after) if table is before else [])]
         notices += [*nothing_flows(self.water_pressure), *([self.uplift.words] if self.uplift else [])]
         notices += [f"{key_in_file(self.strata, k)}: {words}" for k, words in self.cohesion_field.notices]
         notices += [f"surcharges {number}: {words}" for number, words in self.surface_loads.notices]
@@ -304,7 +304,7 @@ class Section(Model):
         water = self.water_pressure
         levels = [
             None if s.density_saturated is None and s.pore_pressure_ratio is not None
-            else water.after if level is water.before and s.drains else level
+            else water.table_after if level is water.table_before and s.drains else level
             for s, level in zip(self.strata, water.levels, strict=True)
         ]  # fmt: skip
         strata = cutting(self.strata, self.layering, levels, self.given_extent)

@@ -191,8 +191,8 @@ def _level_in(section: Section, k: int) -> np.ndarray | None:
     above: its level falls by the depth of that water.
     """
     pressure, ground = section.water_pressure, section.ground
-    level, after = pressure.levels[k], pressure.after
-    if level is None or after is None or after is level or level is not pressure.before:
+    level, after = pressure.levels[k], pressure.table_after
+    if level is None or after is None or after is level or level is not pressure.table_before:
         return level
     if section.strata[k].drains:
         return after

@@ -114,7 +114,7 @@ def _along(
     near = np.column_stack([middle, points[:, 1]])
     water = loads.water
     pressure = water.at_rest(points, near, np.full(len(ends), k))
-    weight = water.overburden(points, near) + water.ponded(water.after, points, near)
+    weight = water.overburden(points, near) + water.ponded(water.table_after, points, near)
     weight = weight - loads.dead(points, near, np.repeat(UPWARDS, len(points), axis=0))[:, 1]
     present = (elevations[:, k] > elevations[:, k + 1]).reshape(-1, 2).any(axis=1, keepdims=True)
     pressure, weight = (np.where(present, stress.reshape(-1, 2), 0.0) for stress in (pressure, weight))

@@ -32,7 +32,8 @@ class WaterPressure:
     strata : the strata with their soils
     unit_weight : unit weight of water (N/m³)
     levels (n, 2) : level (m) to which water rises from each stratum before a drawdown
-    before, after (n, 2) : water table on the ground before and after a drawdown; both are the same without a drawdown
+    table_before, table_after (n, 2) : water table on the ground before and after a drawdown; both are the same without
+        a drawdown
     normal : whether the head is measured perpendicular to the flow: times cos² of the slope of the level
     moves : whether the inertia of water on the ground acts on the ground when it shakes
     flow : steady seepage whose pore pressure replaces the hydrostatic pressure below levels
@@ -42,8 +43,8 @@ class WaterPressure:
     strata: tuple[Stratum, ...]
     unit_weight: float
     levels: tuple[np.ndarray | None, ...]
-    before: np.ndarray | None
-    after: np.ndarray | None
+    table_before: np.ndarray | None
+    table_after: np.ndarray | None
     normal: bool
     moves: bool
     flow: Seepage | None = None
@@ -57,7 +58,7 @@ class WaterPressure:
     def still(self) -> bool:
         """Return the water pressure without the excess pore pressure by shaking."""
         levels = any(level is not None for level in self.levels)
-        return levels or self.after is not None or any(s.pore_pressure_ratio for s in self.strata)
+        return levels or self.table_after is not None or any(s.pore_pressure_ratio for s in self.strata)
 
     def at_rest(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
         """Return the static pore pressure (n,), without shaking."""
@@ -76,9 +77,9 @@ class WaterPressure:
         if level is None:
             return np.zeros(len(points))
         pressure = self.hydrostatic(level, points, near)
-        if level is self.before and self.after is not self.before and self.after is not None:
+        if level is self.table_before and self.table_after is not self.table_before and self.table_after is not None:
             if self.strata[k].drains:
-                return self.hydrostatic(self.after, points, near)
+                return self.hydrostatic(self.table_after, points, near)
             return np.maximum(pressure - self._taken_off(points, near), 0.0)
         return pressure
 
@@ -112,7 +113,7 @@ class WaterPressure:
         if top is not None:
             lowered = self._top(near, near, top)[:, 1] < self._top(near, near)[:, 1] - self.layers.tolerance
             load = np.where(lowered, 0.0, load)
-        free = 0.0 if self.after is None else self.hydrostatic(self.after, ground, near)
+        free = 0.0 if self.table_after is None else self.hydrostatic(self.table_after, ground, near)
         total = self.overburden(points, near, top) + free + load
         pressure = self.at_rest(points, near, stratum) if pressure is None else pressure
         return np.maximum(total - pressure, 0.0)
@@ -145,7 +146,7 @@ class WaterPressure:
         flows, they include the ends of seepage faces and of free water, and walls that no water crosses.
         """
         levels = self.levels if self.flow is None else ()
-        lines = [level for level in (*levels, self.before, self.after) if level is not None]
+        lines = [level for level in (*levels, self.table_before, self.table_after) if level is not None]
         ends, near = self.layers.x, self.layers.tolerance
         x = np.unique(np.concatenate([ends, *(line[:, 0] for line in lines)]))
         x = x[(x >= ends[0]) & (x <= ends[-1])]
@@ -157,7 +158,7 @@ class WaterPressure:
             kinks.append(crossings(x, first, last, ON_GROUND * near))
         kinks += [] if self.flow is None else [self.flow.marks]
         by_weight = any(s.pore_pressure_ratio or s.excess_pore_pressure_ratio or s.strength_ratio for s in self.strata)
-        if by_weight or self.after is not self.before:
+        if by_weight or self.table_after is not self.table_before:
             kinks.append(ends)
         return self.layers.places_between(np.concatenate(kinks) if kinks else np.empty(0))
 
@@ -173,17 +174,17 @@ class WaterPressure:
 
     def on_ground(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
         """Return the pressure (n,) of the water that stands on the ground, at points of the ground."""
-        if self.after is None:
+        if self.table_after is None:
             return np.zeros(len(points))
-        return self.hydrostatic(self.after, points, near)
+        return self.hydrostatic(self.table_after, points, near)
 
     @cached_property
     def deepest(self) -> float:
         """Return the largest depth (m) of water on the ground."""
-        x = np.union1d(self.layers.x, [] if self.after is None else self.after[:, 0])
+        x = np.union1d(self.layers.x, [] if self.table_after is None else self.table_after[:, 0])
         near = 0.5 * (x[1:] + x[:-1])
         depths = [
-            self.ponded(self.after, np.column_stack([end, end]), np.column_stack([near, near])) / self.unit_weight
+            self.ponded(self.table_after, np.column_stack([end, end]), np.column_stack([near, near])) / self.unit_weight
             for end in (x[:-1], x[1:])
         ]
         return float(np.max(depths))
@@ -208,7 +209,7 @@ class WaterPressure:
         The effective mean stress of saturated ground that cannot drain does not change (Skempton's B of 1), and the
         water above has the same effect on the stress on the ground and in it (Morgenstern 1963).
         """
-        return self.ponded(self.before, points, near) - self.ponded(self.after, points, near)
+        return self.ponded(self.table_before, points, near) - self.ponded(self.table_after, points, near)
 
     def hydrostatic(self, level: np.ndarray, points: np.ndarray, near: np.ndarray) -> np.ndarray:
         """Return the pressure (n,) below a water level (k, 2), by the rule in which its head is measured."""

@@ -31,7 +31,7 @@ from workflow.config import Config
 SAME = 1e-6  # by which Kh may differ between numbers of ranks
 GROWTH = 0.01  # of Kh while the displacement doubles, below which it is a plateau
 # Steps that grow fast and may take many iterations: half as many factorisations as with those of a run.
-FIRST, FASTER, LARGEST, FEW, MANY = 0.4, 1.7, 10.0, 12, 30
+FIRST_STEP, LARGEST_STEP, MOST_ITERATIONS = 0.4, 10.0, 30
 CORE = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}  # a rank has one core
 
 
@@ -72,8 +72,8 @@ def solve(refine: int, steps: int) -> Row:
     assert ground.gravity is not None
     stood = time.perf_counter()
     path = seismic_path(ground.problem, ground.constant, ground.load, sign_of(config.section, "downhill"), settings)
-    newton = NewtonSettings(tolerance=settings.tolerance, iterations=MANY)
-    longer = replace(path.settings, newton=newton, first=FIRST, growth=FASTER, largest=LARGEST, few=FEW, many=MANY)
+    newton = NewtonSettings(tolerance=settings.tolerance, iterations=MOST_ITERATIONS)
+    longer = replace(path.settings, newton=newton, first_step=FIRST_STEP, largest_step=LARGEST_STEP)
     path = replace(path, settings=longer)
     plateau = follow(path, steps)
     end = time.perf_counter()

@@ -78,7 +78,7 @@ def path_of(problem, fixed, load, control, first=0.1, tolerance=1e-6, largest=0.
     problem.factorise()
     elastic = problem.exchange.dot(control, problem.solve(load))
     settings = PathSettings(
-        newton=NewtonSettings(tolerance=tolerance), first=first, largest=largest, relaxation=relaxation
+        newton=NewtonSettings(tolerance=tolerance), first_step=first, largest_step=largest, relaxation=relaxation
     )
     scale = problem.exchange.norm(load)
     return EquilibriumPath(problem, ProportionalLoad(fixed, load), control, elastic, scale, settings)

@@ -141,7 +141,8 @@ class EndlessSlope:
 
         remains = RemainingStrength(0.0, 0.0, *((self.strength, 0.0) if self.as_ratio else (0.0, self.strength)))
         slide = slider.run(
-            SlideProgramme(acceleration, {1: 0.0}, {1: remains}, 0.05, end, end, still=1e-9), decay=DECAY_RATES[1]
+            SlideProgramme(acceleration, {1: 0.0}, {1: remains}, 0.05, end, end, rest_displacement=1e-9),
+            decay=DECAY_RATES[1],
         )
         return float(np.mean(slide.slide[-1])) * upright
 

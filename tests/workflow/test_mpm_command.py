@@ -134,7 +134,7 @@ def test_a_stopped_slide_goes_on_with_the_same_bits(
     assert min(times) > 2.5
     assert again.times == whole.times
     assert np.array_equal(again.slide, whole.slide)
-    assert np.array_equal(again.after, whole.after)
+    assert np.array_equal(again.surface_after, whole.surface_after)
     assert (again.reason, again.energy_lost_share) == (whole.reason, whole.energy_lost_share)
     times.clear()
     assert np.array_equal(continued(lambda message: times.append(message[1]), checkpoint).slide, whole.slide)

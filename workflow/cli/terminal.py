@@ -120,7 +120,8 @@ def show_plan(job: Job, choice: Choice, verbosity: Verbosity) -> None:
     if verbosity == Verbosity.JSON:
         return say_data(data.of_plan(decisions))
     rows = [
-        (decision.stage.name, VERBS[decision.action], decision.why or "nothing has changed") for decision in decisions
+        (decision.stage.name, VERBS[decision.action], decision.reason or "nothing has changed")
+        for decision in decisions
     ]
     show_table(("stage", "would", "because"), rows)
     _announce(decisions, job)

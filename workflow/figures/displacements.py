@@ -32,15 +32,15 @@ class MethodRow:
 
     words: str
     look: tuple[str, str]
-    value: float | None
-    why_not: str = ""
+    displacement: float | None
+    reason: str = ""
 
 
 def displacements(results: Results) -> Sheet | None:
     """Draw a point for each method, discs and estimates, on a logarithmic axis; return None if there are fewer than
     two."""
     rows = [*_others(results), *slides(results)]
-    known = [row for row in rows if row.value is not None]
+    known = [row for row in rows if row.displacement is not None]
     if len(known) < 2:
         return None
     title = f"{results.config.section.heading}: displacement by all methods"
@@ -55,7 +55,11 @@ def displacements(results: Results) -> Sheet | None:
     axes.set_yticks([-number for number in range(len(rows))], [in_mathtext(row.words) for row in rows], fontsize=6.5)
     observed = results.config.report.observed
     most = max(
-        [SMALLEST_SLIDE, *(row.value or 0.0 for row in known), *(observation.displacement for observation in observed)]
+        [
+            SMALLEST_SLIDE,
+            *(row.displacement or 0.0 for row in known),
+            *(observation.displacement for observation in observed),
+        ]
     )
     axes.set_xlim(0.8 * SMALLEST_SLIDE, 2.5 * most)  # so that the number beside the last point stands in the frame
     box = axes.get_position()
@@ -68,9 +72,9 @@ def displacements(results: Results) -> Sheet | None:
 
 def _draw(axes: Axes, row: MethodRow, at: int) -> None:
     """Draw a point with its number, an arrow if the point lies off the axis, or the reason why there is no point."""
-    if row.value is None:
+    if row.displacement is None:
         axes.annotate(
-            row.why_not,
+            row.reason,
             (SMALLEST_SLIDE, at),
             (-2, -2),
             textcoords="offset points",
@@ -80,9 +84,9 @@ def _draw(axes: Axes, row: MethodRow, at: int) -> None:
         )
         return
     colour, marker = row.look
-    place = max(row.value, SMALLEST_SLIDE)
-    axes.plot(place, at, marker if row.value >= SMALLEST_SLIDE else "<", color=colour, markersize=5)
-    phrase = metres(row.value)
+    place = max(row.displacement, SMALLEST_SLIDE)
+    axes.plot(place, at, marker if row.displacement >= SMALLEST_SLIDE else "<", color=colour, markersize=5)
+    phrase = metres(row.displacement)
     axes.annotate(phrase, (place, at), (6, -2), textcoords="offset points", fontsize=6.5, color=colour, bbox=BLANK)
 
 
@@ -138,7 +142,7 @@ def _handles(rows: list[MethodRow]) -> Iterator[Line2D]:
     for look, label in named.items():
         if any(row.look == look for row in rows):
             yield Line2D([], [], color=look[0], marker=look[1], linestyle="", label=label)
-    if any(row.value is not None and row.value < SMALLEST_SLIDE for row in rows):
+    if any(row.displacement is not None and row.displacement < SMALLEST_SLIDE for row in rows):
         yield Line2D([], [], color=CONTINUUM, marker="<", linestyle="", label="less than 5 mm, or nothing")
 
 

@@ -24,7 +24,7 @@ class Caption(NamedTuple):
     """
 
     pattern: str
-    part: str
+    section: str
     words: str
     main: bool = False
 
@@ -140,7 +140,7 @@ class Picture:
     """Holds a picture of the report: its name, section, caption, and data as a URI."""
 
     name: str
-    part: str
+    section: str
     main: bool
     caption: str
     data: str
@@ -179,7 +179,7 @@ def _picture(path: Path, name: str, caption: Caption, words: str, width: int) ->
     if small.width > width:
         small = small.resize((width, round(small.height * width / small.width)), Image.Resampling.LANCZOS)
     data = f"data:image/webp;base64,{base64.b64encode(compressed(small)).decode()}"
-    return Picture(name, caption.part, caption.main, words, data, *small.size)
+    return Picture(name, caption.section, caption.main, words, data, *small.size)
 
 
 def compressed(image: Image.Image) -> bytes:

@@ -55,7 +55,9 @@ def _parameters(stratum: Stratum) -> dict[str, Any]:
 
 def of_plan(decisions: Iterable[Decision]) -> list[dict[str, str]]:
     """Return the decision about every stage, with its reason."""
-    return [{"stage": decision.stage.name, "would": decision.action, "because": decision.why} for decision in decisions]
+    return [
+        {"stage": decision.stage.name, "would": decision.action, "because": decision.reason} for decision in decisions
+    ]
 
 
 def of_stages(job: Job, names: Iterable[str], warnings: Iterable[str] = ()) -> dict[str, Any]:

@@ -8,13 +8,13 @@ from workflow.texts.report_texts import Texts
 
 @dataclass
 class Labels:
-    """Numbers sections, tables and figures in their order on a page. A page is rendered twice: ``known`` contains the
-    numbers of the first rendering.
+    """Numbers sections, tables and figures in their order on a page. A page is rendered twice, so that the second
+    rendering can refer to numbers further down the page.
 
     Attributes
     ----------
     texts : the texts in the language of the page
-    known : numbers of the first rendering: "Table 3", "Figure 7", by name
+    first_rendering : numbers of the first rendering: "Table 3", "Figure 7", by name
     numbers : numbers of this rendering
     sections : headings by name, with their numbers
     contents : the sections of the first rendering
@@ -22,7 +22,7 @@ class Labels:
     """
 
     texts: Texts = field(default_factory=Texts)
-    known: dict[str, str] = field(default_factory=dict)
+    first_rendering: dict[str, str] = field(default_factory=dict)
     numbers: dict[str, str] = field(default_factory=dict)
     sections: dict[str, str] = field(default_factory=dict)
     contents: dict[str, str] = field(default_factory=dict)
@@ -51,11 +51,11 @@ class Labels:
 
     def __contains__(self, name: str) -> bool:
         """Return whether the page has an item with this name."""
-        return name in self.known
+        return name in self.first_rendering
 
     def see(self, name: str) -> str:
         """Return the number of the item with this name, anywhere on the page."""
-        return self.known.get(name, "")
+        return self.first_rendering.get(name, "")
 
 
 class Notes:

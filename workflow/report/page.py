@@ -73,7 +73,7 @@ def page(results: Results, summary: Summary) -> str:
     template, content = environment.get_template("template.html.jinja"), _content(results, summary, texts)
     first, second = Labels(texts), Labels(texts)
     template.render(content, labels=first)
-    second.known, second.contents = first.numbers, first.sections
+    second.first_rendering, second.contents = first.numbers, first.sections
     return labelled(in_captions(texts.page(template.render(content, labels=second))))
 
 
@@ -201,5 +201,5 @@ def _pictures(results: Results, texts: Texts) -> dict[str, list[Any]]:
         if len(numbers := groups.get(picture.name, ())) > 1:
             words = texts("Calibrated discs in cases {cases}, whose slides are equal.", cases=case_numbers(numbers))
             picture = replace(picture, caption=words)
-        by_part.setdefault(picture.part if picture.main and not shown_before else "further", []).append(picture)
+        by_part.setdefault(picture.section if picture.main and not shown_before else "further", []).append(picture)
     return by_part

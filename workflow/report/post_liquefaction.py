@@ -81,9 +81,15 @@ def _case_words(case: LiquefiedCase) -> str:
 
 @dataclass(frozen=True)
 class SufficientStrength:
-    """Holds the residual strength (kPa) of each stratum for a factor of safety of 1, and whether it is a bound."""
+    """Holds the residual strength (kPa) of each stratum for a factor of safety of 1, and whether it is a bound.
 
-    how: str
+    Attributes
+    ----------
+    qualifier : "about", "more than" or "at most"
+    strata : the strata with this strength
+    """
+
+    qualifier: str
     strata: Strata
 
     @property
@@ -94,10 +100,10 @@ class SufficientStrength:
             "stress)"
             for s in self.strata
         ]
-        addition = (
-            "; add a case with more residual strength to find the required strength" if self.how == "more than" else ""
-        )
-        return f"The residual strength required to stand without shaking is {self.how} {listed(phrases)}{addition}"
+        sentence = f"The residual strength required to stand without shaking is {self.qualifier} {listed(phrases)}"
+        if self.qualifier != "more than":
+            return sentence
+        return f"{sentence}; add a case with more residual strength to find the required strength"
 
 
 def just_enough(cases: Sequence[LiquefiedCase], required: Strata = ()) -> SufficientStrength | None:

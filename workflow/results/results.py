@@ -141,7 +141,7 @@ class Results:
         of_fem = list(self.fem.warnings) if self.fem is not None else []
         looked_at = ("mesh",) if self._bracketed else ("mesh", "element")
         others = [
-            ComparedKh(variant.change, variant.kc, decisive=variant.name == "mesh", without=variant.kc_without)
+            ComparedKh(variant.change, variant.kc, decisive=variant.name == "mesh", kc_without=variant.kc_without)
             for variant in (self.variants.variants if self.variants is not None else ())
             if self.kc and variant.kc is not None and variant.name in looked_at
         ]

@@ -79,8 +79,8 @@ class TestPart(Part):
             N=test.sample.N if isinstance(test.sample, Sample) else None,
             qc_Pa=test.sample.qc if isinstance(test.sample, Cone) else None,
             fines_percent=test.sample.fines,
-            total_Pa=test.where.total,
-            effective_Pa=test.where.effective,
+            total_Pa=test.overburden.total,
+            effective_Pa=test.overburden.effective,
             **stresses,
         )
 
@@ -177,7 +177,9 @@ class TriggeringAnswer(Answer):
                 BoringPart(name=name, potential=value, risk=risk(value))
                 for name, value in assessment.potentials.items()
             ),
-            tests=tuple(TestPart.of(test, config.section.strata[test.where.stratum].name) for test in assessment.tests),
+            tests=tuple(
+                TestPart.of(test, config.section.strata[test.overburden.stratum].name) for test in assessment.tests
+            ),
             left=tuple(
                 ResidualPart(
                     stratum=config.section.strata[layer.stratum].name,

@@ -90,7 +90,7 @@ class Display:
         shown.state, shown.start = "run", time.monotonic()
         shown.left = TimeLeft(shown.start)
         if self.verbosity == Verbosity.VERBOSE:
-            self._say(f"{decision.stage.name}: {decision.stage.what} ({decision.why})")
+            self._say(f"{decision.stage.name}: {decision.stage.what} ({decision.reason})")
         last = shown.start
 
         def progress(line: str, share: float | None) -> None:

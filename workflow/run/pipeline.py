@@ -133,7 +133,7 @@ class Run:
         """
         stage, left = decision.stage, self.record[decision.stage.name]
         if decision.action == "off":
-            self.listener.skip(decision, decision.why)
+            self.listener.skip(decision, decision.reason)
             return False
         without = [name for name in stage.needs if name in self.failures]
         if without and not stage.of_all:
@@ -171,7 +171,7 @@ class Run:
 
         def keep(drawn: "Future[None]") -> None:
             drawn.result()
-            self._keep_pictures(stage, started.before)
+            self._keep_pictures(stage, started.files_before)
 
         self.pending.append(then(self.executor.submit(draw, self._for_others()), keep))
 
@@ -207,10 +207,10 @@ class Run:
         inputs = made_from(stage, self.job, self.record)  # those of a report depend on how the others have ended
         with self.one_at_a_time:
             progress = self._logged(stage, self.listener.begin(decision))
-            goes_on = left is not None and left.inputs == inputs and decision.why != "asked for"
+            goes_on = left is not None and left.inputs == inputs and decision.reason != "asked for"
             if not goes_on:
                 store.remove(stage.leftovers)
-            self.log.line(f"{stage.name}: begins ({decision.why})")
+            self.log.line(f"{stage.name}: begins ({decision.reason})")
             self.record.put(stage.name, Entry(inputs, "begun"))
         return StartedStage(inputs, progress, store.marks((*stage.results, *stage.pictures)), time.perf_counter())
 
@@ -219,7 +219,9 @@ class Run:
         stage, store = decision.stage, self.job.store
         seconds = time.perf_counter() - started.start
         # What it did not write may be of other inputs, but for a stage that goes on and has cleaned up before.
-        results = store.matching(stage.results) if stage.leftovers else store.written(stage.results, started.before)
+        results = (
+            store.matching(stage.results) if stage.leftovers else store.written(stage.results, started.files_before)
+        )
         to_draw = stage.drawn_after and bool(results)
         entry = Entry(
             started.inputs,
@@ -229,7 +231,7 @@ class Run:
             round(seconds, 2),
             datetime.now().isoformat(" ", "seconds"),
             sizes(store, results),
-            [] if to_draw else self._drawn(stage, started.before),
+            [] if to_draw else self._drawn(stage, started.files_before),
             "" if to_draw else title(self.job.config),
         )
         with self.one_at_a_time:
@@ -286,7 +288,7 @@ class StartedStage:
 
     inputs: dict[str, str]
     progress: Progress
-    before: Mapping[str, tuple[int, int]]
+    files_before: Mapping[str, tuple[int, int]]
     start: float
 
 
@@ -313,9 +315,9 @@ def redraw_all(job: Job, listener: Listener) -> list[str]:
         for decision in plan(job, run.record, Choice(())):
             stage = decision.stage
             if decision.action == "off" and not is_of_this_input(stage, job, run.record):
-                messages.append(f"{stage.name}: no pictures: {decision.why}")
+                messages.append(f"{stage.name}: no pictures: {decision.reason}")
             elif stage.draw is not None:
-                run.redraw(replace(decision, action="redraw", why="drawn again"), stage.draw)
+                run.redraw(replace(decision, action="redraw", reason="drawn again"), stage.draw)
             elif stage.pictures:
                 messages.append(f"{stage.name}: its pictures are drawn only when it runs")
     return messages

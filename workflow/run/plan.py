@@ -71,12 +71,12 @@ class Decision:
     ----------
     stage: the stage.
     action: whether to run the stage, draw its pictures again, reuse its results, or leave it out.
-    why: reason of the action, in words; empty if nothing has changed.
+    reason: reason of the action, in words; empty if nothing has changed.
     """
 
     stage: Stage
     action: Action
-    why: str
+    reason: str
 
 
 def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
@@ -85,7 +85,7 @@ def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
     for stage in job.stages:
         news = any(decision.action in ("run", "redraw") for decision in decisions)
         decisions.append(_decision(stage, job, record, choice, news))
-    off = {decision.stage.name: decision.why for decision in decisions if decision.action == "off"}
+    off = {decision.stage.name: decision.reason for decision in decisions if decision.action == "off"}
     for decision in decisions:
         if decision.action in ("run", "redraw") and not decision.stage.of_all:
             missing = [name for name in decision.stage.needs if name in off]

@@ -81,7 +81,7 @@ def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) ->
 class StateAtKh:
     """Holds a Kh to which one set of discs is brought from rest, and the name of the state in the store."""
 
-    which: SetOfSprings
+    springs: SetOfSprings
     start: DiscsAtRest
     kh: float
     label: str
@@ -102,7 +102,7 @@ def _reached(goal: StateAtKh, _: Tell) -> RecordedDiscs:
     """Compute the state at this Kh, or at failure of the discs, and store it in a file."""
     start = goal.start
     before, ground = start.settled, start.ground
-    file = state_file(goal.which, goal.label)
+    file = state_file(goal.springs, goal.label)
     if goal.label == FAILING and start.continuum is not None:
         model, trial = _at_the_end(goal, start.continuum, file), start.search.trials[-1]
     else:
@@ -112,7 +112,7 @@ def _reached(goal: StateAtKh, _: Tell) -> RecordedDiscs:
     far = np.hypot(model.x - before.x, model.z - before.z)[~model.fixed]
     return RecordedDiscs.taken(
         trial,
-        set=goal.which,
+        set=goal.springs,
         file=file,
         cracked_share_by_stratum=cracked_shares(model),
         slip_surface=line(slip_surface(model, before, ground)),

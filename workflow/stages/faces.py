@@ -44,7 +44,7 @@ class FaceTask:
     config : config of the run.
     structure, side : the structure, and the side of the face.
     quantity : name of the quantity to compute.
-    first : the value in the section without strong zones, or the reason why there is none.
+    without_zones : the value in the section without strong zones, or the reason why there is none.
     circle : critical slip circle of the face; empty without one.
     """
 
@@ -52,7 +52,7 @@ class FaceTask:
     structure: CrestedStructure
     side: int
     quantity: Quantity
-    first: "FaceLimit | str"
+    without_zones: "FaceLimit | str"
     circle: Surface
 
 
@@ -157,9 +157,9 @@ def _tasks(
 def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
     """Return the quantity of a face, with as many strong zones as necessary, or the reason why there is none."""
     zones: tuple[StrongZone, ...] = ()
-    if isinstance(task.first, str):
-        return task.first
-    result = task.first
+    if isinstance(task.without_zones, str):
+        return task.without_zones
+    result = task.without_zones
     try:
         for attempt in range(ATTEMPTS + 1):
             if is_of_face(task.structure, task.side, result.surface) or attempt == ATTEMPTS:

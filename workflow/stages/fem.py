@@ -165,7 +165,7 @@ def _stored_state(mesh: "QuadMesh", state: "FieldState", result: "CriticalResult
 
 
 def _factor_of_safety(adapted: "AdaptiveResult[SafetyFactor]", flow: Flow) -> FactorOfSafety:
-    result, rest = adapted.result, adapted.rounds[-1].rest if adapted.rounds else np.inf
+    result, rest = adapted.result, adapted.rounds[-1].remaining_error if adapted.rounds else np.inf
     return FactorOfSafety.taken(
         result,
         curve=tuple(result.steps),

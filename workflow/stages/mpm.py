@@ -220,8 +220,8 @@ def numerical_interval(slides: Sequence["PointSlide"]) -> tuple[float, float]:
     the governing slide is largest: in coarse cells other ground may slide farther, above layers thinner than a cell.
     """
     counts = slides[0]
-    x = counts.before[int(np.argmax(counts.slide[-1])), 0]
-    largest, coarse, slower = (float(np.interp(x, each.before[:, 0], each.slide[-1])) for each in slides)
+    x = counts.surface_before[int(np.argmax(counts.slide[-1])), 0]
+    largest, coarse, slower = (float(np.interp(x, each.surface_before[:, 0], each.slide[-1])) for each in slides)
     finer = largest + (largest - coarse) / (COARSE_RATIO - 1)
     ends = largest, max(largest + slower - coarse, 0.0), max(finer, 0.0)
     return min(ends), max(ends)
@@ -231,7 +231,7 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
     """Return the slide of a case with its error: its governing slide, and the slides for `numerical_interval`."""
     counts = slides[0]
     slide, settlement = counts.slide[-1], counts.settlement[-1]
-    uphill_first = counts.before[0, 1] >= counts.before[-1, 1]
+    uphill_first = counts.surface_before[0, 1] >= counts.surface_before[-1, 1]
     thirds = [np.array_split(values if uphill_first else values[::-1], 3) for values in (slide, settlement)]
     names = ("uphill", "middle", "downhill")
     low, high = numerical_interval(slides)
@@ -239,10 +239,10 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
         slide_max_m=counts.slide_max,
         slide_max_low_m=low,
         slide_max_high_m=high,
-        slide_max_at_x_m=float(counts.before[int(np.argmax(slide)), 0]),
+        slide_max_at_x_m=float(counts.surface_before[int(np.argmax(slide)), 0]),
         **{f"slide_{name}_m": float(np.median(part)) for name, part in zip(names, thirds[0], strict=True)},
         **{f"settlement_{name}_m": float(np.median(part)) for name, part in zip(names, thirds[1], strict=True)},
-        settlement_crest_m=float(counts.before[:, 1].max() - counts.after[:, 1].max()),
+        settlement_crest_m=float(counts.surface_before[:, 1].max() - counts.surface_after[:, 1].max()),
         settled=counts.settled,
         reason=counts.reason,
         seconds_simulated=counts.times[-1],
@@ -250,9 +250,9 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
         energy_lost_share=counts.energy_lost_share,
         stopped_by=counts.stopped_by,
         notes=tuple(_notes(counts, ground)),
-        surface_before=line(counts.before),
-        surface_after=line(counts.after[np.argsort(counts.after[:, 0])]),
-        slide_along=line(np.column_stack([counts.before[:, 0], slide])),
+        surface_before=line(counts.surface_before),
+        surface_after=line(counts.surface_after[np.argsort(counts.surface_after[:, 0])]),
+        slide_along=line(np.column_stack([counts.surface_before[:, 0], slide])),
     )
 
 

@@ -97,7 +97,7 @@ def _own_seed(config: Config, calibration: CalibrationAnswer) -> Seed | None:
 @dataclass(frozen=True)
 class PackingTask:
     """Holds one random packing, given by its seed, to be calibrated and used for slides in the folder of the run. The
-    calibration begins with the factor of the packing of the run itself, ``first``, which often is close enough.
+    calibration begins with the factor of the packing of the run itself, ``initial_factor``, which is often near enough.
     """
 
     config: Config
@@ -106,7 +106,7 @@ class PackingTask:
     seed: int
     parameter: str
     numbers: tuple[int, ...]
-    first: float = 1.0
+    initial_factor: float = 1.0
 
     def message(self, text: str) -> str:
         """Return the message of a packing, with its seed."""
@@ -130,7 +130,7 @@ def calibrated_packing(packing: PackingTask, tell: Tell) -> Packed:
         )  # fmt: skip
     else:
         choose = parameter == "auto" and dem.model == "paper"
-        calibration = calibrated(calibrator, packing.continuum, one_at_a_time=choose, first=packing.first)
+        calibration = calibrated(calibrator, packing.continuum, one_at_a_time=choose, first=packing.initial_factor)
         parameter = calibration.parameter
         before = calibrator.searches.get(("", 1.0))
         seed = Seed.taken(

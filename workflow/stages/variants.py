@@ -68,7 +68,7 @@ class Change:
     kc_without : critical Kh on the initial mesh without the change; None if it is that of the answer.
     against : place in the list of changes whose result is the critical Kh without this change, if the change requires
         another element than the answer has.
-    needed : whether the change was requested; other changes are computed to be compared with.
+    requested : whether the change was requested; other changes are computed to be compared with.
     """
 
     name: str
@@ -78,7 +78,7 @@ class Change:
     halved: bool
     kc_without: float | None = None
     against: int | None = None
-    needed: bool = True
+    requested: bool = True
 
 
 def on_a_mesh(
@@ -143,7 +143,7 @@ def with_its_element(changes: Sequence[Change], config: Config, element: str) ->
         same = next((k for k, each in enumerate(changes) if each.config.fem == alone.fem and not each.halved), None)
         if same is None:
             same = len(result)
-            result.append(replace(change, words=f"{used} element", config=alone, needed=False))
+            result.append(replace(change, words=f"{used} element", config=alone, requested=False))
         result[place] = replace(change, words=f"{change.words}, both with the {used} element", against=same)
     return result
 
@@ -153,7 +153,7 @@ def by_one_element(variants: Sequence[Variant], changes: Sequence[Change]) -> li
     to compare with has no critical Kh."""
     result = []
     for computed, change in zip(variants, changes, strict=True):
-        if not change.needed:
+        if not change.requested:
             continue
         if change.against is None or computed.kc is None:
             result.append(computed)

@@ -35,10 +35,10 @@ def by_points(case: SlideCase) -> float | None:
         return None
     slide = _computed_slide(Sliding(config), number_of(wanted.case, config.cases))
     if wanted.at == "crest":
-        return round(float(slide.before[:, 1].max() - slide.after[:, 1].max()), 4)
+        return round(float(slide.surface_before[:, 1].max() - slide.surface_after[:, 1].max()), 4)
     if wanted.at == "largest":
         return round(slide.slide_max, 4)
-    return round(float(np.interp(wanted.at, slide.before[:, 0], slide.slide[-1])), 4)
+    return round(float(np.interp(wanted.at, slide.surface_before[:, 0], slide.slide[-1])), 4)
 
 
 @lru_cache(maxsize=8)

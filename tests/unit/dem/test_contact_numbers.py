@@ -52,8 +52,8 @@ def test_patches_of_equal_numbers_are_scaled_copies(numbers: ContactNumbers) -> 
         "random", 2.0 * RADIUS, seed=1, size=SMALL, law="soil",
     )  # fmt: skip
     small, large = compress(item, PRESSURE), compress(other, 4.0 * PRESSURE)
-    assert (large.after, large.E) == pytest.approx((4.0 * small.after, 4.0 * small.E), rel=1e-12)
-    assert small.after > 0.0
+    assert (large.post_peak, large.E) == pytest.approx((4.0 * small.post_peak, 4.0 * small.E), rel=1e-12)
+    assert small.post_peak > 0.0
 
 
 def test_the_nearest_numbers_are_their_own_nearest(layers: list[SoilLayer]) -> None:
@@ -108,7 +108,7 @@ def test_a_patch_is_tested_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     first, again = strength_of_patch(SAND, 1), strength_of_patch(SAND, 1)
     assert isinstance(first, PatchStrength)
     assert isinstance(again, PatchStrength)
-    assert again.after == first.after
+    assert again.post_peak == first.post_peak
     assert again.course.tolist() == first.course.tolist()
     assert strength_of_patch(SAND, 2) == strength_of_patch(SAND, 2) == "it does not come to rest"
     assert len(requested) == 2
@@ -116,5 +116,5 @@ def test_a_patch_is_tested_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert len(requested) == 3
     for file in (tmp_path / "kept").iterdir():
         file.write_text('{"after": 1.0}')
-    assert strength_of_patch(SAND, 1).after == first.after  # type: ignore[union-attr]
+    assert strength_of_patch(SAND, 1).after == first.post_peak  # type: ignore[union-attr]
     assert len(requested) == 4

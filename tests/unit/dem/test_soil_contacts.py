@@ -47,13 +47,15 @@ def test_the_map_rises_with_friction_and_with_cohesion(turns: bool) -> None:
     holds = table.cohesion > 1.2 * np.maximum(-table.friction, 0.0)[:, None]
     holds |= table.friction[:, None] >= 0.0
     soils = (table.friction[:, None] <= 0.4) & (table.cohesion <= 6.4)
-    rise = np.diff(table.after, axis=0), np.diff(table.after, axis=1)
+    rise = np.diff(table.post_peak, axis=0), np.diff(table.post_peak, axis=1)
     at_stress = table.cohesion > 0.0
     assert (rise[0][(holds & soils)[:-1] & soils[1:] & at_stress] > 0.0).all()
     assert (rise[1][holds[:, :-1] & soils[:, 1:]] > 0.0).all()
-    assert ((table.after[~holds] > 0.1) & (table.after[~holds] < 0.25)).all()  # what the geometry of discs holds
-    assert (table.after < table.peak).all()
-    assert (table.after / table.peak)[soils & holds].min() > 0.65
+    assert (
+        (table.post_peak[~holds] > 0.1) & (table.post_peak[~holds] < 0.25)
+    ).all()  # what the geometry of discs holds
+    assert (table.post_peak < table.peak).all()
+    assert (table.post_peak / table.peak)[soils & holds].min() > 0.65
 
 
 def test_the_peak_of_sand_is_told() -> None:
@@ -62,7 +64,7 @@ def test_the_peak_of_sand_is_told() -> None:
     is 3, 3, 5 and 13 %, but strength comes at twice the strain."""
     table = strength_map()
     sand = [int(np.flatnonzero(table.friction == mu)[0]) for mu in (0.2, 0.3, 0.4, 0.5)]
-    after, peak = table.after[sand, 0], table.peak[sand, 0]
+    after, peak = table.post_peak[sand, 0], table.peak[sand, 0]
     assert np.degrees(np.arcsin(after / (1.0 + after))) == pytest.approx([21.8, 28.1, 32.9, 36.5], abs=0.3)
     assert peak / after == pytest.approx([1.03, 1.08, 1.13, 1.17], abs=0.02)
 

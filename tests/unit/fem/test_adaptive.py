@@ -85,7 +85,7 @@ def test_it_goes_on_until_the_answer_no_longer_changes() -> None:
     assert solution.converged
     assert [item.cells for item in solution.rounds] == sorted({item.cells for item in solution.rounds})
     assert solution.rounds[0].change == float("inf")
-    assert solution.rounds[-1].rest <= 0.01 < solution.rounds[-2].rest
+    assert solution.rounds[-1].remaining_error <= 0.01 < solution.rounds[-2].remaining_error
     assert solution.rounds[-1].cells == len(solution.mesh.cells)
     assert solution.result.value == solution.rounds[-1].value
     assert solution.limit == pytest.approx(EXACT, rel=1e-9)  # the error is what the limit supposes
@@ -93,7 +93,7 @@ def test_it_goes_on_until_the_answer_no_longer_changes() -> None:
 
 def test_a_finer_mesh_that_bears_more_is_trusted_less() -> None:
     fallen, risen = (solved(Solver(error=error), accuracy=0.02).rounds for error in (5.0, -5.0))
-    assert risen[1].rest == pytest.approx(3.0 * fallen[1].rest, rel=0.1)
+    assert risen[1].remaining_error == pytest.approx(3.0 * fallen[1].remaining_error, rel=0.1)
     assert len(risen) > len(fallen)
 
 
@@ -110,7 +110,7 @@ def test_a_rise_on_about_as_many_cells_tells_no_error() -> None:
         generate(section, wanted), partial(next_mesh, section, wanted), solve, RefinementCriteria(0.02, 9000)
     )
     assert adaptive_result.rounds[1].cells < 1.25 * adaptive_result.rounds[0].cells
-    assert [item.tells for item in adaptive_result.rounds[:3]] == [True, False, True]
+    assert [item.meaningful for item in adaptive_result.rounds[:3]] == [True, False, True]
     assert adaptive_result.converged
     assert adaptive_result.result.value < 0.0886
 
@@ -176,7 +176,7 @@ def test_a_direction_that_cannot_govern_is_not_refined() -> None:
 def test_a_direction_is_refined_until_what_is_left_of_its_error_no_longer_matters() -> None:
     solution = solved(Solver(error=20.0), accuracy=1e-4, other=0.9 * EXACT)
     assert (len(solution.rounds), solution.reason) == (2, "the other direction governs")
-    assert solution.result.value * (1.0 - 2.0 * solution.rounds[-1].rest) > 0.9 * EXACT
+    assert solution.result.value * (1.0 - 2.0 * solution.rounds[-1].remaining_error) > 0.9 * EXACT
 
 
 def test_no_answer_on_the_first_mesh_is_raised() -> None:

@@ -42,7 +42,7 @@ CLOSING = FixedBracket((0.2, 0.4), (0.25, 0.35), (0.28, 0.32))
     [
         (Limits(0.02, 10_000), None),
         (Limits(0.15, 10_000), "gap"),
-        (Limits(0.02, 10_000, enough=0.33), "enough"),
+        (Limits(0.02, 10_000, sufficient_upper=0.33), "enough"),
         (Limits(0.02, 470), "triangles"),
         (Limits(0.02, 10_000, seconds=15.0), "time"),  # 1 + 2 + 4 s, and 2^1.2 times 4 s for the next one
         (Limits(0.02, 10_000, seconds=17.0), None),
@@ -71,7 +71,7 @@ def test_the_last_mesh_is_as_large_as_it_needs_to_be():
 
 def test_bounds_of_a_small_kh_are_close_enough_at_the_same_difference_in_kh():
     """1 %, or 0.002 in Kh where Kh is below 0.2; a factor of safety to half of that share."""
-    limits = Limits(0.01, 10_000, least=LEAST_KH)
+    limits = Limits(0.01, 10_000, smallest_mean=LEAST_KH)
     assert limits.reached(FixedBracket((0.015, 0.0169)), 100) == "gap"
     assert limits.reached(FixedBracket((0.015, 0.0171)), 100) is None
     assert limits.reached(FixedBracket((0.398, 0.4019)), 100) == "gap"

@@ -77,7 +77,7 @@ def test_changes_by_more_than_3_percent_are_told():
 
 
 def test_a_change_on_another_mesh_is_held_against_that_mesh():
-    other = ComparedKh("quadratic element, on the first mesh of 1041 cells", 0.1242, decisive=False, without=0.1139)
+    other = ComparedKh("quadratic element, on the first mesh of 1041 cells", 0.1242, decisive=False, kc_without=0.1139)
     (computed,) = of_others(0.1096, [other])
     assert "0.124 instead of 0.114, +9 %" in computed.what
 

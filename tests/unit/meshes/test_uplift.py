@@ -112,7 +112,7 @@ def test_no_place_is_worse_than_the_one_that_is_told(bank: Section, level: float
     edges = ground.layering.interfaces(x)
     z = edges[:, -1] + random.uniform(0.0, 1.0, 400) * (edges[:, 0] - edges[:, -1])
     at, water = np.column_stack([x, z]), ground.water_pressure
-    weight = water.overburden(at, at) + water.ponded(water.after, at, at)
+    weight = water.overburden(at, at) + water.ponded(water.table_after, at, at)
     weight -= ground.surface_loads.dead(at, at, np.tile([0.0, 1.0], (400, 1)))[:, 1]
     excess = water.at_rest(at, at, ground.stratum_at(x, z)) - weight
     most = 100.0 if ground.uplift is None else ground.uplift.pressure - ground.uplift.weight

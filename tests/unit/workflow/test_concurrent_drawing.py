@@ -89,5 +89,5 @@ def test_what_was_stopped_before_it_was_drawn_is_drawn_without_computing(toys: T
         run(toys, tmp_path, dies)
     toys.change("mesh", draw=draws)
     decisions = plan(toys.job(tmp_path), Record(toys.job(tmp_path).store), toys.choose())
-    messages = {each.stage.name: (each.action, each.why) for each in decisions}
+    messages = {each.stage.name: (each.action, each.reason) for each in decisions}
     assert messages["mesh"] == ("redraw", "the stage was stopped before its pictures were drawn")

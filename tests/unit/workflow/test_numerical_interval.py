@@ -10,7 +10,7 @@ from workflow.stages.mpm import numerical_interval
 def slide(values: list[float]) -> PointSlide:
     """A slide whose surface has moved by these values (m), from x = 0 to 100 m."""
     x = np.linspace(0.0, 100.0, len(values))
-    return PointSlide(times=[60.0], slide=[np.array(values)], before=np.column_stack([x, 0.0 * x]))
+    return PointSlide(times=[60.0], slide=[np.array(values)], surface_before=np.column_stack([x, 0.0 * x]))
 
 
 def test_the_limit_of_fine_cells_and_another_decay_open_the_interval() -> None:

@@ -9,7 +9,9 @@ from workflow.earthquake.triggering.assessment import TestResult, judged_in_stra
 def test_a_part_without_tests_has_those_of_its_soil_on_the_same_side_of_the_water() -> None:
     """Reclaimed sand on both sides of a caisson, with a boring behind it: refused until now."""
     names = ["Sand", "Sand, below water", "Caisson", "Sand, part 2", "Sand, part 2, below water", "Clay"]
-    tests = cast(list[TestResult], [cast(Any, SimpleNamespace(where=SimpleNamespace(stratum=k))) for k in (4, 4, 5)])
+    tests = cast(
+        list[TestResult], [cast(Any, SimpleNamespace(overburden=SimpleNamespace(stratum=k))) for k in (4, 4, 5)]
+    )
     assert judged_in_stratum(names, 4, tests) == tests[:2]
     assert judged_in_stratum(names, 1, tests) == tests[:2]
     assert judged_in_stratum(names, 0, tests) == []

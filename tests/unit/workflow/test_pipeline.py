@@ -132,7 +132,8 @@ def test_a_dry_run_says_why(toys: Toys, tmp_path: Path) -> None:
     toys.go(tmp_path)
     job = toys.job(tmp_path, fem={"sides": "fixed"})
     decisions = {
-        decision.stage.name: (decision.action, decision.why) for decision in plan(job, Record(job.store), toys.choose())
+        decision.stage.name: (decision.action, decision.reason)
+        for decision in plan(job, Record(job.store), toys.choose())
     }
     assert decisions == {
         "mesh": ("reuse", ""),
@@ -247,7 +248,7 @@ def test_results_of_an_older_version_are_computed_anew_and_told_so(toys: Toys, t
     record = tmp_path / ".noshiro/stages.json"
     record.write_text(record.read_text().replace('"version": 3', '"version": 2').replace('"title"', '"drawing"'))
     job = toys.job(tmp_path)
-    whys = {decision.why for decision in plan(job, Record(job.store), toys.choose())}
+    whys = {decision.reason for decision in plan(job, Record(job.store), toys.choose())}
     assert whys == {"computed by another version of noshiro"}
     assert toys.go(tmp_path).ran == ALL_OF_THEM
 

@@ -41,11 +41,11 @@ def test_the_strength_with_which_it_just_stands() -> None:
                                  ((after_liquefaction(1, 5.0, 0.995), stands), "about", 5.0)):  # fmt: skip
         enough = just_enough(cases)
         assert enough is not None
-        assert (enough.how, enough.strata[0].cohesion_kPa) == (how, pytest.approx(expected))
+        assert (enough.qualifier, enough.strata[0].cohesion_kPa) == (how, pytest.approx(expected))
         assert enough.strata[0].over_effective == pytest.approx(expected / 40.0)
     computed = just_enough((flows, weaker), (flows.strata[0].scaled(1.5),))
     assert computed is not None
-    assert (computed.how, computed.strata[0].cohesion_kPa) == ("about", pytest.approx(6.0))
+    assert (computed.qualifier, computed.strata[0].cohesion_kPa) == ("about", pytest.approx(6.0))
     assert just_enough(()) is None
 
 

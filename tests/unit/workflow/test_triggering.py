@@ -219,7 +219,7 @@ def test_pore_pressure_of_what_does_not_liquefy_goes_into_the_analysis() -> None
     data["earthquake"]["peak_acceleration"] = "200 gal"
     config = analysed(data)
     loose, dense = config.section.strata
-    tests = [item for item in assessment(config).tests if item.where.stratum == 1]
+    tests = [item for item in assessment(config).tests if item.overburden.stratum == 1]
     each = [2.0 / np.pi * np.arcsin(entry.factor ** (-1.0 / 0.476)) for entry in tests]
     assert all(1.0 < entry.factor < 2.0 for entry in tests)
     areas = [element.area for element in tests]

@@ -169,7 +169,9 @@ def test_stiff_sand_is_stronger_than_soft() -> None:
         layer = soil_discs(
             "sand", kappa * pressure, Strength(0.35, 0.0, ROLLING), 2000.0, 2000.0, RADIUS, 0.0, allowed_overlap=1.0
         )
-        values = [compress(PatchSample(layer, "random", RADIUS, seed, law="soil"), pressure).after for seed in seeds]
+        values = [
+            compress(PatchSample(layer, "random", RADIUS, seed, law="soil"), pressure).post_peak for seed in seeds
+        ]
         return float(np.mean(values)) / pressure
 
     soft, stiff = strength(200.0), strength(6000.0)

@@ -72,8 +72,8 @@ def test_of_two_faces_the_steeper_one_counts():
     grid = generate(faces, MeshSettings(size=2.0, method="free"))
     result = critical_coefficient(faces, grid, FemSettings(), MPI.COMM_SELF)
     assert (result.direction, result.sign) == ("uphill", -1)
-    assert result.other.direction == "downhill"
-    assert result.kc < 0.7 * result.other.kc
+    assert result.opposite.direction == "downhill"
+    assert result.kc < 0.7 * result.opposite.kc
 
 
 def test_grains_roll_down_a_face_of_sand_and_the_search_goes_on_below():

@@ -105,9 +105,9 @@ def test_pushed_both_ways_the_slope_fails_downhill():
     """Uphill only the ground at the left side fails, at 0.155, where its neighbour presses with no more than K0."""
     result = outcome("reduced", flow=DAVIS, direction="both")
     assert result.direction == "downhill"
-    assert result.other.direction == "uphill"
-    assert result.other.kc < result.kc
-    assert touched_sides(mesh_of(1)[1], result.other.mechanism) == ("left",)
+    assert result.opposite.direction == "uphill"
+    assert result.opposite.kc < result.kc
+    assert touched_sides(mesh_of(1)[1], result.opposite.mechanism) == ("left",)
 
 
 @pytest.mark.slow

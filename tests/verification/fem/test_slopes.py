@@ -245,7 +245,7 @@ def test_a_steep_cut_comes_within_1_percent_of_its_bracket_from_any_mesh(size):
     adaptive_result = AdaptiveSearch(cut, meshing, generate(cut, meshing), MPI.COMM_SELF).critical(settings)
     assert 0.2146 < adaptive_result.result.kc < 1.01 * 0.2181
     assert adaptive_result.rounds[0].value > 1.04 * 0.2181
-    assert adaptive_result.rounds[-1].rest < 0.03
+    assert adaptive_result.rounds[-1].remaining_error < 0.03
     assert adaptive_result.limit < adaptive_result.result.kc
 
 

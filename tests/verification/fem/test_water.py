@@ -195,7 +195,7 @@ def test_bounds_of_an_infinite_slope_with_seepage_enclose_its_closed_form(head):
             return outwards * np.column_stack([np.zeros(len(at.points)), depths(at)[2]])
 
         def water(at):
-            return piece.water_pressure.at_rest(at.points, at.near, at.stratum)
+            return piece.water_pressure.at_rest(at.points, at.middles, at.stratum)
 
         return Side(dead=dead, live=live, pressure=water)  # of effective stress: the water's own acts beside it
 

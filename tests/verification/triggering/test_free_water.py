@@ -160,8 +160,10 @@ def boulanger_idriss_2014(z: float, n: float, total: float, effective: float) ->
 def independent(method: str, test: TestResult, column: dict[str, Any], number: int) -> tuple[float, float]:
     z, n, fines = DEPTHS[number], column["N"][number], column["fines"][number]
     total, effective = by_hand(column, z)
-    assert (test.where.total, test.where.effective) == pytest.approx((1e3 * total, 1e3 * effective), rel=1e-3, abs=20.0)
-    total, effective = test.where.total / 1e3, test.where.effective / 1e3  # of the slices no error is left
+    assert (test.overburden.total, test.overburden.effective) == pytest.approx(
+        (1e3 * total, 1e3 * effective), rel=1e-3, abs=20.0
+    )
+    total, effective = test.overburden.total / 1e3, test.overburden.effective / 1e3  # of the slices no error is left
     if method == "boulanger_idriss_2014":
         return boulanger_idriss_2014(z, n, total, effective)
     if method == "idriss_boulanger_2008":
@@ -220,7 +222,7 @@ def test_after_a_drawdown_the_water_that_has_gone_weighs_nothing() -> None:
     }  # fmt: skip
     dry, wet = assessment(analysed(data)).tests
     assert dry.reason == "above the water table"
-    assert (wet.where.total, wet.where.effective) == pytest.approx(
+    assert (wet.overburden.total, wet.overburden.effective) == pytest.approx(
         tuple(1e3 * s for s in by_hand(column, 7.0)), rel=1e-6
     )
 

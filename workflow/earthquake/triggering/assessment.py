@@ -35,7 +35,7 @@ class TestResult:
     boring, x, sample : place and result of the test
     top, bottom : range of depth (m) that the test represents, half-way to its neighbours in the same stratum
     length : length of the stretch of the section for which this boring is the nearest one (m)
-    where : stresses and stratum at the test
+    overburden : stresses and stratum at the test
     outcome : demand, resistance and F_L by the method; None if the method does not apply
     reason : why the method does not apply
     """
@@ -46,7 +46,7 @@ class TestResult:
     top: float
     bottom: float
     length: float
-    where: Overburden
+    overburden: Overburden
     outcome: Resistance | None
     reason: str
 
@@ -248,7 +248,7 @@ def normalised_counts(test: TestResult, settings: TriggeringSettings) -> tuple[f
     """Return (N1)60 and (N1)60cs of a test, for residual strength and strain; for a cone test, the blow counts of sand
     of the same relative density.
     """
-    point = point_of(test.sample, test.where)
+    point = point_of(test.sample, test.overburden)
     if isinstance(point, ConeTest):
         resistance, clean = boulanger_idriss.normalised(point)
         return boulanger_idriss.equivalent_count(resistance), boulanger_idriss.equivalent_count(clean)
@@ -257,7 +257,7 @@ def normalised_counts(test: TestResult, settings: TriggeringSettings) -> tuple[f
 
 def fines_of(test: TestResult) -> float:
     """Return the fines content (%) of the tested soil: measured, or from the index of a cone test, or None."""
-    point = point_of(test.sample, test.where)
+    point = point_of(test.sample, test.overburden)
     if isinstance(point, ConeTest):
         return boulanger_idriss.fines_of(point.index) if point.fines is None else point.fines
     return point.fines
@@ -290,8 +290,10 @@ def judged_in_stratum(names: Sequence[str], number: int, tests: Sequence[TestRes
 
     ``names`` are the names of all strata, ``number`` is the index of the stratum.
     """
-    tests_in_stratum = [test for test in tests if test.where.stratum == number]
-    return tests_in_stratum or [test for test in tests if soil_of(names[test.where.stratum]) == soil_of(names[number])]
+    tests_in_stratum = [test for test in tests if test.overburden.stratum == number]
+    return tests_in_stratum or [
+        test for test in tests if soil_of(names[test.overburden.stratum]) == soil_of(names[number])
+    ]
 
 
 def _of_stratum(section: Section, number: int, tests: list[TestResult], wanted: float) -> StratumResult:

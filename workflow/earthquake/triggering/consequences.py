@@ -129,7 +129,7 @@ def _of_stratum(number: int, assessment: TriggeringAssessment, settings: Trigger
     tests = _liquefying(assessment, number)
     counts = [normalised_counts(test, settings) for test in tests]
     soils = [
-        Penetration(n1, fines_of(test), test.where.effective / KPA, settings.water_gathers)
+        Penetration(n1, fines_of(test), test.overburden.effective / KPA, settings.water_gathers)
         for test, (n1, _) in zip(tests, counts, strict=True)
     ]
     ratios, strengths = {}, {}

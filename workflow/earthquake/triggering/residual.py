@@ -32,26 +32,26 @@ class Penetration:
 class ResidualRelation:
     """Holds a relation of residual strength: its name, its publication, and the soils for which it is valid.
 
-    ``count`` returns the blow count of the relation, ``most`` is the largest blow count of the case histories behind
-    it, ``curve`` returns Sr/σ'v for a blow count.
+    ``count`` returns the blow count of the relation, ``largest_count`` is the largest blow count of its case histories,
+    ``curve`` returns Sr/σ'v for a blow count.
     """
 
     title: str
     source: str
     validity: str
-    most: float
+    largest_count: float
     count: Callable[[Penetration], float]
     curve: Callable[[float, Penetration], float]
 
     def ratio(self, soil: Penetration) -> float | None:
         """Return Sr/σ'v (-); None if the soil is denser than the case histories of the relation."""
         count = self.count(soil)
-        return self.curve(count, soil) if count <= self.most else None
+        return self.curve(count, soil) if count <= self.largest_count else None
 
     def least_ratio(self, soil: Penetration) -> float:
         """Return Sr/σ'v (-). For soil denser than the case histories of the relation, return the value at the end of
         their range, which is less than the soil has."""
-        return self.curve(min(self.count(soil), self.most), soil)
+        return self.curve(min(self.count(soil), self.largest_count), soil)
 
 
 def fines_addition(fines: float) -> float:
