@@ -45,7 +45,7 @@ def leaves(name: str, text: str = "result") -> Work:
 def stage(name: str, **more: Any) -> Stage:
     """Return a stage that writes one file."""
     return Stage(
-        name=name, what=f"the {name}", work=leaves(f"{name}.txt"),
+        name=name, description=f"the {name}", work=leaves(f"{name}.txt"),
         results=(f"{name}.txt",), pictures=(f"{name}*.png",), **more,
     )  # fmt: skip
 

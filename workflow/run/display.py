@@ -34,7 +34,7 @@ class StageLine:
 
     def __init__(self, stage: Stage) -> None:
         self.stage = stage
-        self.state, self.text, self.share = "wait", stage.what, None  # type: tuple[State, str, float | None]
+        self.state, self.text, self.share = "wait", stage.description, None  # type: tuple[State, str, float | None]
         self.start, self.seconds = 0.0, 0.0
         self.left = TimeLeft(0.0)
 
@@ -90,7 +90,7 @@ class Display:
         shown.state, shown.start = "run", time.monotonic()
         shown.left = TimeLeft(shown.start)
         if self.verbosity == Verbosity.VERBOSE:
-            self._say(f"{decision.stage.name}: {decision.stage.what} ({decision.reason})")
+            self._say(f"{decision.stage.name}: {decision.stage.description} ({decision.reason})")
         last = shown.start
 
         def progress(line: str, share: float | None) -> None:
@@ -121,7 +121,7 @@ class Display:
             shown.text = "pictures drawn again"
             self._say(f"{decision.stage.name}: {shown.text}")
         else:
-            shown.text = decision.stage.what
+            shown.text = decision.stage.description
             self._say(f"{decision.stage.name}: done in {duration(entry.seconds)}")
 
     def skip(self, decision: Decision, why: str) -> None:

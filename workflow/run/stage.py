@@ -57,7 +57,7 @@ class Stage:
     Attributes
     ----------
     name: name of the stage on the command line.
-    what: result of the stage, in a few words.
+    description: result of the stage, in a few words.
     work: function that computes, writes results and draws pictures, unless pictures are drawn after it. If there is no
         answer, it writes what it found and raises NoAnswerError.
     draw: function that draws the pictures again from stored results; None if they can only be drawn while the stage
@@ -86,7 +86,7 @@ class Stage:
     """
 
     name: str
-    what: str
+    description: str
     work: Callable[[Job], None]
     draw: Callable[[Job], None] | None = None
     drawn_after: bool = False

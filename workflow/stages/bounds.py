@@ -276,7 +276,7 @@ def in_words(bounds: "SmallerKhBounds") -> str:
 
 STAGE = Stage(
     name="bounds",
-    what="strict bounds of the critical Kh",
+    description="strict bounds of the critical Kh",
     work=work,
     reads=(
         "bounds", "fem.direction", "fem.flow", "fem.least_depth", "fem.safety_factor_at", "fem.sides", "fem.vertical",

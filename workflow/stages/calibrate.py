@@ -37,7 +37,7 @@ def ignored(config: Config) -> tuple[str, ...]:
 
 STAGE = Stage(
     name="calibrate",
-    what="discs calibrated to the critical Kh of the finite elements",
+    description="discs calibrated to the critical Kh of the finite elements",
     work=work,
     draw=draw,
     needs=("fem",),

@@ -250,7 +250,7 @@ def unwanted(config: Config) -> str:
 
 STAGE = Stage(
     name="faces",
-    what="every face of structures by finite elements and bounds",
+    description="every face of structures by finite elements and bounds",
     work=work,
     needs=("fem", "slices"),
     reads=("mesh", "fem", "bounds", "faces"),

@@ -203,7 +203,7 @@ def write_fields(section: Section, mesh: "QuadMesh", states: list["FieldState"],
 
 STAGE = Stage(
     name="fem",
-    what="critical Kh by finite elements",
+    description="critical Kh by finite elements",
     work=work,
     draw=draw,
     drawn_after=True,

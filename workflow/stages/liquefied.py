@@ -102,7 +102,7 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, RemainingStrength
 
 STAGE = Stage(
     name="liquefied",
-    what="stability after liquefaction",
+    description="stability after liquefaction",
     work=work,
     needs=("mesh",),
     reads=("fem",),

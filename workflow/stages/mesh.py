@@ -45,7 +45,7 @@ def draw(job: Job) -> None:
 
 STAGE = Stage(
     name="mesh",
-    what="mesh of quadrilaterals",
+    description="mesh of quadrilaterals",
     work=work,
     draw=draw,
     drawn_after=True,

@@ -287,7 +287,7 @@ def _notes(slide: "PointSlide", ground: "PointGround") -> Iterator[str]:
 
 STAGE = Stage(
     name="mpm",
-    what="slides of the continuum by material points",
+    description="slides of the continuum by material points",
     work=work,
     draw=draw,
     needs=("mesh",),

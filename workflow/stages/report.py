@@ -39,7 +39,7 @@ def draw(job: Job) -> None:
 
 STAGE = Stage(
     name="report",
-    what="pictures of several stages, summary and report",
+    description="pictures of several stages, summary and report",
     work=work,
     draw=draw,
     needs=NAMES[:-1],

@@ -120,7 +120,7 @@ def verdict_of(factor: float | None, along: AlongSurface | None, everywhere: "Be
 
 STAGE = Stage(
     name="residual",
-    what="factors of safety with peak strength and with residual strength",
+    description="factors of safety with peak strength and with residual strength",
     work=work,
     needs=("mesh",),
     reads=("fem",),

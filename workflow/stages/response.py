@@ -67,7 +67,7 @@ def files(job: Job) -> Mapping[str, Path]:
 
 STAGE = Stage(
     name="response",
-    what="layers under a record of the rock",
+    description="layers under a record of the rock",
     work=work,
     draw=draw,
     drawn_after=True,

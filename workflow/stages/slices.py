@@ -139,7 +139,7 @@ def _circle_parts(
 
 STAGE = Stage(
     name="slices",
-    what="slip circles by Bishop and Spencer",
+    description="slip circles by Bishop and Spencer",
     work=work,
     draw=draw,
     reads=("fem.safety_factor_at", "fem.least_depth", "fem.vertical", "criteria.factor_of_safety", "tension_crack"),

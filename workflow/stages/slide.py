@@ -53,7 +53,7 @@ def ignored(config: Config) -> tuple[str, ...]:
 
 STAGE = Stage(
     name="slide",
-    what="slides after liquefaction",
+    description="slides after liquefaction",
     work=work,
     draw=draw,
     needs=("calibrate",),

@@ -23,7 +23,7 @@ def draw(job: Job) -> None:
 
 STAGE = Stage(
     name="triggering",
-    what="which strata liquefy",
+    description="which strata liquefy",
     work=work,
     draw=draw,
     drawn_after=True,

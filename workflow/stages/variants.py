@@ -233,7 +233,7 @@ def _limit_load(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult
 
 STAGE = Stage(
     name="variants",
-    what="critical Kh with other assumptions",
+    description="critical Kh with other assumptions",
     work=work,
     needs=("fem",),
     reads=("mesh", "fem", "variants"),
