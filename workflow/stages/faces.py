@@ -33,6 +33,10 @@ SIDES: tuple[tuple[Literal["left", "right"], int], ...] = (("left", LEFT), ("rig
 ATTEMPTS = 3  # failures that are excluded one after the other
 MOST_STRUCTURES = 2  # whose faces are computed by default
 BOUNDS_SHARE = 0.5  # of the work of the bounds of the section, for each face
+NO_SURFACE = (
+    "the ground that fails at {value:.3g} in finite elements has no slip surface, so that it is open whether a crest "
+    "is part of this failure"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +166,8 @@ def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
     result = task.without_zones
     try:
         for attempt in range(ATTEMPTS + 1):
+            if not len(result.surface):
+                return NO_SURFACE.format(value=result.value)
             if is_of_face(task.structure, task.side, result.surface) or attempt == ATTEMPTS:
                 break
             more = zones_against(

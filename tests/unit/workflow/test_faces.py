@@ -37,6 +37,19 @@ def test_a_failure_is_of_the_face_whose_crest_slides_to_its_side() -> None:
     assert not is_of_face(structure, LEFT, ())
 
 
+@pytest.mark.parametrize("first", [True, False])
+def test_a_failure_without_a_slip_surface_is_a_reason(first: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ground that settles to both sides has none; the run of a quay ended in an IndexError."""
+    (structure,) = structures_of(levee().section)
+    none = FaceLimit(0.57, 0.5, np.zeros((0, 2)))
+    monkeypatch.setattr(faces, "_computed", lambda *arguments: none)
+    unchanged = none if first else FaceLimit(0.4, None, np.array(LANDWARD))
+    task = faces.FaceTask(levee(), structure, LEFT, "critical Kh", unchanged, WHOLE)
+    reason = faces.face_value(task, lambda message: None)
+    assert isinstance(reason, str)
+    assert reason.startswith("the ground that fails at 0.57 in finite elements has no slip surface")
+
+
 def test_ground_in_front_of_the_levee_moves_as_one_body_where_its_circle_passes_below() -> None:
     """From the foot of the bank at x = 40 m to the crest at 66 m, 9 m higher: the zone is 0.9 m thick."""
     section = levee().section
