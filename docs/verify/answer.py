@@ -20,7 +20,7 @@ from meshes.errors import InputError, NoAnswerError
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import BadMeshError, QuadMesh
 
-# Gap and largest number of triangles of the bounds; largest number of cells of the finite elements.
+# Gap and largest number of triangles of the bounds; largest number of cells of the finite elements, unless a file says.
 BOUNDS, MOST_CELLS = BoundsSettings(gap=0.02, max_cells=10_000), 2500
 
 
@@ -75,7 +75,7 @@ def _elements(case: Case, part: Part, known: Answer) -> dict[str, Any]:
     if part == "davis" and known.associated is not None and is_dilating_fully(case.section.strata):
         return {"davis": known.associated, "davis_upper": known.associated_upper}
     flow: Literal["associated", "davis"] = "associated" if part == "associated" else "davis"
-    most = min(case.fem.max_cells, MOST_CELLS)
+    most = case.fem.max_cells if "max_cells" in case.fem.model_fields_set else MOST_CELLS
     settings = case.fem.changed(flow=flow, kh=(), max_cells=most)
     mesh = generate(case.section, case.mesh)
     result = _adapted(case, mesh, settings)
