@@ -96,11 +96,12 @@ def root_of(points: Sequence[tuple[float, float]], slope: float | None, furthest
 
     ``points`` are pairs of the logarithm of a factor and the function, in the order of the factors. The zero is
     interpolated from the nearest points, or extrapolated from one point with ``slope``, by at most ``furthest`` in the
-    logarithm. The result is NaN if there is no point, or if there is only one point and ``slope`` is None.
+    logarithm; two points at one factor, which differ by the accuracy of the solver, count as one. The result is NaN if
+    there is no point, or if there is only one point and ``slope`` is None.
     """
     stand, fail = [point for point in points if point[1] >= 0.0], [point for point in points if point[1] < 0.0]
     ends = [stand[-1], fail[0]] if stand and fail else stand[-2:] or fail[:2]
-    if len(ends) == 2 and ends[1][1] < ends[0][1]:
+    if len(ends) == 2 and ends[1][1] < ends[0][1] and ends[1][0] > ends[0][0]:
         slope = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0])
     if not ends or slope is None:
         return math.nan

@@ -1,12 +1,13 @@
 """The search for the factor of safety between trials that say nothing on one of the bounds."""
 
+import math
 from typing import TYPE_CHECKING, cast
 
 import pytest
 
 from fem.limit.bracket import BoundSide
 from fem.limit.factor_search import FactorSearch
-from fem.limit.factor_trial import FactorWork, TrialStart
+from fem.limit.factor_trial import FactorWork, TrialStart, root_of
 from fem.limit.first_mesh import first_mesh
 from fem.limit.safety_bounds import safety_bounds
 from fem.settings import BoundsSettings, FemSettings
@@ -56,3 +57,12 @@ def test_a_lower_bound_is_looked_for_below_a_factor_at_which_no_stress_balances_
     assert 0.65 * factor.lower < search.lower <= factor.upper
     other = FactorSearch(section, mesh, fem, settings, 1, TrialStart(0.0, 2.0 * factor.upper, False), FactorWork(60.0))
     assert other.measure(2.0 * factor.upper, upper=False).no_equilibrium  # with no trial of both bounds before it
+
+
+def test_two_trials_of_one_factor_have_no_secant() -> None:
+    """A dam whose shell liquefies was tried twice at one factor, and its run ended in a ZeroDivisionError."""
+    twice = [(0.2, 1e-4), (0.2, -1e-4)]
+    assert root_of(twice, -0.5, 1.0) == pytest.approx(math.exp(0.2), rel=1e-3)
+    assert math.isnan(root_of(twice, None, 1.0))
+    assert root_of([(0.1, 0.3), *twice], -0.5, 1.0) == pytest.approx(math.exp(0.2), rel=1e-3)
+    assert root_of([(0.2, 0.1), (0.4, -0.1)], None, 1.0) == pytest.approx(math.exp(0.3))
