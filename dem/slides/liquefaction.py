@@ -256,7 +256,7 @@ class Slider:
         by_third = {f"slide_{k}_m": v for k, v in self.surface.by_thirds(slide).items()}
         by_third |= {f"settlement_{k}_m": v for k, v in self.surface.by_thirds(settlement).items()}
         row = Row(
-            time_s=model.time - self.start.time, **by_third, slide_max_m=float(smooth.max()),
+            time_s=model.time - self.start.time, **by_third, slide_max_m=float(np.abs(smooth).max()),
             kinetic_J=energies.kinetic, stored_J=energies.stored, dissipated_J=energies.dissipated,
             work_J=energies.weight + energies.external + energies.boundary, shaking_J=energies.external,
             cracked=int((model.pore_length < 0.0).sum()),
@@ -286,7 +286,7 @@ class Slider:
         moved = self.surface.smoothed(self.surface.movement(model, self.ground)[0])
         slide.slide = moved.tolist()
         slide.slide_along = np.column_stack([self.surface.x, moved])[:: self.ground.downhill].tolist()
-        slide.slide_max_at_x_m = float(self.surface.x[int(np.argmax(moved))])
+        slide.slide_max_at_x_m = float(self.surface.x[int(np.argmax(np.abs(moved)))])
         slide.surface_after = Surface.of(model, self.ground).points(model, self.ground).tolist()
         slide.seconds_simulated = model.time - self.start.time
         slide.escaped, slide.loose_share = escaped(model), loose_share(model)

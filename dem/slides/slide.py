@@ -25,7 +25,7 @@ class Row:
     time_s : time since Kh began to rise (s)
     settlement_uphill_m, settlement_middle_m, settlement_downhill_m : median settlement of each third of the surface (m)
     slide_uphill_m, slide_middle_m, slide_downhill_m : median slide of each third, horizontally downhill (m)
-    slide_max_m : largest slide of the surface, smoothed (m)
+    slide_max_m : largest slide of the surface to either side, smoothed (m)
     kinetic_J, stored_J, dissipated_J : kinetic energy, energy stored in springs and bonds, and energy dissipated by
         friction, dashpots and cracks (J per metre)
     work_J, shaking_J : work of weight, Kh and boundaries together; work of Kh alone (J per metre)
@@ -111,7 +111,7 @@ class Slide:
             "moved_lately_m": moved_lately([row.time_s for row in self.rows], [row.slide_max_m for row in self.rows]),
         }
         if alone is not None:
-            moving = np.array(self.slide) > SLIDING_RATIO * np.maximum(np.array(alone.slide), 0.0)
+            moving = np.abs(self.slide) > SLIDING_RATIO * np.abs(alone.slide)
             half = len(moving) // 2
             out["slides_over_share"] = float(moving.mean())
             out["slides_over_share_uphill"] = float(moving[:half].mean())

@@ -47,8 +47,8 @@ class PointSlide:
 
     @property
     def slide_max(self) -> float:
-        """Return the largest displacement of the surface at the end (m)."""
-        return float(self.slide[-1].max()) if self.slide else 0.0
+        """Return the largest displacement of the surface to either side at the end (m)."""
+        return float(np.abs(self.slide[-1]).max()) if self.slide else 0.0
 
     def at_rest(self, still: float, rest_from: float) -> bool:
         """Return whether the surface is at rest: its mean displacement is the same in each of the last windows of time
@@ -72,5 +72,5 @@ class PointSlide:
             return float(np.abs(np.diff(means, axis=0)).max())
 
         creep = change(np.hstack([slide, np.array(self.settlement)]))
-        largest = change(slide.max(axis=1))
+        largest = change(np.abs(slide).max(axis=1))
         return creep < max(still, CREEP_SHARE * self.slide_max) and largest < max(still, STILL_SHARE * self.slide_max)

@@ -35,7 +35,7 @@ class CaseNumbers(Part):
     slide_uphill_m: float = Field(description="median slide of the upslope third of the surface")
     slide_middle_m: float
     slide_downhill_m: float
-    slide_max_m: float = Field(description="largest slide of the surface")
+    slide_max_m: float = Field(description="largest slide of the surface, to either side")
     slide_max_at_x_m: float = Field(description="x of the largest slide")
     crack_opening_m: float = Field(description="widest gap between neighbouring discs of the surface")
     settled: bool = Field(description="whether the ground has come to rest")

@@ -17,7 +17,8 @@ class PointCase(MovedSurface):
 
     slide_max_m: float = Field(
         description=(
-            "largest slide of the surface, with a damping rate of 10 1/s of velocities that the grid cannot resolve"
+            "largest slide of the surface, to either side, with a damping rate of 10 1/s of velocities that the grid "
+            "cannot resolve"
         )
     )
     slide_max_low_m: float = Field(

@@ -169,7 +169,7 @@ def slide_of_points(run: PointRun, tell: Tell) -> "PointSlide":
     least = min(earliest_rest(programme.rest_from), programme.duration)
 
     def look(time: float, slide: np.ndarray) -> None:
-        tell((min(time / least, NEAR_END_SHARE), time, float(slide.max())))
+        tell((min(time / least, NEAR_END_SHARE), time, float(np.abs(slide).max())))
         if (time + TIME_TOLERANCE) % every < CHECK_INTERVAL - TIME_TOLERANCE:
             frame(int((time + TIME_TOLERANCE) / every))
 
@@ -220,8 +220,9 @@ def numerical_interval(slides: Sequence["PointSlide"]) -> tuple[float, float]:
     the governing slide is largest: in coarse cells other ground may slide farther, above layers thinner than a cell.
     """
     counts = slides[0]
-    x = counts.surface_before[int(np.argmax(counts.slide[-1])), 0]
-    largest, coarse, slower = (float(np.interp(x, each.surface_before[:, 0], each.slide[-1])) for each in slides)
+    place = int(np.argmax(np.abs(counts.slide[-1])))
+    x, sign = counts.surface_before[place, 0], 1.0 if counts.slide[-1][place] >= 0.0 else -1.0
+    largest, coarse, slower = (sign * float(np.interp(x, each.surface_before[:, 0], each.slide[-1])) for each in slides)
     finer = largest + (largest - coarse) / (COARSE_RATIO - 1)
     ends = largest, max(largest + slower - coarse, 0.0), max(finer, 0.0)
     return min(ends), max(ends)
@@ -239,7 +240,7 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
         slide_max_m=counts.slide_max,
         slide_max_low_m=low,
         slide_max_high_m=high,
-        slide_max_at_x_m=float(counts.surface_before[int(np.argmax(slide)), 0]),
+        slide_max_at_x_m=float(counts.surface_before[int(np.argmax(np.abs(slide))), 0]),
         **{f"slide_{name}_m": float(np.median(part)) for name, part in zip(names, thirds[0], strict=True)},
         **{f"settlement_{name}_m": float(np.median(part)) for name, part in zip(names, thirds[1], strict=True)},
         settlement_crest_m=float(counts.surface_before[:, 1].max() - counts.surface_after[:, 1].max()),

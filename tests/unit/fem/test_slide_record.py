@@ -27,3 +27,10 @@ def test_a_small_slide_rests_when_it_moves_by_less_than_what_counts_as_still(spe
     slide = (0.5 + speed * (time - 30.0))[:, np.newaxis]
     record = PointSlide(times=list(time), slide=list(slide), settlement=list(np.zeros_like(slide)))
     assert record.at_rest(0.01, 10.0) == rests
+
+
+def test_what_creeps_to_the_other_side_is_not_at_rest() -> None:
+    time = np.arange(0.0, 30.01, 0.5)
+    slide = -10.0 - 0.0041 * (time - 30.0)[:, np.newaxis]
+    record = PointSlide(times=list(time), slide=list(slide), settlement=list(np.zeros_like(slide)))
+    assert not record.at_rest(0.01, 10.0)

@@ -28,3 +28,10 @@ def test_other_ground_in_coarse_cells_does_not_count() -> None:
 
 def test_a_slide_is_not_negative() -> None:
     assert numerical_interval([slide([0.0, 0.1, 0.0]), slide([0.0, 0.4, 0.0]), slide([0.0, 0.4, 0.0])]) == (0.0, 0.1)
+
+
+def test_a_slide_to_the_other_side_has_the_same_interval() -> None:
+    """The upstream shell of a dam slid by metres; "the largest slide" was the 0.1 m of the downstream shell."""
+    answers = [slide([-0.5, -0.9, 0.1]), slide([-0.5, -1.0, 0.1]), slide([-0.5, -1.05, 0.1])]
+    assert answers[0].slide_max == 0.9
+    assert numerical_interval(answers) == (pytest.approx(0.8), pytest.approx(0.95))
