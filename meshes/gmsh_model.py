@@ -79,7 +79,7 @@ def generate(section: Section, settings: MeshSettings | None = None, path: Path 
         If gmsh leaves a cell without a positive Jacobian.
     """
     settings = settings or MeshSettings()
-    problems = settings.problems(section)
+    problems = settings.unknown_names([s.name for s in section.strata]) + settings.problems(section)
     if problems:
         raise InputError(section.name, problems)
     if settings.method_for(section) == "free":

@@ -1,6 +1,7 @@
 """Defines the settings of meshes, the table [mesh] of the input file."""
 
 import math
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -66,16 +67,19 @@ class MeshSettings(Model):
     )
     refine: int = Field(default=1, ge=1, le=64, description="whole number by which all sizes of cells are divided")
 
-    def problems(self, section: Section) -> list[str]:
-        """Return settings that do not fit the section, one sentence each."""
-        names = [stratum.name for stratum in section.strata]
-        known = {"sizes": names, "towards": [*names, "surface", "base"]}
-        problems = [
+    def unknown_names(self, strata: Sequence[str]) -> list[str]:
+        """Return the names in settings that are none of the ``strata``, one sentence each."""
+        known = {"sizes": [*strata], "towards": [*strata, "surface", "base"]}
+        return [
             f'mesh, {table}: there is no "{name}"; expected one of {", ".join(known[table])}'
             for table in known
             for name in getattr(self, table)
             if name not in known[table]
         ]
+
+    def problems(self, section: Section) -> list[str]:
+        """Return settings that do not fit the section or each other, one sentence each."""
+        problems = []
         counted, graded = bool(self.columns or self.rows), bool(self.sizes or self.towards)
         if self.method == "free" and counted:
             problems.append('mesh, columns and rows: expected none with method = "free", whose cells follow from sizes')
@@ -86,7 +90,12 @@ class MeshSettings(Model):
         largest = float(np.ptp(section.outline(), axis=0).max())
         if self.size and self.size > largest:
             problems.append(f"mesh, size = {self.size:g} m: expected at most the section's own size, {largest:g} m")
-        if not problems and (count := self.expected_quadrilaterals(section)) > MOST_QUADRILATERALS:
+        names = [stratum.name for stratum in section.strata]
+        if (
+            not problems
+            and not self.unknown_names(names)
+            and (count := self.expected_quadrilaterals(section)) > MOST_QUADRILATERALS
+        ):
             problems.append(
                 f"mesh: sizes and refine would make about {count:.1g} quadrilaterals; expected at most "
                 f"{MOST_QUADRILATERALS:,}"

@@ -8,14 +8,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from fem.continuum.repetition import refuse_other_sides
 from meshes.errors import InputError
 from meshes.section.section import read_toml
 from meshes.section.stratum import cases_of
 from workflow.cli.unread_settings import keys_of, unread
 from workflow.config import Config, merged, renamed
 from workflow.config.after_triggering import load_config
-from workflow.earthquake.records_in_use import records
+from workflow.config.contradictions import sides_that_differ
+from workflow.earthquake.records_in_use import unreadable_records
 from workflow.run.record import Record, stored_mesh_options
 from workflow.run.stage import Job
 from workflow.run.store import Store
@@ -67,9 +67,9 @@ class Invocation:
         stored = {} if mesh or afresh else stored_mesh_options(store)
         if stored:
             read = _with_mesh_options(section, tables, stored, store)
-        if read.fem.sides == "periodic":
-            refuse_other_sides(read.section)
-        list(records(read))  # a record that cannot be read is reported now, not after minutes
+        problems = sides_that_differ(read.section, dict(read)) + unreadable_records(dict(read))
+        if problems:
+            raise InputError(str(section), problems)
         if read.slide.accelerogram:
             from workflow.stages.shaking import shaking_of
 

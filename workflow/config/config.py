@@ -13,32 +13,34 @@ from dem.disc_count import usual_disc_count
 from dem.settings import AVERAGE, CASES, SlideSettings
 from fem.settings import Sides, usual_point_sides, usual_sides
 from meshes.errors import InputError
-from meshes.section.cutting import key_in_file
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, read_toml
 from meshes.section.sentences import sentences
+from workflow.config.contradictions import (
+    FILES,
+    contradictions,
+    missing_files,
+    sides_that_differ,
+    strata_in,
+    strata_of,
+    valid_tables,
+)
 from workflow.config.renamed import current
 from workflow.config.tables import Tables
-from workflow.earthquake.records_in_use import remarks
+from workflow.earthquake.records_in_use import remarks, unreadable_records
 from workflow.earthquake.settings import CYCLES, EARTHQUAKE
-from workflow.earthquake.triggering.assessment import below_loads, off_the_section
-from workflow.earthquake.triggering.settings import CASE_NAMES, implausible_triggering, left_to_blow_counts
+from workflow.earthquake.triggering.assessment import below_loads
+from workflow.earthquake.triggering.settings import CASE_NAMES, left_to_blow_counts
 from workflow.uncertain.limits import AdmissibleRange, reach_of
 from workflow.uncertain.path import changed, mutable_copy
 
 # Options of the command line that take the place of other settings in the file.
 REPLACES = {("mesh", "size"): ("columns", "rows"), ("mesh", "method"): ("columns", "rows")}
 
-# Settings that name a file, by table and key.
 K_MAX = "k_max"  # setting of the Kh of the slides: peak of the average acceleration above the slip surface
 # Settings of [slide] that can follow from other tables, and the words for these tables.
 DECIDED_ELSEWHERE = {"kh": (K_MAX, EARTHQUAKE), **dict.fromkeys(CYCLES, (EARTHQUAKE,))}
 PLACEHOLDER = 0.1  # of numbers that `config_after_triggering` computes; all of these keys allow it
-FILES = (
-    ("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("earthquake", "record"),
-    ("report", "logo"),
-)  # fmt: skip
-
 
 # Tables of published slopes and known slides: what others found, for `noshiro verify`. A run does not need them.
 FOUND_BY_OTHERS = ("published", "known")
@@ -68,29 +70,7 @@ class Config(Tables):
 
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
-        section = self.section
-        problems = self.mesh.problems(section) + self.dem.problems(section) + self.free_face.problems(section.ground)
-        problems += self.earthquake.problems() + off_the_section(section, self.triggering)
-        problems += implausible_triggering(section, self.earthquake, self.triggering)
-        response = self.site_response
-        if self.slide.accelerogram == AVERAGE and not (response.record and response.slip_depth):
-            problems.append(f'slide, accelerogram = "{AVERAGE}": expected record and slip_depth in [site_response]')
-        if self.criteria.lacks_peak:
-            problems.append(
-                f'criteria, preset = "{self.criteria.preset}": expected peak_acceleration, or magnitude and distance, '
-                "in [earthquake]"
-            )
-        problems += self.slide.problems([stratum.name for stratum in section.strata])
-        count = len(self.slide.cases) + len(self.triggering.cases)
-        if not count:
-            problems.append("slide, cases = []: expected one at least, here or in [triggering]")
-        problems += [
-            f"{key_in_file(section.strata, k)}, liquefies_in = {list(s.liquefies_in)}: expected cases from 1 to {count}"
-            ", those of [slide] and [triggering]"
-            for k, s in enumerate(section.strata)
-            if not s.liquefies_in.triggered and any(number > count for number in s.liquefies_in)
-        ]
-        if problems:
+        if problems := contradictions(self.section, strata_of(self.section), dict(self)):
             raise ValueError("\n".join(problems))
         return self
 
@@ -241,6 +221,9 @@ class Config(Tables):
         except ValidationError as error:
             problems += sentences(error, tables, Tables, other_keys=list(Section.model_fields))
         if section is None or settings is None:
+            valid = valid_tables(tables)
+            problems += contradictions(section, strata_in(data), valid)
+            problems += [] if section is None else sides_that_differ(section.thinned(), valid)
             raise InputError(source, problems)
         try:
             fem, slide = settings.fem, settings.slide
@@ -261,7 +244,8 @@ class Config(Tables):
             }
             config = cls(section=section, **used)
         except ValidationError as error:
-            raise InputError(source, sentences(error, data, cls)) from None
+            differing = sides_that_differ(section.thinned(), used)
+            raise InputError(source, [*sentences(error, data, cls), *differing]) from None
         try:
             ground = config.tension_crack.cut(section.thinned().cut_at_water())
         except InputError as error:  # such as heads from which no water flows
@@ -309,11 +293,15 @@ class Config(Tables):
                 replaced = {other for key in set_values for other in REPLACES.get((table, key), ())} - set_values.keys()
                 unchanged = {key: value for key, value in data.get(table, {}).items() if key not in replaced}
                 data[table] = merged(unchanged, set_values)
-        read = cls.parse(data, str(path))
-        if missing := [
-            f"{key} = {file}: there is no such file" for key, file in read.files().items() if not file.is_file()
-        ]:
-            raise InputError(str(path), missing)
+        missing = missing_files(data)
+        try:
+            read = cls.parse(data, str(path))
+        except InputError as error:
+            unreadable = unreadable_records(valid_tables(data))
+            raise InputError(error.source, [*error.problems, *missing, *unreadable]) from None
+        if missing:
+            others = unreadable_records(dict(read)) + sides_that_differ(read.section, dict(read))
+            raise InputError(str(path), [*missing, *others])
         return read
 
     def files(self, *tables: str) -> dict[str, Path]:

@@ -1,6 +1,6 @@
 """Reads the records that the tables of an input name, and returns warnings about them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,23 @@ def records(config: Any) -> Iterator[tuple[str, Accelerogram]]:
         except InputError as error:
             raise InputError(error.source, [f"{table}, {key}: {text}" for text in error.problems]) from None
         yield f"{table}, {key}", record.scaled(settings.scale)
+
+
+def unreadable_records(tables: Mapping[str, Any]) -> list[str]:
+    """Return a sentence on every record in use that the ``tables`` of an input name, by the name of the table, and that
+    exists but cannot be read."""
+    problems = []
+    for table, key in PLACES:
+        if table not in tables or getattr(tables[table], "peak_acceleration", None) is not None:
+            continue
+        settings, name = tables[table], getattr(tables[table], key)
+        if name in ("", AVERAGE) or not Path(name).is_file():
+            continue
+        try:
+            read(Path(name), settings.unit, settings.component)
+        except InputError as error:
+            problems += [f"{table}, {key} = {name}: {text}" for text in error.problems]
+    return problems
 
 
 def remarks(config: Any) -> list[str]:
