@@ -12,7 +12,7 @@ from workflow.config import Config
 from workflow.estimates.comparison import block_slide
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import structures_of
-from workflow.report.structures import FaceRow, face_rows
+from workflow.report.structures import FaceRow, face_rows, smaller_kh
 from workflow.results.cases import MovedSurface
 from workflow.results.faces import FacesAnswer, FaceValue
 from workflow.results.governing import governing_value
@@ -65,8 +65,8 @@ class FaceLine:
     name : name of the structure, or place of a failure that belongs to no structure.
     side : side to which the face slides: "riverward" or "landward" with free water on one side, else "left" or "right".
     critical, safety : critical Kh, and factor of safety without shaking.
-    block : slide (m) of a rigid block with the critical Kh of the slip circle with ψ = φ, and in parentheses with
-        Davis's strength; empty if there is none.
+    block : slide (m) of a rigid block with the smaller critical Kh of slip circle and finite elements with ψ = φ, and
+        in parentheses with Davis's strength; empty if there is none.
     slides, settles : slide of the face after liquefaction, and settlement of the half of the crest beside the face, by
         every method.
     counts : whether the critical Kh of the face is the smallest of all faces.
@@ -100,7 +100,7 @@ def side_words(config: Config, start: float, end: float, towards: Side) -> str:
 def face_lines(results: Results) -> list[FaceLine]:
     """Return the lines of all faces, and of a failure elsewhere that comes first; nothing without slip circles."""
     config = results.config
-    lines = [_line(results, row) for row in face_rows(config, results.slices)]
+    lines = [_line(results, row) for row in face_rows(config, results.slices, results.faces)]
     return lines + list(_elsewhere(results)) if lines else []
 
 
@@ -115,19 +115,21 @@ def _line(results: Results, row: FaceRow) -> FaceLine:
         side=side_words(config, face.start_m, face.end_m, face.towards),
         critical=_strength(critical, least, most, row.kc, face.davis_critical),
         safety=_strength(safety, low, high, face.factor(0.0), face.davis_factor),
-        block=_blocks(config, row),
+        block=_blocks(config, row, critical),
         slides=tuple(_slides(results, row)),
         settles=tuple(_settlements(results, row)),
         counts=row.counts,
     )
 
 
-def _blocks(config: Config, row: FaceRow) -> str:
-    """Return the slides of rigid blocks with the critical Kh of both circles as a text."""
+def _blocks(config: Config, row: FaceRow, elements: FaceValue | None) -> str:
+    """Return the slides of rigid blocks as a text, with ψ = φ and with Davis's strength, each with the smaller critical
+    Kh of slip circle and finite elements."""
     if row.block is None:
         return ""
-    davis = row.face.davis_critical
-    low = block_slide(config, davis.bishop) if davis is not None and davis.bishop > 0.0 else None
+    circle = row.face.davis_critical
+    davis = smaller_kh(None if circle is None else circle.bishop, elements, davis=True)
+    low = block_slide(config, davis) if davis is not None and davis > 0.0 else None
     return row.block.span + ("" if low is None else f" ({low.span})")
 
 

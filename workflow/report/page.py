@@ -80,7 +80,7 @@ def page(results: Results, summary: Summary) -> str:
 def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]:
     """Return the content of the template."""
     config, uncertainty_rows = results.config, list(sources_of_uncertainty(results))
-    faces = face_rows(config, results.slices)
+    faces = face_rows(config, results.slices, results.faces)
     room = MOST_WARNINGS - WARNINGS_PER_TABLE * (bool(faces) + bool(summary.crests))
     first = [warning for warning in summary.warnings if warning.weight < NOTE_WEIGHT][:room]
     checks = [row for row in uncertainty_rows if row[0] not in VARIED]

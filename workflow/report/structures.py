@@ -6,18 +6,21 @@ from dataclasses import dataclass
 from workflow.config import Config
 from workflow.estimates.comparison import BlockSlide, block_slide
 from workflow.estimates.structures import structures_of
+from workflow.results.faces import FacesAnswer, FaceValue
+from workflow.results.governing import governing_value
 from workflow.results.slices import FacePart, SlicesAnswer
 from workflow.texts.report_texts import listed
 
 
 @dataclass(frozen=True)
 class FaceRow:
-    """Holds one face: its factors of safety at each Kh and its critical Kh by slices, and the slide of a rigid
-    block."""
+    """Holds one face: its factors of safety at each Kh and its critical Kh by slices, and the critical Kh and
+    the slide of a rigid block."""
 
     face: FacePart
     factors: tuple[tuple[float, float | None], ...]
     kc: float | None
+    block_kh: float | None
     block: BlockSlide | None
     counts: bool  # whether its critical Kh, or without any its factor of safety, is the smallest of all faces
 
@@ -37,17 +40,29 @@ class FaceRow:
         return f"{self.name}: {listed(phrases)}"
 
 
-def face_rows(config: Config, answer: SlicesAnswer | None) -> list[FaceRow]:
-    """Return all faces of all structures; none without slices."""
+def face_rows(config: Config, answer: SlicesAnswer | None, elements: FacesAnswer | None = None) -> list[FaceRow]:
+    """Return all faces of all structures; none without slices. The block of a face has the critical Kh of its slip
+    circle, or that of its finite ``elements`` if it is smaller."""
     faces = answer.faces if answer is not None else ()
     least = min((face.critical.bishop for face in faces if face.critical is not None), default=None)
     rows = []
     for face in faces:
         kc = None if face.critical is None else face.critical.bishop
         factors = tuple((group.kh, face.factor(group.kh)) for group in face.factors)
-        block = None if kc is None or kc <= 0.0 else block_slide(config, kc)
-        rows.append(FaceRow(face, factors, kc, block, kc is not None and kc == least))
+        strength = elements.of(face.structure, face.towards) if elements is not None else None
+        block_kh = smaller_kh(kc, strength.critical if strength is not None else None)
+        block = None if block_kh is None or block_kh <= 0.0 else block_slide(config, block_kh)
+        rows.append(FaceRow(face, factors, kc, block_kh, block, kc is not None and kc == least))
     return rows
+
+
+def smaller_kh(circle: float | None, value: FaceValue | None, davis: bool = False) -> float | None:
+    """Return the smaller critical Kh of a face by its slip ``circle`` and by finite elements, with ψ = φ or by Davis's
+    estimate; None without a circle."""
+    if circle is None or value is None or not value.reaches_crest:
+        return circle
+    kh = value.davis if davis else governing_value(value.value, value.upper)
+    return circle if kh is None else min(circle, kh)
 
 
 def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:

@@ -86,7 +86,7 @@ def _paper_model(results: Results, cases: dict[int, CaseAnswer]) -> PaperModel |
 
 
 def _faces(results: Results) -> Iterator[FaceSummary]:
-    for row in face_rows(results.config, results.slices):
+    for row in face_rows(results.config, results.slices, results.faces):
         yield FaceSummary.taken(
             row.face,
             factors={kh: value for kh, value in row.factors if value is not None},

@@ -142,12 +142,13 @@ def _by_elements(results: Results, of: str, face: FacePart | SlicesAnswer, crite
 
 def _displacements(results: Results) -> Iterator[Interval]:
     config = results.config
-    for row in face_rows(config, results.slices):
+    for row in face_rows(config, results.slices, results.faces):
         of = f"{row.name}, {BLOCK}"
         if row.block is not None:
             yield of, row.block.low, row.block.high, ""
-        elif row.kc is not None:  # at most 0
-            yield of, None, None, "it slides without any shaking"
+        elif row.block_kh is not None:
+            reason = "a constant Kh above the critical Kh moves it without end"
+            yield of, None, None, "it slides without any shaking" if row.block_kh <= 0.0 else reason
     _, cases = results.case_set()
     slides = [
         (f"discs, {config.called(number)}", case.slide_along, at_rest(case), _packing_ratios(results, number))
@@ -191,7 +192,7 @@ def _packing_ratios(results: Results, case: int) -> tuple[float, float]:
 def _largest(along: Line, start: float, end: float) -> float | None:
     points = np.array(along).reshape(-1, 2)
     inside = points[(points[:, 0] >= start) & (points[:, 0] <= end), 1]
-    return float(inside.max()) if len(inside) else None
+    return float(np.abs(inside).max()) if len(inside) else None
 
 
 def _settlements(results: Results) -> Iterator[Interval]:
@@ -234,7 +235,7 @@ def _blocks(results: Results) -> list[FaceRow]:
     liquefies, since no other slide is computed for these sections."""
     if any(stratum.liquefies_in for stratum in results.config.section.strata):
         return []
-    return [row for row in face_rows(results.config, results.slices) if row.block is not None]
+    return [row for row in face_rows(results.config, results.slices, results.faces) if row.block is not None]
 
 
 def _without_crest(results: Results) -> Iterator[Interval]:

@@ -165,6 +165,35 @@ def test_a_face_that_slides_without_shaking_keeps_no_displacement() -> None:
     assert (part.verdict, part.reason) == ("not decided", "it slides without any shaking")
 
 
+def test_a_block_has_the_smaller_critical_kh_of_circle_and_elements() -> None:
+    """A caisson had 0.140 by circles, which go round it, and 0.068 by elements: its block slid 0.13 m."""
+    config = levee(criteria={"displacement": {"limit": "0.3 m"}})
+    stands = by_slices(config)
+    strengths = tuple(
+        FaceStrength(
+            structure=face.structure, towards=face.towards, safety=None,
+            critical=FaceValue(value=value, davis=value, upper=upper, reaches_crest=crest),
+        )
+        for face, value, upper, crest in zip(stands.faces, (0.09, 0.01), (0.08, None), (True, False), strict=True)
+    )  # fmt: skip
+    elements = FacesAnswer(section=stands.section, faces=strengths)
+    assert [row.block_kh for row in face_rows(config, stands)] == [0.144, 0.266]
+    rows = face_rows(config, stands, elements)
+    assert [(row.kc, row.block_kh) for row in rows] == [(0.144, 0.08), (0.266, 0.266)]
+    judged = verdicts(results(config, slices=stands, faces=elements))
+    assert rows[0].block is not None
+    assert judged[0].high == pytest.approx(rows[0].block.high)
+
+
+def test_a_structure_that_slides_to_the_left_is_displaced() -> None:
+    config = levee(criteria={"displacement": {"limit": "0.3 m"}})
+    (case,) = slid(sunk(config, 0.5)).sets["calibrated"].values()
+    moved = case.model_copy(update={"slide_along": ((56.0, 0.1), (60.0, -1.2), (86.0, 0.2))})
+    judged = verdicts(results(config, cases=slid(moved)))
+    (part,) = [item for item in judged if "discs" in item.of]
+    assert (part.verdict, part.low) == ("not satisfied", pytest.approx(1.2))
+
+
 def test_a_crest_in_ground_that_does_not_liquefy_settles_no_more_than_a_block_slides() -> None:
     """A dike on clay had crest settlement and freeboard "not decided: there is no answer"."""
     limits = {"crest_settlement": {"limit": "0.3 m"}, "freeboard": {"limit": "0.5 m", "water": 13.0}}
