@@ -39,7 +39,7 @@ from dem.slides.balance import (
 )
 from dem.slides.drive import TIME_TOLERANCE, Shaking, constant_kh, cycles, recorded_motion
 from dem.slides.free_sides import UPDATE_INTERVAL, FreeSides
-from dem.slides.liquefied_strength import liquefied, onset, weaken_clay
+from dem.slides.liquefied_strength import degrees_of_discs, liquefied, onset, weaken_clay
 from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.runout import loose_share, on_loose_mass
 from dem.slides.slide import WEIGHT_ALONE_TIME, Row, Slide, stopped_at
@@ -201,6 +201,8 @@ class Slider:
         model, law, case = self.model, self.model.law, self.case
         shares = {k: share for k in self.strata if (share := self.motion.share(k, since)) > 0.0}
         self._cut(model, list(shares))
+        if case is not None and law == "soil":  # the springs of clay do not change
+            weaken_clay(model, self.start, self.ground, shares, case)
         wanted = liquefied(self.layers, [], case, law=law)
         for share in sorted(set(shares.values())):
             wanted = liquefied(wanted, [k for k in shares if shares[k] == share], case, share, law)
@@ -212,8 +214,7 @@ class Slider:
             new = [k for k in shares if not liquefying[model.layer == k].any()]
             if new:
                 liquefy(model, onset(model, self.ground, new, case))
-            weaken_clay(model, self.start, self.ground, shares, case)
-            set_share(model, np.array([shares.get(k, 1.0) for k in range(len(wanted))] + [0.0])[model.layer])
+            set_share(model, degrees_of_discs(self.start, shares))
 
     def _drained(self) -> dict[int, float]:
         """Return the share of the volume of strata lost by drainage so far."""

@@ -19,6 +19,7 @@ from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potentia
 
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NO_STRENGTH = 1e-6  # Pa
+ROUNDING = 1e-12  # smallest relative change of a strength
 # Shear modulus of elastic bonds in simple shear over the strength at their limit, over the strain of a bond there.
 ELASTIC = 0.25 * np.pi * FITTED_STRENGTH
 
@@ -112,10 +113,19 @@ def weaken_clay(model: DiscModel, start: DiscModel, ground: Ground, shares: Mapp
     after = onset(start, ground, list(shares), case).strength[clay]
     share = np.array([shares[k] for k in start.layer[clay]])
     factor = np.ones(len(model))
-    factor[clay] = (
-        (before + share * (after - before)) * model.strength_factor[clay] / model.liquefied[clay, bond.STRENGTH]
-    )
+    wanted = (before + share * (after - before)) * model.strength_factor[clay]
+    change = wanted / model.liquefied[clay, bond.STRENGTH]
+    factor[clay] = np.where(np.abs(change - 1.0) > ROUNDING, change, 1.0)  # the same bits if it is repeated
     change_strength(model, factor)
+
+
+def degrees_of_discs(start: DiscModel, shares: Mapping[int, float]) -> np.ndarray:
+    """Return the degree of liquefaction (n,) of all discs from those of the strata: fixed discs have none, and clay,
+    whose contacts are replaced from the ``start``, has all of it."""
+    degree = np.ones(len(start))
+    for k, share in shares.items():
+        degree[(start.layer == k) & ~is_liquefying(start)] = share
+    return np.where(start.fixed, 0.0, degree)
 
 
 def _not_consolidated(model: DiscModel, ground: Ground) -> np.ndarray:

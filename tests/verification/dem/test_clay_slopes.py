@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dem.case import Case
-from dem.kernels.liquefied_pairs import STRENGTH
+from dem.kernels.liquefied_pairs import SHARE, STRENGTH
 from dem.search.calibration import changed
 from dem.search.deposit import Deposit, deposit
 from dem.search.equilibrium import settle
@@ -68,6 +68,22 @@ def test_clay_that_liquefies_falls_to_what_the_case_leaves(growing: Deposit) -> 
         before = (start.liquefied[:, STRENGTH] / start.strength_factor)[free]
         now = (model.liquefied[:, STRENGTH] / model.strength_factor)[free]
         assert now == pytest.approx(before + expected * (5e3 - before))
+
+
+@pytest.mark.parametrize("since", [1.0, 4.0, 7.0])
+def test_clay_loses_its_strength_in_a_slide(since: float, growing: Deposit) -> None:
+    """A bank on a seam of sensitive clay that loses four fifths of its strength slid 0.1 m by discs, as without any
+    loss, and 44 m by material points: the springs of clay do not change, and so nothing did."""
+    start, case = growing.settled, Case(residual_strength={"Clay": 5e3})
+    slider = Slider(start, growing.ground, [0], case, SlideSettings(kh=0.0))
+    slider.model.time = start.time + since
+    share = slider.motion.share(0, since)
+    for _ in range(2):  # the second time changes no bit
+        slider._liquefy()
+        before, now = ((m.liquefied[:, STRENGTH] / m.strength_factor)[~m.fixed] for m in (start, slider.model))
+        assert now == pytest.approx(before + share * (5e3 - before))
+        assert np.all(slider.model.liquefied[~start.fixed, SHARE] == 1.0)
+        slider.model.set_springs(growing.layers)
 
 
 @pytest.mark.slow
