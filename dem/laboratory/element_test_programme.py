@@ -94,16 +94,16 @@ def _layer_check(layer: SoilLayer, spring: LayerSprings, patches: Sequence[Patch
             for at_pressure in by_pressure
         )
 
-    after = np.array(means("after"))
+    post_peak = np.array(means("post_peak"))
     stratum = layer.stratum
-    c, phi = 0.0, float(np.nanmean(np.arcsin(after / (layer.pressures + after))))
-    if stratum.cohesion > 0.0 and np.isfinite(after).all():
-        c, phi = from_principal(list(layer.pressures + 2.0 * after), list(layer.pressures))
+    c, phi = 0.0, float(np.nanmean(np.arcsin(post_peak / (layer.pressures + post_peak))))
+    if stratum.cohesion > 0.0 and np.isfinite(post_peak).all():
+        c, phi = from_principal(list(layer.pressures + 2.0 * post_peak), list(layer.pressures))
     return LayerCheck(
         stratum=stratum.name,
         pressures_Pa=tuple(map(float, layer.pressures)),
         strength_soil_Pa=tuple(map(float, layer.required_strength)),
-        strength_discs_Pa=tuple(map(known, after)),
+        strength_discs_Pa=tuple(map(known, post_peak)),
         peak_discs_Pa=tuple(
             float(np.mean([patch.course for patch in at_pressure], axis=0).max()) if at_pressure else None
             for at_pressure in by_pressure
