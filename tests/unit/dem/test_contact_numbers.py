@@ -115,6 +115,6 @@ def test_a_patch_is_tested_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     strength_of_patch(SAND._replace(friction=np.nextafter(0.4, 1.0)), 1)
     assert len(requested) == 3
     for file in (tmp_path / "kept").iterdir():
-        file.write_text('{"after": 1.0}')
-    assert strength_of_patch(SAND, 1).after == first.post_peak  # type: ignore[union-attr]
+        file.write_text('{"post_peak": 1.0}')
+    assert strength_of_patch(SAND, 1).post_peak == first.post_peak  # type: ignore[union-attr]
     assert len(requested) == 4
