@@ -15,6 +15,7 @@ from dem.kernels.neighbours import Near, known_pairs
 from dem.pressure_shear import take_back_shear
 from dem.state import DiscState
 
+FADING_STEPS = 20  # steps in which springs and bonds change as ground liquefies, or clay loses its contacts
 REACH = 2.0  # mean diameters: with 1.6 the pressure alone would hold a hundredth of itself as shear
 WATER_STIFFNESS = 30.0  # stiffness of the pore water over the mean overburden
 BULK_VISCOSITY = 0.3  # viscosity of volume over density, speed of sound in the water, and reach

@@ -17,6 +17,7 @@ from dem.disc_area import area_with_voids
 from dem.engine.engine import Engine, largest_step
 from dem.ground import Ground
 from dem.liquefied_ground import (
+    FADING_STEPS,
     LARGEST_STRAIN,
     SHEAR_MODULUS,
     SMALLEST_STRAIN,
@@ -37,7 +38,6 @@ from meshes.section.section import Section
 # Bonds that are stronger would be stiffer, too, and vibrate on a compliant base.
 STRENGTH_MARGIN = 1.2
 COLUMNS = 100  # of a section, in which that is found
-FADING_STEPS = 20  # in which contacts fade out
 STEP_SHARE = 0.5  # of the stable step
 
 

@@ -7,12 +7,12 @@ import numpy as np
 
 from dem.acceleration import Acceleration
 from dem.ground import Ground
+from dem.liquefied_ground import FADING_STEPS
 from dem.model import DiscModel
 from dem.settings import SlideSettings
 from dem.springs import Law
 from meshes.section.quantity import GRAVITY
 
-FADING_STEPS = 20  # steps in which springs change during an onset
 # s in which Kh comes on before anything liquefies; in the paper all happens at once. Soil discs have the stiffness of
 # their soil, and the shock would move them several times as far as Kh does
 LEAD_TIME: Mapping[Law, float] = {"paper": 0.0, "soil": 2.0}

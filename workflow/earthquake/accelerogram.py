@@ -10,16 +10,16 @@ from meshes.borings.text_file import read_text
 from meshes.errors import InputError
 from meshes.section.motion_units import EXPECTED, MotionUnit, motion_unit
 from meshes.section.quantity import GRAVITY
+from workflow.earthquake.attenuation import GAL
 from workflow.earthquake.network_formats import FORMATS
 from workflow.earthquake.record_table import table
 from workflow.earthquake.recorded_series import RecordedSeries
 
-GAL = 0.01  # m/s²
 # The largest accelerations ever recorded are about 4 g; what is above ten is another quantity or unit.
 STRONG_MOTION, LARGEST_ACCELERATION, FAINT_MOTION = 3.0 * GRAVITY, 10.0 * GRAVITY, 0.001 * GRAVITY
 COARSE_STEP = 0.1  # s, a step that leaves out what lies above 5 Hz
 LARGEST_OFFSET = 0.01  # of the peak
-PEAK_TOLERANCE = 0.05  # by which the peak may differ from that of the heading
+PEAK_TOLERANCE = 0.05  # relative difference of the peak of a record from a stated peak, above which it is reported
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from meshes.errors import InputError
 from meshes.section.motion_units import RecordComponent, RecordScale, RecordUnit, motion_unit
 from meshes.section.quantity import GRAVITY, NUMBER_AND_UNIT, Coordinate, Density, Kind, Length, with_a_point
 from meshes.section.section import Model
-from workflow.earthquake.accelerogram import STRONG_MOTION, Accelerogram
+from workflow.earthquake.accelerogram import PEAK_TOLERANCE, STRONG_MOTION, Accelerogram
 from workflow.earthquake.accelerogram import read as read_record
 from workflow.earthquake.attenuation import GAL, Mechanism, PeakMotion, Site, fukushima_tanaka, si_midorikawa
 from workflow.earthquake.boore import Slip, boore
@@ -28,7 +28,6 @@ from workflow.earthquake.equivalent_kh import (
 EARTHQUAKE = "earthquake"  # setting of Kh, cycles and period of the slides: those equivalent to [earthquake]
 CYCLES = ("kh_cycles", "kh_period")
 SHAKES = ("kh", "kh_seconds", "accelerogram", *CYCLES)  # keys of [slide], each of which says how the ground shakes
-PEAK_TOLERANCE = 0.05  # largest relative difference between the peak of a record and a given peak
 LARGEST_PLAIN_IN_G = 1.5  # below it a plain number of m/s² may be one of g
 FIRM_VS30 = 760.0  # m/s: replaces a missing vs30 while other problems are searched for
 

@@ -9,10 +9,19 @@ from workflow.results.bounds import BoundsAnswer
 
 def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
     """Return the edge of a layer without cohesion, from ``start`` to ``end`` (m), that fails locally at ``kh``."""
-    when = f"at Kh = {coefficient(kh)}" if kh > 0.0 else "by its own weight"
     width = f"{end - start:.2g} m wide where it comes out of the ground at x = {start:g} m"
-    local = f"The edge of {shown_name(stratum)}, {width}, has no cohesion and fails locally {when}"
+    local = f"The edge of {shown_name(stratum)}, {width}, has no cohesion and fails locally {failing_at(kh)}"
     return f"{local}: this is no slope failure."
+
+
+def face_words(stratum: str, start: float, end: float) -> str:
+    """Return the shallow failure of the face of a stratum from ``start`` to ``end`` (m) in words."""
+    return f"Shallow failure of the face of {shown_name(stratum)} from x = {start:g} to {end:g} m"
+
+
+def failing_at(kh: float) -> str:
+    """Return when a face fails: at a Kh, or by its own weight."""
+    return f"at Kh = {coefficient(kh)}" if kh > 0.0 else "by its own weight"
 
 
 def proven(faces: bool, load_ends: bool, water_exits: bool) -> str:
@@ -30,10 +39,9 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
         if face.is_edge(answer.least_depth):
             yield edge_sentence(face.stratum, face.start, face.end, face.kh)
             continue
-        when = f"at Kh = {face.kh:.3f}" if face.kh > 0.0 else "by its own weight"
         yield (
-            f"Shallow failure of the face of {shown_name(face.stratum)} from x = {face.start:g} to {face.end:g} m "
-            f"{when}. The bounds below are for failures deeper than {answer.least_depth:g} m."
+            f"{face_words(face.stratum, face.start, face.end)} {failing_at(face.kh)}. The bounds below are for "
+            f"failures deeper than {answer.least_depth:g} m."
         )
     if answer.shallow is not None:
         when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"

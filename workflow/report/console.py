@@ -10,7 +10,7 @@ from meshes.slip_line import extent_in_words
 from workflow.config import Config, notice_lines
 from workflow.earthquake.site_response import TOLERANCE as CAME_TO_REST
 from workflow.report import post_liquefaction
-from workflow.report.bounds_text import bounds_sentences, edge_sentence
+from workflow.report.bounds_text import bounds_sentences, edge_sentence, face_words, failing_at
 from workflow.report.contradictions import FALL_RATIO, SURFACE_FALL
 from workflow.report.crests import crest_parts, crest_sentences, crests_in_short
 from workflow.report.faces import faces_sentences
@@ -169,11 +169,9 @@ def comparison_sentences(answer: FemAnswer) -> Iterator[str]:
         if face.is_edge(answer.settings.least_depth):
             yield edge_sentence(face.stratum, face.start_x_m, face.end_x_m, face.kh)
             continue
-        when = f"at Kh = {coefficient(face.kh)}" if face.kh > 0.0 else "by its own weight"
         yield (
-            f"Shallow failure of the face of {shown_name(face.stratum)} from x = {face.start_x_m:g} to "
-            f"{face.end_x_m:g} m ({face.angle_deg:.0f}°) {when}; the slope as a whole fails at "
-            f"{coefficient(answer.kc)}."
+            f"{face_words(face.stratum, face.start_x_m, face.end_x_m)} ({face.angle_deg:.0f}°) {failing_at(face.kh)}; "
+            f"the slope as a whole fails at {coefficient(answer.kc)}."
         )
 
 

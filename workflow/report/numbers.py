@@ -8,6 +8,7 @@ from workflow.results.continuum import FemAnswer
 from workflow.results.lengths import metres
 from workflow.texts.report_texts import listed
 
+SMALLEST_SLIDE = 0.1  # m: discs do not resolve less; a slide of less is reported as none
 SMALLEST_ERROR = 0.001  # numerical errors are reported as no less
 
 

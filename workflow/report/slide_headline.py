@@ -6,7 +6,7 @@ from meshes.section.cutting import shown_name
 from workflow.earthquake.settings import EarthquakeSettings
 from workflow.estimates.slide_error import SlideError
 from workflow.report.model_error import NAMES
-from workflow.report.numbers import rough_range, span
+from workflow.report.numbers import SMALLEST_SLIDE, rough_range, span
 from workflow.report.summary_text import at_rest
 from workflow.results.cases import CaseAnswer
 from workflow.results.governing import MethodSlides, slides_by_weight
@@ -15,8 +15,6 @@ from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
 from workflow.texts.report_texts import Texts
-
-LEAST_SLIDE = 0.1  # m: discs do not resolve less
 
 
 def slide_headline(results: Results, _: Texts) -> HeadlinePart:
@@ -105,7 +103,7 @@ def _of_cases(slides: MethodSlides, _: Texts) -> str:
     number = len(slides.cases)
     if number == 1:
         return _("one case")
-    if max(slides.largest) < LEAST_SLIDE or " to " not in span(slides.largest):
+    if max(slides.largest) < SMALLEST_SLIDE or " to " not in span(slides.largest):
         return _("in each of {number} cases of residual strength", number=number)
     return _("range of {number} cases of residual strength", number=number)
 
@@ -113,8 +111,8 @@ def _of_cases(slides: MethodSlides, _: Texts) -> str:
 def _span(slides: MethodSlides, _: Texts) -> str:
     """Return the largest slides of all cases as a range. The slide of a case that reaches a side of the model is a
     lower limit: the range is open above, and has one end if every case does."""
-    if max(slides.largest) < LEAST_SLIDE:
-        return f"< {LEAST_SLIDE:g} m"
+    if max(slides.largest) < SMALLEST_SLIDE:
+        return f"< {SMALLEST_SLIDE:g} m"
     low, high = metres(min(slides.largest)), metres(max(slides.largest))
     stopped = [case.stopped_by is not None for case in slides.cases.values()]
     if not any(stopped):

@@ -12,7 +12,7 @@ from workflow.config import Config
 from workflow.report.contradictions import is_weaker, liquefied_strata
 from workflow.report.flow_rule import WHEN
 from workflow.report.model_error import model_error
-from workflow.report.numbers import coefficient, numerical_error, of_cases, slides_in_words, span
+from workflow.report.numbers import SMALLEST_SLIDE, coefficient, numerical_error, of_cases, slides_in_words, span
 from workflow.report.post_liquefaction import in_short
 from workflow.report.tables import factor
 from workflow.results.accuracy import Accuracy, accuracy
@@ -30,7 +30,6 @@ DISAGREEMENT_RATIO = 3.0  # times: beyond this, methods do not say the same
 # A slide that moves less in its last 10 s counts as at rest, though its discs may not: in m, and of all its way.
 REST_MOVEMENT, REST_MOVEMENT_SHARE = 0.01, 0.001
 ENDS = ("settled", "lying", "moving")  # how slides end, in the order in which they are reported
-SMALLEST_SLIDE = 0.1  # m: a slide of less is reported as none
 
 
 def springs_of(results: Results) -> dict[str, str]:

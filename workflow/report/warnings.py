@@ -9,7 +9,7 @@ from meshes.section.section import Section
 from meshes.section.stratum import cases_of
 from workflow.config import notice_lines
 from workflow.report.contradictions import contradictions
-from workflow.report.numbers import coefficient, of_cases, span
+from workflow.report.numbers import SMALLEST_SLIDE, coefficient, of_cases, span
 from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.discs import SlipSurfaces
 from workflow.results.material_points import WARNING
@@ -22,7 +22,6 @@ SURFACE_DISTANCE = 0.25  # of the height of the section: slip surfaces farther a
 SIDE_EFFECT_RATIO = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
 LIMIT_DISTANCE = 0.1  # of the critical Kh after liquefaction: a Kh of a slide that is nearer to it is reported
 UNRESOLVED_RATIO = 2.0  # times, or divided by it: a slide whose numerical error alone may be larger is reported
-LEAST_SLIDE = 0.1  # m: the error of a smaller slide is not reported
 OPEN_KH_RATIO = (
     1.1  # ratio of the largest possible critical Kh to the target of the calibration, from which it is reported
 )
@@ -112,7 +111,7 @@ def _unresolved(results: Results) -> Iterator[str]:
             f"{span([case.slide_max_low_m, case.slide_max_high_m])}: take more cells (slide.mpm_cells)"
         ]
         for number, case in sorted(points.items())
-        if case.slide_max_m >= LEAST_SLIDE
+        if case.slide_max_m >= SMALLEST_SLIDE
         and not (
             case.slide_max_low_m * UNRESOLVED_RATIO >= case.slide_max_m
             and case.slide_max_high_m <= UNRESOLVED_RATIO * case.slide_max_m

@@ -25,18 +25,24 @@ def _student(freedoms: int) -> float:
     return float(stdtrit(freedoms, 0.975))
 
 
-class CaseNumbers(Part):
-    """Holds one case of liquefaction in numbers. Slides (m) are positive downhill, and settlements (m) downwards."""
+class SurfaceMovement(Part):
+    """Holds the movement of the surface in a slide. Slides (m) are positive downhill, and settlements (m) downwards."""
 
-    stiffness: float = Field(description="factor on the stiffness of the layers that liquefied")
     settlement_uphill_m: float = Field(description="median settlement of the upslope third of the surface")
     settlement_middle_m: float
     settlement_downhill_m: float
     slide_uphill_m: float = Field(description="median slide of the upslope third of the surface")
     slide_middle_m: float
     slide_downhill_m: float
+    slide_max_at_x_m: float = Field(description="x of the largest slide of the surface")
+    notes: tuple[str, ...] = Field(description="notes that a reader needs to judge these numbers")
+
+
+class CaseNumbers(SurfaceMovement):
+    """Holds one case of liquefaction in numbers, by discs."""
+
+    stiffness: float = Field(description="factor on the stiffness of the layers that liquefied")
     slide_max_m: float = Field(description="largest slide of the surface, to either side")
-    slide_max_at_x_m: float = Field(description="x of the largest slide")
     crack_opening_m: float = Field(description="widest gap between neighbouring discs of the surface")
     settled: bool = Field(description="whether the ground has come to rest")
     reason: str
@@ -48,7 +54,6 @@ class CaseNumbers(Part):
     step_share: float = Field(description="time step over the largest stable time step")
     overlap: float = Field(description="largest overlap of two discs, over their mean radius")
     area_lost_share: float = Field(description="share of the area of the ground that was lost beyond drainage")
-    notes: tuple[str, ...] = Field(description="notes that a reader needs to judge these numbers")
     slides_over_share: float = Field(description="share of the surface that slides, 0 to 1")
     slides_over_share_uphill: float = Field(description="share of the uphill half of the surface that slides, 0 to 1")
     slides_over_share_downhill: float = Field(

@@ -6,14 +6,14 @@ from pydantic import Field
 
 from fem.settings import Sides
 from workflow.results.answer import Answer, SectionLabel
-from workflow.results.cases import MovedSurface
+from workflow.results.cases import MovedSurface, SurfaceMovement
 from workflow.results.lengths import metres
 
 WARNING = "Warning: "  # how a note begins that warns
 
 
-class PointCase(MovedSurface):
-    """Holds one case by material points. Lengths are in m, positive downslope and down."""
+class PointCase(SurfaceMovement, MovedSurface):
+    """Holds one case by material points."""
 
     slide_max_m: float = Field(
         description=(
@@ -30,13 +30,6 @@ class PointCase(MovedSurface):
     slide_max_high_m: float = Field(
         description="upper end of the numerical interval: the largest of the same three slides"
     )
-    slide_max_at_x_m: float = Field(description="x of the largest slide of the surface")
-    slide_uphill_m: float = Field(description="median slide of the upslope third of the surface")
-    slide_middle_m: float
-    slide_downhill_m: float
-    settlement_uphill_m: float = Field(description="median settlement of the upslope third of the surface")
-    settlement_middle_m: float
-    settlement_downhill_m: float
     settlement_crest_m: float = Field(description="settlement of the highest point of the ground")
     settled: bool = Field(description="whether the surface came to rest")
     reason: str
@@ -50,7 +43,6 @@ class PointCase(MovedSurface):
     stopped_by: str | None = Field(
         default=None, description="side at which the slide was stopped, or through which it left the section"
     )
-    notes: tuple[str, ...] = Field(description="notes that a reader needs to judge these numbers")
 
     @property
     def highest(self) -> str:

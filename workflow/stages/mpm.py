@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from fem.mpm import PointGround, PointSlide, PointSlider, SlideProgramme
 
 FOLDER = "mpm"  # of its files
-LEAD_TIME = 2.0  # s in which Kh is applied before liquefaction begins, as for the discs
 SMALLEST_DOUBTED_SLIDE = 0.05  # m: the energies of a smaller slide are those of a ground that swings
 THIN_CRUST = 0.9  # of a cell: a slide below a thinner crust was off by a factor of up to 2
 CELLS_STEP = 100  # to a multiple of which the cells that a crust wants are rounded up
@@ -181,6 +180,7 @@ def slide_of_points(run: PointRun, tell: Tell) -> "PointSlide":
 
 def programme_of(config: Config, number: int) -> "SlideProgramme":
     """Return loading of the ground and onset of liquefaction: a constant Kh, or a record, as for the discs."""
+    from dem.slides.drive import LEAD_TIME
     from fem.mpm.slide import SlideProgramme
     from meshes.section.base_impedance import base_impedance
     from meshes.section.quantity import GRAVITY
@@ -198,15 +198,15 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
             float(time[-1]) + settings.duration, settings.still, case.volumetric_strain,
             0.0 if shaking.of_the_base else base_impedance(config.section),
         )  # fmt: skip
-    duration = settings.kh_seconds
+    duration, lead = settings.kh_seconds, LEAD_TIME["soil"]
 
     def acceleration_at(t: np.ndarray) -> np.ndarray:
-        rise = 0.5 - 0.5 * np.cos(np.pi * np.clip(t / LEAD_TIME, 0.0, 1.0))
+        rise = 0.5 - 0.5 * np.cos(np.pi * np.clip(t / lead, 0.0, 1.0))
         return settings.kh * GRAVITY * rise * (np.ones_like(t) if duration is None else t < duration)
 
-    rest_from = LEAD_TIME + onset if duration is None else max(LEAD_TIME + onset, duration + REST_DELAY)
+    rest_from = lead + onset if duration is None else max(lead + onset, duration + REST_DELAY)
     return SlideProgramme(
-        acceleration_at, dict.fromkeys(strata, LEAD_TIME), remains, onset, rest_from, settings.duration, settings.still,
+        acceleration_at, dict.fromkeys(strata, lead), remains, onset, rest_from, settings.duration, settings.still,
         case.volumetric_strain,
     )  # fmt: skip
 
