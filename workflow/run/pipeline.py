@@ -43,7 +43,8 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
 
     ``job``: stages, config and folder; ``listener``: notified of stages and progress. Raises InputError if something
     cannot be used or written. If a chosen stage has no answer, the stages that need it do not run; all other stages
-    run, and then the error of this stage is raised. Other stages that have no answer in the folder are no error.
+    run, and then the error of this stage is raised. Other stages that have no answer in the folder are no error, unless
+    a chosen stage reports the results of all stages.
     """
     with locked(job.store.folder):
         job.store.sweep()
@@ -60,8 +61,9 @@ def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
             raise
         keep_mesh_options(job.store, job.mesh_options)
         log.done()
+        of_all = any(decision.stage.of_all and decision.stage.name in choice.chosen for decision in decisions)
         for decision in decisions:
-            if decision.stage.name in choice.chosen and decision.stage.name in failures:
+            if decision.stage.name in failures and (of_all or decision.stage.name in choice.chosen):
                 raise failures[decision.stage.name]
 
 
