@@ -24,7 +24,6 @@ from workflow.cli.options import (
     Rows,
     SectionFile,
     Set,
-    SidesOption,
     Size,
     Verbose,
     Version,
@@ -165,7 +164,7 @@ def fem(
     kh: Annotated[
         list[float] | None, typer.Option(help="Seismic coefficient at which fields are stored; repeatable.")
     ] = None,
-    sides: SidesOption = None,
+    sides: Annotated[str | None, typer.Option(help="Sides: free-field, smooth, fixed or periodic.")] = None,
     element: Annotated[str | None, typer.Option(help="Finite element: auto, quadratic, reduced or bilinear.")] = None,
     direction: Annotated[str | None, typer.Option(help="Seismic force: both, downhill or uphill.")] = None,
     vertical: Annotated[float | None, typer.Option(help="Vertical seismic coefficient, positive upwards.")] = None,
@@ -295,7 +294,7 @@ def bounds(
         bool | None,
         typer.Option("--safety-factor", help="Also bounds of the factor of safety, ψ = φ.", show_default=False),
     ] = None,
-    sides: SidesOption = None,
+    sides: Annotated[str | None, typer.Option(help="Sides: free-field, smooth, fixed or periodic.")] = None,
     max_cells: Annotated[int | None, typer.Option(help="Largest number of triangles.")] = None,
     settings: Set = None,
     force: Force = False,

@@ -42,7 +42,6 @@ Out = Annotated[
     typer.Option("--out", help="Folder for the results. [default: runs/<section name>]", show_default=False),
 ]
 Refine = Annotated[int | None, typer.Option(help="Divide every cell size by this whole number.")]
-SidesOption = Annotated[str | None, typer.Option(help="Sides: free-field, smooth, fixed or periodic.")]
 Size = Annotated[str | None, typer.Option(help='Target cell size, such as "1.5 m".')]
 Free = Annotated[bool, typer.Option("--free", help="Free quadrilaterals instead of columns and rows.")]
 Columns = Annotated[int | None, typer.Option(help="Columns of a mapped mesh.")]
