@@ -130,7 +130,7 @@ def probe(patch: Patch, pressure: float) -> tuple[PlaneElastic, float]:
     )  # fmt: skip
     if not (abs(stiffness.lame) < stiffness.M and stiffness.G > 0.0):
         raise ConfinementError(
-            f"the patch still rearranges at {pressure:g} Pa and has no stiffness: M = {stiffness.M:.3g}, lame = "
+            f"the patch still rearranges at {pressure:g} Pa and has no stiffness: M = {stiffness.M:.3g}, λ = "
             f"{stiffness.lame:.3g}, G = {stiffness.G:.3g} Pa. Take another seed or a larger patch."
         )
     return stiffness, float(x[0, 0] / z[1, 1]) - 1.0

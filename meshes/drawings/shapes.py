@@ -95,7 +95,7 @@ def shapes_of(drawing: Any, names: dict[str, str], unit: float | None) -> Shapes
     joined = [item for layer in dict.fromkeys(shape.layer for shape in shapes)
               for item in _joined([shape for shape in shapes if shape.layer == layer])]  # fmt: skip
     outlines, lines = _outlines_and_lines(_without_holes(joined, notices), unused, notices)
-    notices += [f"not used: {count} {what}" for what, count in sorted(unused.items())]
+    notices += [f"not used: {count} × {what}" for what, count in sorted(unused.items())]
     return Shapes(outlines, lines, frozenset(names.values()), notices)
 
 

@@ -81,5 +81,5 @@ def migrate(
             file.write(text)
         return say(f"Written: {target}")
     if not changes:
-        return say(f"{section} has no old words.")
+        return say(f"{section} has no old names of settings.")
     return say("Nothing is written: --write changes the file, --out FILE writes another one.")

@@ -274,7 +274,8 @@ def _calibration(results: Results) -> Iterator[str]:
     elif calibration.verdict == "out of reach":
         yield (
             "calibration failed, since no factor on the strength of the discs gives the critical Kh of the finite "
-            "elements: the slides belong to a soil of another strength"
+            "elements, so that the slides of the discs are those of another strength: take more discs (dem.elements), "
+            "or rely on material points"
         )
     elif not 1.0 / CALIBRATION_RATIO <= calibration.value <= CALIBRATION_RATIO:
         name = calibration.parameter.replace("_", " ")

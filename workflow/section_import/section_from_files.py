@@ -119,11 +119,11 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str
     if kinds <= set(MODELS):
         model = MODELS[kinds.pop()](files[0], name, reading.part)
         out.write_text(model.text, encoding="utf-8")
-        return [*_minded(model.notices), f"{out} has the strata of {files[0]}.", *to_be_given(out, "It is sound.")]
+        return [*_minded(model.notices), f"Section of {files[0]}: {out}", *to_be_given(out, "It is sound.")]
     if kinds == {DRAWING}:
         drawn = read_dxf(files[0], name, reading.unit)
         out.write_text(drawn.text, encoding="utf-8")
-        return [*_minded(drawn.notices), f"{out} has the strata of {files[0]}.", *to_be_given(out)]
+        return [*_minded(drawn.notices), f"Section of {files[0]}: {out}", *to_be_given(out)]
     read = [READERS[file.suffix.lower()](file, reading.columns) for file in files]
     connection = connected(
         _requested_borings([log for item in read for log in item.logs], reading.borings), reading.off_line
@@ -132,7 +132,7 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str
     picture = out.with_suffix(".png")
     draw(connection, out.stem).save(picture)
     minded = _minded([text for item in read for text in item.notices] + list(connection.notices))
-    return [*minded, *_summary(connection), f"{out} is the section.", f"Picture: {picture}", *to_be_given(out)]
+    return [*minded, *_summary(connection), f"Section: {out}", f"Picture: {picture}", *to_be_given(out)]
 
 
 def _requested_borings(logs: Sequence[Log], names: Sequence[str]) -> list[Log]:

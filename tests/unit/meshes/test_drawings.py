@@ -140,7 +140,7 @@ def test_outlines_of_any_entities(tmp_path: Path) -> None:
     assert (
         'the LWPOLYLINE on layer "Open", x = 70 to 80 m, is open, and is closed by a straight line of 2 m' in messages
     )
-    assert "not used: 1 TEXT on layer Words" in messages
+    assert "not used: 1 × TEXT on layer Words" in messages
 
 
 @pytest.mark.parametrize("axis", [0, 1])
@@ -292,7 +292,7 @@ def test_lines_with_a_closed_lens_are_strata_with_a_zone(tmp_path: Path) -> None
     text = "\n".join(read.notices)
     assert "lines of the drawing continue beyond its outlines, which are zones" in text
     assert 'layer "0" has several lines or outlines, which become the strata "0 1" and "0 2"' in text
-    assert "not used: 1 upright LINE on layer Side" in text
+    assert "not used: 1 × upright LINE on layer Side" in text
 
 
 def test_a_line_that_is_drawn_twice_is_one(tmp_path: Path) -> None:
@@ -304,7 +304,7 @@ def test_a_line_that_is_drawn_twice_is_one(tmp_path: Path) -> None:
 
     made, messages = section(drawn(tmp_path, draw))
     assert areas(made) == {"Sand": pytest.approx(600.0), "Clay": pytest.approx(800.0)}
-    assert "not used: 1 LWPOLYLINE on layer Ground that lies on another one" in messages
+    assert "not used: 1 × LWPOLYLINE on layer Ground that lies on another one" in messages
 
 
 def test_an_outline_of_groundwater_is_its_table(tmp_path: Path) -> None:
