@@ -2,7 +2,7 @@
 
 A quadrilateral in the tip of a wedge of a few degrees has an angle of a few degrees, and cells behind it are as thin as
 the wedge. The tip that is cut off gets the soil of the layer below it (or of the layer above if there is none below, or
-if both are one thin seam; where the whole section thins out, the section ends there). A thin layer that is
+if both are parts of one soil; where the whole section thins out, the section ends there). A thin layer that is
 weaker than the soil below it keeps a tip at the ground, which is made thicker instead: ground slides out along a weak
 seam that comes out of the ground. The area that changes its soil is reported.
 """
@@ -35,8 +35,6 @@ CRUMB, THICKEST_CRUMB, LONGEST_CRUMB = 0.1, 1.5, 12.0
 MOST_STEPS = 50
 # Effective unit weight (N/m³) for comparing strengths at the depth of a tip.
 UNIT_WEIGHT = 1e4
-# A soil thinner than this multiple of the requested thickness is a seam, which no tip of another soil may cut.
-SEAM = 3.0
 # A layer thinner than this multiple of the requested thickness (two cells) is weakened by its tip at the ground.
 THIN_LAYER_RATIO = 6.0
 # A layer below a tip that is made thicker keeps at least this share of its area.
@@ -90,7 +88,7 @@ def _stepped_once(
             if (near := _near_breakpoint(layers, k, *tip, at, thick)) is not None:
                 at, (thick, area) = near, _step_at(layers, k, *tip, near)
             layers = _with_breakpoint(layers, at)
-            joined = _of_seam(layers, k, min(at, x_tip), max(at, x_tip), soils, least)
+            joined = _of_soil_above(layers, k, min(at, x_tip), max(at, x_tip), soils)
             if joined:  # no farther than the part above reaches
                 at = float(layers.x[joined[0]] if tip[1] < 0 else layers.x[joined[-1] + 1])
                 thick, area = _step_at(layers, k, *tip, at)
@@ -109,7 +107,7 @@ def _stepped_once(
             notices.append(TipChange(subject, soil, x_tip, thick, at, -area))
         for start, end in [] if k is None else _crumbs(layers, k, least):
             area = layers.areas()[k]
-            layers = _without(layers, k, start, end, _of_seam(layers, k, start, end, soils, least))
+            layers = _without(layers, k, start, end, _of_soil_above(layers, k, start, end, soils))
             notices.append(
                 f"mesh: {_part(names, k)} is a wedge thinner than {THICKEST_CRUMB * least:.2g} m from "
                 f"x = {start:.4g} to {end:.4g} m; the mesh is without its {area - layers.areas()[k]:.2g} m²"
@@ -318,18 +316,16 @@ def _soil_above(layers: Layering, k: int, inside: np.ndarray, soils: list[str]) 
     return soils[above[-1]] if len(above) else ""
 
 
-def _of_seam(layers: Layering, k: int | None, start: float, end: float, soils: list[str], least: float) -> list[int]:
+def _of_soil_above(layers: Layering, k: int | None, start: float, end: float, soils: list[str]) -> list[int]:
     """Return the intervals between two breakpoints (m) in which stratum k and the layer just above it are parts of one
-    thin seam, which the soil of the layer below would sever."""
+    soil, which water or a crack divides. The tip keeps its soil if the part above takes it."""
     if k is None:
         return []
-    same = np.array(soils) == soils[k]
-    seams = []
-    for i in _intervals_between(layers, start, end):
-        thick = [float(-np.diff(side[i])[same].sum()) for side in (layers.left, layers.right)]
-        if max(thick) <= SEAM * least and _soil_above(layers, k, np.array([i]), soils) == soils[k]:
-            seams.append(int(i))
-    return seams
+    return [
+        int(i)
+        for i in _intervals_between(layers, start, end)
+        if _soil_above(layers, k, np.array([i]), soils) == soils[k]
+    ]
 
 
 def _without(layers: Layering, k: int | None, start: float, end: float, upward: Collection[int] = ()) -> Layering:

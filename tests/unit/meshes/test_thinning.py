@@ -89,6 +89,15 @@ def test_the_part_above_water_takes_the_tip_of_the_same_seam_below_water() -> No
     assert len(notices) == 1, "both parts are one seam"
 
 
+def test_the_part_above_water_takes_the_tip_of_a_thick_soil_below_water() -> None:
+    """The clay below a drained sand took 0.4 m² of it at the water table: Kh 0.0447, with a strict lower bound of
+    0.0458, and 0.0463 since the sand keeps its tip."""
+    section = ground({"elevation": 0}, {"depth": [[0, 5], [60, 8], [100, 8]]}, {"depth": 8}, None)
+    layers, notices = stepped(section.layering, 0.5, ["sand", "sand, below water", "clay"], None)
+    np.testing.assert_allclose(layers.areas()[2], section.layering.areas()[2])
+    assert len(notices) == 1
+
+
 def test_a_seam_that_water_crosses_and_that_comes_out_of_the_ground_twice_is_whole() -> None:
     """A wedge on the seam had to shear through mudstone: Kh upslope 0.209, with a strict upper bound of 0.122."""
     soil = {"youngs_modulus": "50 MPa", "poissons_ratio": 0.3, "density": "20 kN/m^3", "density_saturated": "21 kN/m^3"}
