@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dem.case import Case
+from dem.case import Case, RemainingStrength
 from dem.disc_area import area_with_voids
 from dem.ground import Ground
 from dem.kernels import liquefied_pairs as bond
@@ -13,6 +13,7 @@ from dem.kernels.liquefied_bonds import FITTED_STRENGTH
 from dem.liquefied_ground import LARGEST_STRAIN, SHEAR_MODULUS, SMALLEST_STRAIN, Onset, change_strength, is_liquefying
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
+from dem.slides.edge_strength import edge_shares
 from dem.springs import Law, LayerSprings
 from meshes.section.section import Section
 from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potential
@@ -73,19 +74,28 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
     pressure, section = effective_overburden(model), ground.section
     consolidated = pressure - _not_consolidated(model, ground)
     strength, strain = np.zeros(len(model)), np.full(len(model), SMALLEST_STRAIN)
-    knee, soft_to = np.zeros(len(model)), np.zeros(len(model))
+    knee, soft_to, with_pressure = np.zeros(len(model)), np.zeros(len(model)), np.zeros(len(model))
+    remains: dict[int, RemainingStrength] = {}
     for k in strata:
-        in_layer, layer = model.layer == k, model.springs.layers[k]
-        if section is None:
-            remaining = case.residual_remains(layer.name)
-        else:
-            remaining = case.remains_of(section, k)
+        in_layer = model.layer == k
+        remaining = remains[k] = (
+            case.residual_remains(model.springs.layers[k].name) if section is None else case.remains_of(section, k)
+        )
+        with_pressure[in_layer] = remaining.residual
+        if section is not None:
             soil = section.cohesion_field.means()[k]
             strength[in_layer] = (
                 remaining.friction * np.tan(soil.friction_angle) * pressure[in_layer]
                 + remaining.cohesion * soil.cohesion
             )
+            with_pressure[in_layer] += remaining.friction * np.tan(soil.friction_angle)
         strength[in_layer] += remaining.residual * np.maximum(consolidated[in_layer], 0.0) + remaining.strength
+    area = area_with_voids(model)
+    discs = np.isin(model.layer, strata) & ~model.fixed
+    unit_weight = -model.mass * model.pull[1] / area
+    strength *= edge_shares(model, discs, strength, with_pressure * unit_weight, area)
+    for k in strata:
+        in_layer, layer, remaining = model.layer == k, model.springs.layers[k], remains[k]
         modulus = case.stiffness * SHEAR_MODULUS * layer.kn
         strain[in_layer] = np.maximum(
             1.0 / (modulus / np.maximum(strength[in_layer], NO_STRENGTH) + 1.0 / LARGEST_STRAIN), SMALLEST_STRAIN
@@ -95,8 +105,7 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
             strain[in_layer] = ELASTIC * (remaining.strain_potential + REGAINING_STRAIN)
             knee[in_layer] = stress_at_potential(pressure[in_layer], wanted) / wanted
             soft_to[in_layer] = remaining.strain_potential / (remaining.strain_potential + REGAINING_STRAIN)
-    discs = np.isin(model.layer, strata) & ~model.fixed
-    return Onset(discs, area_with_voids(model), pressure, strength, strain, knee, soft_to)
+    return Onset(discs, area, pressure, strength, strain, knee, soft_to)
 
 
 def weaken_clay(model: DiscModel, start: DiscModel, ground: Ground, shares: Mapping[int, float], case: Case) -> None:

@@ -1,0 +1,81 @@
+"""Lowers the residual strength just above the lower edge of a liquefied layer to what lets it slip at that edge.
+
+Discs shear in a band some diameters wide, which lies above the edge where the ground below is strong. The shear stress
+by Kh and by the slope is proportional to the mass above, so that a band above the edge resists more than slip on the
+edge itself would: with a constant strength 1.05 to 1.13 times. Within the width of the band discs therefore have at
+most
+
+    s(z) = s_e M(z) / M_e,
+
+with the mass above M (kg/m²), and s_e and M_e at the edge: all of the band yields at the Kh at which a rigid block
+slips on the edge. Material points have the same rule for the ground below the edge (`fem.mpm.weak_edges`).
+"""
+
+import numpy as np
+
+from dem.model import DiscModel
+from dem.overburden import mass_above
+
+BAND = 2.0  # mean diameters above the edge
+LEAST_SHARE = (
+    0.8  # of its strength that ground keeps: in front of a toe, thin ground resists by more than slip on its edge
+)
+AROUND = 1.0  # mean diameters to either side, in which the lowest disc of a layer marks its edge
+NEXT_LAYER = 1.5  # mean diameters below the edge, in which other liquefied ground makes it no edge
+
+
+def edge_shares(
+    model: DiscModel, liquefies: np.ndarray, strength: np.ndarray, increase: np.ndarray, area: np.ndarray
+) -> np.ndarray:
+    """Return the share of their strength that discs keep near the lower edges of liquefied layers.
+
+    Parameters
+    ----------
+    model : DiscModel
+        The discs at rest.
+    liquefies : ndarray (n,) of bool
+        Discs that liquefy.
+    strength : ndarray (n,)
+        Residual strength (Pa).
+    increase : ndarray (n,)
+        Increase of the residual strength with the depth (Pa/m).
+    area : ndarray (n,)
+        Area of the discs with their voids (m²).
+
+    Returns
+    -------
+    Shares (n,), from `LEAST_SHARE` to 1; 1 away from edges.
+    """
+    share = np.ones(len(model))
+    discs = np.flatnonzero(liquefies & (strength > 0.0))
+    if not len(discs):
+        return share
+    diameter = 2.0 * float(model.radius[~model.fixed].mean())
+    edge = _edges(model, discs, diameter)
+    height = model.z[discs] - edge
+    near = height < BAND * diameter
+    discs, height = discs[near], height[near]
+    above = mass_above(model)[discs]
+    at_edge = above + height * model.mass[discs] / area[discs]
+    slips = (strength[discs] + height * increase[discs]) * above / at_edge
+    share[discs] = np.clip(slips / strength[discs], LEAST_SHARE, 1.0)
+    return share
+
+
+def _edges(model: DiscModel, discs: np.ndarray, diameter: float) -> np.ndarray:
+    """Return the elevation (m) of the lower edge of the layer of each of the ``discs``; minus infinity above other
+    liquefied ground."""
+    order = discs[np.argsort(model.x[discs], kind="stable")]
+    x, bottom, layer = model.x[order], (model.z - model.radius)[order], model.layer[order]
+    first = np.searchsorted(x, x - AROUND * diameter)
+    last = np.searchsorted(x, x + AROUND * diameter, side="right")
+    edge = np.empty(len(order))
+    for k, (low, high) in enumerate(zip(first, last, strict=True)):
+        same = layer[low:high] == layer[k]
+        edge[k] = bottom[low:high][same].min()
+        others = bottom[low:high][~same]
+        if ((others < edge[k]) & (others > edge[k] - NEXT_LAYER * diameter)).any():
+            edge[k] = -np.inf
+    by_disc = np.empty(len(model))
+    by_disc[order] = edge
+    return by_disc[discs]
