@@ -342,18 +342,20 @@ def test_overburden_is_the_weight_above(level: tuple[DiscModel, Ground]) -> None
 
 
 def test_residual_strength_of_a_case(level: tuple[DiscModel, Ground]) -> None:
-    """A ratio of the overburden or so many kPa; reached at s/G and 2 % in series, at 0.4 % at least."""
+    """A ratio of the overburden or so many kPa, less at the lower edge; reached at s/G and 2 % in series, at 0.4 % at
+    least."""
     model, ground = level
     loose = model.layer == 1
+    away = loose & (model.z > model.z[loose].min() + 3.0 * RADIUS)
     ratio = onset(model, ground, [1], Case(residual=0.1))
     assert (ratio.discs == loose).all()
-    assert ratio.strength[loose] == pytest.approx(0.1 * effective_overburden(model)[loose])
+    assert ratio.strength[away] == pytest.approx(0.1 * effective_overburden(model)[away])
     assert (ratio.strength[~loose] == 0.0).all()
     assert (ratio.strain[loose] == SMALLEST_STRAIN).all()
     firm = onset(model, ground, [1], Case(residual_strength="8 kPa", stiffness=0.05))
-    assert firm.strength[loose] == pytest.approx(8e3)
+    assert firm.strength[away] == pytest.approx(8e3)
     modulus = 0.05 * SHEAR_MODULUS * LOOSE.kn
-    assert firm.strain[loose] == pytest.approx(1.0 / (modulus / 8e3 + 1.0 / LARGEST_STRAIN))
+    assert firm.strain[loose] == pytest.approx(1.0 / (modulus / firm.strength[loose] + 1.0 / LARGEST_STRAIN))
     assert ratio.area[~model.fixed] == pytest.approx(2.0 * np.sqrt(3.0) * RADIUS**2, rel=0.01)
     liquefy(model, ratio)
     assert model.liquefied[loose, STRENGTH] == pytest.approx(ratio.strength[loose])

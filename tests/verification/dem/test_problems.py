@@ -1,5 +1,7 @@
 """Columns and uniform slopes of soil discs, against what is known of them."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,35 @@ def test_a_slump_of_clay_let_go_at_once(seed: int) -> None:
     out = dem.run_out(column.model)
     assert out.loose < 0.02
     assert 1.6 <= (out.front - 60.0) / 30.0 <= 2.1
+
+
+@pytest.mark.parametrize(
+    ("base", "rows", "seed"),
+    [
+        pytest.param(*each, marks=() if each == (2.0, 4, 0) else pytest.mark.slow)
+        for each in product((2.0, 0.0), (2, 4, 8), (0, 1))
+    ],
+)
+def test_a_liquefied_layer_of_constant_strength_holds_it_at_its_edge(base: float, rows: int, seed: int) -> None:
+    """Statics of an endless slope as below: 0.95 to 1.07 of the strength over the weight above the lower edge, between
+    rough ground or on the base; up to 1.13 if the strength were the same throughout the layer, whose discs shear in a
+    band above its edge."""
+    angle, ratio, radius, crust = np.radians(2.6), 0.2, 0.25, 5.0
+    thickness = rows * np.sqrt(3.0) * radius
+    contacts = sand(base + thickness + crust)
+    layers = [base, thickness, crust] if base else [thickness, crust]
+    names = ("base", "loose", "crust")[-len(layers) :]
+    slope = UniformSlope(
+        angle, layers, radius, lambda e: [contacts.discs(name, DENSITY, radius, e) for name in names], length=12.0,
+        seed=seed,
+    )  # fmt: skip
+    weak, model = len(layers) - 2, slope.model
+    on_edge = ~model.fixed & (model.layer >= weak)
+    pressure = G * np.cos(angle) * float((model.mass * model.weight)[on_edge].sum()) / model.period[0]
+    slope.liquefy([weak], dem.Case(residual_strength=ratio * pressure))
+    critical = (ratio - np.tan(angle)) / (1.0 + ratio * np.tan(angle))
+    slope_response = slope.shake_constant(2.0 * critical, 6.0, layer=weak, later=1.0)
+    assert slope_response.strength()[0] == pytest.approx(ratio, rel=0.08)
 
 
 @pytest.mark.slow
