@@ -10,15 +10,15 @@ SPREADING_WIDTH = 2.0  # mean diameters to either side over which weight is spre
 def effective_overburden(model: DiscModel) -> np.ndarray:
     """Return the vertical effective stress (n,) in Pa at the centres of all discs: the weight of the ground above, with
     the forces of water and of loads on the ground."""
-    return np.maximum(carried(model, -model.mass * model.pull[1]), 0.0)
+    return np.maximum(sum_above(model, -model.mass * model.pull[1]), 0.0)
 
 
 def mass_above(model: DiscModel) -> np.ndarray:
     """Return the mass (n,) in kg/m² of the ground above the centres of all discs."""
-    return carried(model, model.mass)
+    return sum_above(model, model.mass)
 
 
-def carried(model: DiscModel, amount: np.ndarray) -> np.ndarray:
+def sum_above(model: DiscModel, amount: np.ndarray) -> np.ndarray:
     """Return what all higher discs and half the disc itself have of an ``amount`` (n,) per metre of width, (n,).
 
     The amount of each disc is distributed over `SPREADING_WIDTH` mean diameters to either side. Fixed discs have none.
