@@ -54,7 +54,9 @@ class CaseNumbers(SurfaceMovement):
     step_share: float = Field(description="time step over the largest stable time step")
     overlap: float = Field(description="largest overlap of two discs, over their mean radius")
     area_lost_share: float = Field(description="share of the area of the ground that was lost beyond drainage")
-    slides_over_share: float = Field(description="share of the surface that slides, 0 to 1")
+    slides_over_share: float = Field(
+        description="share of the surface that slides, 0 to 1: it moves more than twice as far as without liquefaction"
+    )
     slides_over_share_uphill: float = Field(description="share of the uphill half of the surface that slides, 0 to 1")
     slides_over_share_downhill: float = Field(
         description="share of the downhill half of the surface that slides, 0 to 1"
