@@ -51,17 +51,32 @@ NO_QUANTITY = {
     "rests", "lasts", "leaves", "fades", "touches", "risen", "changed", "keep", "tell", "warm", "poor", "met",
 }  # fmt: skip
 
+# Words that are refused as whole names of fields of dataclasses and named tuples: a reader sees the field far from its
+# class. Fields of pydantic models are keys of files.
+NO_FIELD = {
+    "first", "last", "least", "most", "other", "near", "far", "rest", "tells", "how", "why", "where", "which", "still",
+    "came", "enough", "needed", "wanted", "every",
+}  # fmt: skip
+
+
+def fields(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Yield line and name of every field of a dataclass or a named tuple."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef):
+            kinds = " ".join(ast.unparse(each) for each in (*node.decorator_list, *node.bases))
+            if "dataclass" in kinds or "NamedTuple" in kinds:
+                targets = [item.target for item in node.body if isinstance(item, ast.AnnAssign)]
+                yield from ((target.lineno, target.id) for target in targets if isinstance(target, ast.Name))
+
 
 def bound(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Yield line and name of everything that a module defines or assigns, except tests and fields of pydantic
     models."""
+    yield from fields(tree)
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             if not node.name.startswith("test_"):
                 yield node.lineno, node.name
-            if isinstance(node, ast.ClassDef) and any("dataclass" in ast.unparse(each) for each in node.decorator_list):
-                fields = [item.target for item in node.body if isinstance(item, ast.AnnAssign)]
-                yield from ((field.lineno, field.id) for field in fields if isinstance(field, ast.Name))
         elif isinstance(node, ast.arg):
             yield node.lineno, node.arg
         elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and not _annotated(tree, node):
@@ -83,7 +98,9 @@ def _annotated(tree: ast.Module, name: ast.Name) -> bool:
 
 def faults(source: str) -> Iterator[tuple[int, str, str]]:
     """Yield line, identifier and better words of every refused identifier."""
-    for line, name in bound(ast.parse(source)):
+    tree = ast.parse(source)
+    yield from ((line, name, "the quantity that the field holds") for line, name in fields(tree) if name in NO_FIELD)
+    for line, name in bound(tree):
         words = [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", name)]
         if (whole := name.strip("_").lower()) in WHOLE and name != "ONE":  # the number 1 of kernels
             yield line, name, WHOLE[whole]

@@ -64,7 +64,7 @@ class MeasurementInterval:
     def __init__(self, model: DiscState, dt: float) -> None:
         steps = max(FEWEST_STEPS, round(UPDATE_INTERVAL / dt))
         self.began, self.end = model.time, model.time + steps * dt
-        self.before, self.rate = momentum(model), model.base_rate
+        self.momentum_before, self.rate = momentum(model), model.base_rate
 
     def steps_left(self, model: DiscState, dt: float) -> int:
         """Return the number of steps of dt (s) to the end of the interval; 0 or less if steps have become much
@@ -98,7 +98,7 @@ class MeasurementInterval:
         x, z = right_of(model.gravity)
         acceleration = model.acceleration.mean(self.began - 0.5 * dt, model.time - 0.5 * dt) @ np.array([x, z])
         acceleration -= self.rate_at(model, 0.5 * (self.began + model.time - dt))
-        force = moved_mass * acceleration - (momentum(model) - self.before) / over
+        force = moved_mass * acceleration - (momentum(model) - self.momentum_before) / over
         model.base_next = (force / model.base_impedance - model.base_velocity) / DELAY
 
 

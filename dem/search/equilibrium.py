@@ -118,13 +118,13 @@ class Displacement:
     """Computes the mean horizontal displacement downhill since a state `before`, weighted by mass."""
 
     def __init__(self, before: DiscModel, ground: Ground) -> None:
-        self.before, self.ground, self.free = before, ground, np.flatnonzero(~before.fixed)
+        self.reference, self.ground, self.free = before, ground, np.flatnonzero(~before.fixed)
         self.mass = before.mass[self.free]
         self.total = self.mass.sum()
 
     def __call__(self, model: DiscModel) -> float:
         """Return the mean displacement of the discs since `before` (m)."""
-        before, free = self.before, self.free
+        before, free = self.reference, self.free
         dx, _ = self.ground.to_section_axes(model.x[free] - before.x[free], model.z[free] - before.z[free])
         return float(self.ground.downhill * ((dx * self.mass).sum() / self.total))
 

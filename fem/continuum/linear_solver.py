@@ -31,8 +31,8 @@ class Exchange:
 
     Attributes
     ----------
-    first, last : int
-        Range of the global numbers of the owned components.
+    first_owned, end_owned : int
+        Global number of the first owned component, and of the one behind the last.
     """
 
     def __init__(self, d: Discretisation) -> None:
@@ -40,7 +40,7 @@ class Exchange:
         self._local = PETSc.Vec().createSeq(len(d.global_dofs))
         needed = PETSc.IS().createGeneral(d.global_dofs, comm=PETSc.COMM_SELF)
         self._scatter = PETSc.Scatter().create(self._owned, needed, self._local, None)
-        self.first, self.last = self._owned.getOwnershipRange()
+        self.first_owned, self.end_owned = self._owned.getOwnershipRange()
         self._comm = d.comm
 
     def to_local(self, owned: np.ndarray) -> np.ndarray:
@@ -68,7 +68,7 @@ class Exchange:
 
     def owned_part(self, everything: np.ndarray) -> np.ndarray:
         """Return the owned part of a vector (all components,)."""
-        return everything[self.first : self.last]
+        return everything[self.first_owned : self.end_owned]
 
 
 class LinearSolver:
@@ -81,8 +81,8 @@ class LinearSolver:
     def __init__(self, d: Discretisation, exchange: Exchange, symmetric: bool) -> None:
         self._grid, self._exchange, self._symmetric = d, exchange, symmetric
         border = d.dofs.shape[1] - d.inside
-        self._inside = d.global_dofs[d.dofs[:, border:]].ravel() - exchange.first
-        in_matrix = np.ones(exchange.last - exchange.first, dtype=bool)
+        self._inside = d.global_dofs[d.dofs[:, border:]].ravel() - exchange.first_owned
+        in_matrix = np.ones(exchange.end_owned - exchange.first_owned, dtype=bool)
         in_matrix[self._inside] = False
         self._owned_rows = np.flatnonzero(in_matrix)  # of the owned components those in the matrix
         first = d.comm.scan(len(self._owned_rows)) - len(self._owned_rows)
@@ -108,7 +108,7 @@ class LinearSolver:
             condensation.condense(self._elements, self._inverse)
             if not np.all(np.isfinite(self._inverse)):
                 raise SingularMatrixError("a cell has no stiffness for its inner displacement components")
-        ones = self._number[fixed - self._exchange.first].astype(PETSc.IntType)
+        ones = self._number[fixed - self._exchange.first_owned].astype(PETSc.IntType)
         try:
             self._matrix.factorise(self._elements, ones)
         except cholmod.NotPositiveDefiniteError:  # rounding, where hardly anything is left of the stiffness

@@ -111,7 +111,7 @@ class PlaneStrain:
         self.material = np.repeat(self.grid.stratum, self.grid.points_per_cell).astype(np.int64)
         self.use_strength(1.0)
         points = self.grid.weights.size
-        self.displacement = np.zeros(self.exchange.last - self.exchange.first)
+        self.displacement = np.zeros(self.exchange.end_owned - self.exchange.first_owned)
         self.stress = np.zeros((points, 4))
         self.strain = np.zeros((points, 4))
         self.plastic_strain = np.zeros((points, 4))
@@ -169,7 +169,7 @@ class PlaneStrain:
         """Fix the components marked in ``fixed`` (all components, the same on every rank)."""
         self.free = ~self.exchange.owned_part(fixed)
         self._free_local = ~fixed[self.grid.global_dofs]
-        self._fixed_owned = self.exchange.first + np.flatnonzero(~self.free)
+        self._fixed_owned = self.exchange.first_owned + np.flatnonzero(~self.free)
 
     def tie(self, first: str, second: str, section: Section) -> None:
         """Make the nodes of boundary ``second`` move like those of boundary ``first``, with the base fixed.

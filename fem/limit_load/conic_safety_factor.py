@@ -152,7 +152,7 @@ class _FactorSearch:
         self.material = ground.cells.material.ravel()
         # What the solver knows of the elements: only that, since from the iterate of another factor it breaks down in
         # sand, and saves one iteration of ten in other ground.
-        self.known: cone_program.Warm | None = None
+        self.warm_start: cone_program.Warm | None = None
 
     def find(self, guess: float, kh: float) -> tuple[float, FieldState, FactorStart]:
         """Find the factor of safety, its mechanism, and the start of a search by another flow rule."""
@@ -197,8 +197,8 @@ class _FactorSearch:
             dead = ground.load(0)
             return ground.program(strength, dead, np.zeros_like(dead), softening)
 
-        self.ground, solution = self.ground.solved(program, self.known)
-        self.known = None if solution.warm is None else replace(solution.warm, place=None)
+        self.ground, solution = self.ground.solved(program, self.warm_start)
+        self.warm_start = None if solution.warm is None else replace(solution.warm, place=None)
         if solution.none or not solution.sure:
             reason = solution.ended or solution.none
             raise NoAnswerError(f"the factor of safety by finite elements was not found ({reason})", "use another mesh")

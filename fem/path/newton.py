@@ -217,13 +217,13 @@ def _lowest(
             break
         search = LineSearch(problem.exchange.dot(residual, step))
         while True:
-            residual, norm = residual_of(problem, loading, increment + search.part * step, multiplier, scale)
+            residual, norm = residual_of(problem, loading, increment + search.step_length * step, multiplier, scale)
             if search.ends(problem.exchange.dot(residual, step)):
                 break
-        increment = increment + search.part * step
+        increment = increment + search.step_length * step
         if not np.isfinite(norm):
             break
-        if norm > settings.tolerance and search.part < ELIMINATION_STEP and problem.grid.comm.size == 1:
+        if norm > settings.tolerance and search.step_length < ELIMINATION_STEP and problem.grid.comm.size == 1:
             increment = LocalSubproblem(problem, residual).at_rest(increment, residual)
             residual, norm = residual_of(problem, loading, increment, multiplier, scale)
     return NewtonResult(bool(norm <= settings.tolerance), iteration, norm, multiplier, increment)

@@ -44,19 +44,19 @@ class LocalSubproblem:
         at_edge = np.zeros_like(reached)
         at_edge[nodes[~cells]] = True
         inside = problem.free & np.repeat(reached & ~at_edge, 2)
-        self.part = problem.part(np.flatnonzero(cells))
-        self.moving = np.flatnonzero(inside[self.part.components])
-        self.components = self.part.components[self.moving]
+        self.cells = problem.part(np.flatnonzero(cells))
+        self.free = np.flatnonzero(inside[self.cells.components])
+        self.components = self.cells.components[self.free]
         self._outside = float(np.abs(unbalanced[~inside]).max(initial=0.0))
 
     def at_rest(self, increment: np.ndarray, unbalanced: np.ndarray) -> np.ndarray:
         """Solve the subproblem until its unbalanced force is about as small as in the ground around it. Return the
         displacement ``increment`` (dofs,) since the accepted state; return it unchanged if there is no solution.
         """
-        moving, moved = self.moving, increment[self.part.components]
-        dofs = self.part.dofs
+        moving, moved = self.free, increment[self.cells.components]
+        dofs = self.cells.dofs
         matrix = CholmodMatrix(dofs, len(moved), nested=False) if CholmodMatrix.suits(dofs) else None
-        internal, tangent = _response(self.part, moved)
+        internal, tangent = _response(self.cells, moved)
         left = unbalanced[self.components]
         force = left + internal[moving]
         number = np.full(len(moved), -1)
@@ -67,22 +67,22 @@ class LocalSubproblem:
                 break
             force_left, step = np.zeros((2, len(moved)))
             force_left[moving] = left
-            elements = _elements(self.part, tangent, number >= 0)
+            elements = _elements(self.cells, tangent, number >= 0)
             try:
                 if matrix is not None:
                     matrix.factorise(elements, fixed)
                     step[moving] = matrix.solve(force_left)[moving]
                 else:
-                    step[moving] = _factors(self.part, elements, number).solve(left)
+                    step[moving] = _factors(self.cells, elements, number).solve(left)
             except (RuntimeError, ArithmeticError):  # the stiffness is singular
                 break
             search = LineSearch(float(left @ step[moving]))
             while True:
-                internal, tangent = _response(self.part, moved + search.part * step)
+                internal, tangent = _response(self.cells, moved + search.step_length * step)
                 left = force - internal[moving]
                 if search.ends(float(left @ step[moving])):
                     break
-            moved = moved + search.part * step
+            moved = moved + search.step_length * step
         changed = increment.copy()
         changed[self.components] = moved[moving]
         return changed if np.all(np.isfinite(changed)) else increment

@@ -40,7 +40,7 @@ class CornerMatrix:
         """Factorise the matrix for D (k, 3, 3); raise NotPositiveDefiniteError."""
         lower = self._triangle
         lower.entries[:] = 0.0
-        add_stiffnesses(stiffness, self._starts, self._values, lower.places, lower.first, lower.entries)
+        add_stiffnesses(stiffness, self._starts, self._values, lower.places, lower.row_start, lower.entries)
         lower.factorise()
 
     def solve(self, side: np.ndarray) -> np.ndarray:

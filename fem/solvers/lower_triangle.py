@@ -37,9 +37,9 @@ class LowerTriangle:
         pattern = sparse.tril(touched.T @ touched + identity, format="csc")
         pattern.sort_indices()
         width = np.diff(starts)
-        self.first = np.concatenate([[0], np.cumsum(width * (width + 1) // 2)])
-        self.places = np.empty(int(self.first[-1]), dtype=np.int32)
-        find_places(starts, columns, pattern.indptr, pattern.indices, self.first, self.places)
+        self.row_start = np.concatenate([[0], np.cumsum(width * (width + 1) // 2)])
+        self.places = np.empty(int(self.row_start[-1]), dtype=np.int32)
+        find_places(starts, columns, pattern.indptr, pattern.indices, self.row_start, self.places)
         self.entries = np.empty(pattern.nnz)
         self.diagonal = pattern.indptr[:-1]
         self._factors = Cholesky(pattern, nested)

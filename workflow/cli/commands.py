@@ -198,7 +198,7 @@ def fem(
     if mesh_file is not None and not mesh_file.is_file():
         raise InputError(str(mesh_file), ["there is no such file"])
     ranks = Ranks()
-    if not ranks.first:
+    if not ranks.is_first:
         from workflow.stages.fem import help_compute
 
         out.quiet = err.quiet = True

@@ -250,9 +250,9 @@ class TaskCounter:
 
     def __init__(self, silent: bool = False) -> None:
         self.silent, self.console = silent, err
-        self.start = self.last = time.monotonic()
-        self.left = TimeLeft(self.start)
-        self.before: int | None = None
+        self.start = self.last_report = time.monotonic()
+        self.time_left = TimeLeft(self.start)
+        self.done_before: int | None = None
 
     def __enter__(self) -> "TaskCounter":
         return self
@@ -263,15 +263,15 @@ class TaskCounter:
 
     def __call__(self, done: int, failed: int, total: int) -> None:
         """Count one more finished computation."""
-        if self.before is None:
-            self.before = done  # there already when it began: they say nothing of the time left
+        if self.done_before is None:
+            self.done_before = done  # there already when it began: they say nothing of the time left
         now = time.monotonic()
         every = TERMINAL_INTERVAL if self.console.is_terminal else LINE_INTERVAL
-        if self.silent or (done < total and now - self.last < every):
+        if self.silent or (done < total and now - self.last_report < every):
             return
-        self.last = now
-        missing = total - self.before
-        left = self.left.words(now, (done - self.before) / missing if missing else None)
+        self.last_report = now
+        missing = total - self.done_before
+        left = self.time_left.words(now, (done - self.done_before) / missing if missing else None)
         message = f"{done} of {total} done" + (f", {failed} failed" if failed else "") + (f", {left}" if left else "")
         end = "\r" if self.console.is_terminal else "\n"
         self.console.print(f"{message:<70}" if end == "\r" else message, end=end, markup=False, soft_wrap=True)

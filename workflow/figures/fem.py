@@ -97,7 +97,7 @@ class Views(NamedTuple):
     """Holds the rendered views of a state, the places of its arrows, and their scale."""
 
     outline: np.ndarray
-    every: np.ndarray
+    arrow_nodes: np.ndarray
     safety: np.ndarray
     stretch: float
     largest: float
@@ -109,8 +109,8 @@ def views_of(mesh: QuadMesh, state: FieldState) -> Views:
     grid = unstructured(mesh)
     largest = float(np.hypot(*state.displacement.T).max())
     stretch = nice_number(0.06 * float(np.ptp(mesh.points[:, 0])) / largest) if largest > 0.0 else 1.0
-    every = spread(mesh.points, Window.around(mesh.points), ARROWS)
-    tips = mesh.points[every] + stretch * state.displacement[every]
+    arrow_nodes = spread(mesh.points, Window.around(mesh.points), ARROWS)
+    tips = mesh.points[arrow_nodes] + stretch * state.displacement[arrow_nodes]
     window = Window.around(np.vstack([mesh.points, tips]))
 
     def outline(plotter: pv.Plotter) -> None:
@@ -125,7 +125,7 @@ def views_of(mesh: QuadMesh, state: FieldState) -> Views:
             show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
         )  # fmt: skip
 
-    return Views(render(window, outline), every, render(window, safety), stretch, largest, window)
+    return Views(render(window, outline), arrow_nodes, render(window, safety), stretch, largest, window)
 
 
 def state_sheet(config: Config, results: FemResults, state: FieldState, views: Views) -> Sheet:
@@ -138,8 +138,8 @@ def state_sheet(config: Config, results: FemResults, state: FieldState, views: V
     sheet = Sheet(title, [window.proportion, window.proportion], foot(config.section), legend_rows=3)
     shown = f"displacement since gravity, drawn {views.stretch:g} times as long; largest {views.largest:.3g} m"
     first = sheet.show(0, views.outline, window, shown)
-    x, z = results.mesh.points[views.every].T
-    u, v = views.stretch * state.displacement[views.every].T
+    x, z = results.mesh.points[views.arrow_nodes].T
+    u, v = views.stretch * state.displacement[views.arrow_nodes].T
     first.quiver(x, z, u, v, color=CONTINUUM, angles="xy", scale_units="xy", scale=1.0, width=0.0016, minlength=0.6)
     axes = sheet.show(
         1,

@@ -51,7 +51,7 @@ def rows(results: Results) -> list[PaperRow]:
     for name in results.cases.sets if results.cases is not None else ("",):
         table += _slides(results, name)
     table += [_measured(results), _smooth()]
-    return [row if row.agrees is False else replace(row, why="") for row in table]
+    return [row if row.agrees is False else replace(row, reason="") for row in table]
 
 
 def _absent(results: Results, stage: str) -> str:
@@ -76,14 +76,14 @@ def _fem(results: Results) -> Iterator[PaperRow]:
         kc,
         ours=f"{results.kc:.3f} (at most {results.fem.kc_upper:.3f}), {conditions}",
         agrees=abs(results.kc - KC) <= KC_TOLERANCE,
-        why=f"{SECTION}; the critical Kh depends on sides, dilation and element; the paper names neither dilation nor "
-        "convergence",
+        reason=f"{SECTION}; the critical Kh depends on sides, dilation and element; the paper names neither dilation "
+        "nor convergence",
     )
     end = results.fem.last_in_equilibrium()
     if end is not None:
         share = share_of_surface(results.config.section, end.slip_surface, ASD)
-        reason = f"{SECTION}; the slip surface is drawn where the shear strain is largest along x"
-        yield replace(surface, ours=f"{100 * share:.0f} % of its length", agrees=share >= 0.5, why=reason)
+        reason = f"{SECTION}; the slip surface lies where the ground moves half as far as the upper half above it"
+        yield replace(surface, ours=f"{100 * share:.0f} % of its length", agrees=share >= 0.5, reason=reason)
     state = results.fem.state_at(0.3)
     yield at_03 if state is None else _past(at_03, state)
 
@@ -93,7 +93,7 @@ def _stands(row: PaperRow, state: StoredState) -> PaperRow:
     stands = not state.past_equilibrium
     phrase = ("stands; " if stands else "does not stand; ") + _shares(shares) + " at failure"
     reason = f"{SECTION}; a layer counts as at failure from {100 * FAILED_CELL_SHARE:.0f} % of its cells on"
-    return replace(row, ours=phrase, agrees=stands and max(shares.values()) >= FAILED_CELL_SHARE, why=reason)
+    return replace(row, ours=phrase, agrees=stands and max(shares.values()) >= FAILED_CELL_SHARE, reason=reason)
 
 
 def _past(row: PaperRow, state: StoredState) -> PaperRow:
@@ -101,7 +101,7 @@ def _past(row: PaperRow, state: StoredState) -> PaperRow:
     phrase = ("past equilibrium; " if state.past_equilibrium else "stands; ") + _shares(shares) + " at failure"
     reaches = shares["1 Ts"] > 0.0 and max(shares[name] for name in ASD) > 0.0
     reason = f"{SECTION}; the failure zone counts as continuous if cells of 1 Ts and of an Asd layer are at failure"
-    return replace(row, ours=phrase, agrees=state.past_equilibrium and reaches, why=reason)
+    return replace(row, ours=phrase, agrees=state.past_equilibrium and reaches, reason=reason)
 
 
 def _shares(shares: dict[str, float]) -> str:
@@ -137,7 +137,7 @@ def _dem(results: Results, which: SetOfSprings) -> Iterator[PaperRow]:
     states = results.dem.states_of(which) if results.dem is not None else {}
     if 0.2 in states:
         verdict, reason = states[0.2].verdict, f"{states[0.2].reason}; {SECTION}"
-        stands = replace(stands, ours=verdict, agrees=verdict == "stands", why=reason)
+        stands = replace(stands, ours=verdict, agrees=verdict == "stands", reason=reason)
     if 0.3 in states:
         broken = _broken(broken, states[0.3].cracked_share_by_stratum)
     yield stands
@@ -155,7 +155,7 @@ def _broken(row: PaperRow, cracked: dict[str, float]) -> PaperRow:
         f"more break elsewhere: {_shares(others)}" if others else f"fewer than {100 * FAILED_CELL_SHARE:.0f} % in each"
     )
     agrees = most >= FAILED_CELL_SHARE and not others
-    return replace(row, ours=_shares(shares) + " broken", agrees=agrees, why=f"{reason}; {SECTION}")
+    return replace(row, ours=_shares(shares) + " broken", agrees=agrees, reason=f"{reason}; {SECTION}")
 
 
 def _slides(results: Results, name: str) -> Iterator[PaperRow]:
@@ -216,7 +216,7 @@ def _measured(results: Results) -> PaperRow:
         min(slides) <= (1.0 + DISPLACEMENT_TOLERANCE) * MEASURED
         and max(slides) >= (1.0 - DISPLACEMENT_TOLERANCE) * MEASURED
     )
-    return replace(row, ours=phrase, agrees=agrees, why=f"{SECTION}; cases and Kh are assumptions, too")
+    return replace(row, ours=phrase, agrees=agrees, reason=f"{SECTION}; cases and Kh are assumptions, too")
 
 
 def _other_loading(results: Results) -> str:

@@ -32,7 +32,7 @@ class SecondOpinion:
     agreed : whether the two slides differ by less than the larger interval, or are nearly equal, or neither comes to
         rest, or one is a lower limit that the other one exceeds
     flows : whether the ground flows by its weight alone
-    resting : whether discs and material points are at rest
+    at_rest : whether discs and material points are at rest
     limits : whether a side of the model limits the slide of the discs and that of the material points
     """
 
@@ -42,7 +42,7 @@ class SecondOpinion:
     points_span: Span
     agreed: bool
     flows: bool | None
-    resting: tuple[bool, bool]
+    at_rest: tuple[bool, bool]
     limits: tuple[bool, bool] = (False, False)
 
     def sentence(self) -> str:
@@ -50,16 +50,16 @@ class SecondOpinion:
         slides = f"discs slide {metres(self.discs)} and material points {metres(self.points)}"
         if self.agreed and all(self.limits):
             return f"{slides}, and both reach a side of the model, which limits both slides"
-        if self.agreed and any(self.limits) and any(self.resting):
+        if self.agreed and any(self.limits) and any(self.at_rest):
             stopped = "discs" if self.limits[0] else "material points"
             farther = self.points > self.discs if self.limits[0] else self.discs > self.points
             link = "since" if farther else "although"
             return f"{slides}, and both agree, {link} a side of the model limits the slide of the {stopped}"
         if self.agreed:
-            return f"{slides}, and both agree" + ("" if any(self.resting) else " that the slide does not come to rest")
-        if self.resting[0] != self.resting[1] and not any(self.limits):
+            return f"{slides}, and both agree" + ("" if any(self.at_rest) else " that the slide does not come to rest")
+        if self.at_rest[0] != self.at_rest[1] and not any(self.limits):
             return (
-                f"{slides}, and only {'discs' if self.resting[0] else 'material points'} come to rest{self._nearer()}"
+                f"{slides}, and only {'discs' if self.at_rest[0] else 'material points'} come to rest{self._nearer()}"
             )
         intervals = f"{rough_range(*self.discs_span)} and {rough_range(*self.points_span)}"
         return f"{slides}, which differ by more than the intervals of {intervals}{self._nearer()}"
@@ -95,19 +95,19 @@ def second_opinions(cases: CasesAnswer | None, points: PointSlidesAnswer | None)
 def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinion:
     discs = _with_error(min(packings[0], case.slide_max_m), max(packings[1], case.slide_max_m), case.flows, "discs")
     points = _with_error(other.slide_max_low_m, other.slide_max_high_m, case.flows, "mpm")
-    resting = at_rest(case), at_rest(other)
+    rested = at_rest(case), at_rest(other)
     apart = abs(case.slide_max_m - other.slide_max_m)
     alike = max(ABSOLUTE_TOLERANCE, (1.0 - 1.0 / RATIO_TOLERANCE) * max(case.slide_max_m, other.slide_max_m))
     near = apart <= max(discs[1] - discs[0], points[1] - points[0], alike)
     limits = case.stopped_by is not None, other.stopped_by is not None
-    if all(resting):
+    if all(rested):
         agreed = near
-    elif any(resting) and any(limits):
+    elif any(rested) and any(limits):
         least, free = (case, other) if limits[0] else (other, case)
         agreed = near or free.slide_max_m >= least.slide_max_m
     else:
-        agreed = not any(resting)
-    return SecondOpinion(case.slide_max_m, other.slide_max_m, discs, points, agreed, case.flows, resting, limits)
+        agreed = not any(rested)
+    return SecondOpinion(case.slide_max_m, other.slide_max_m, discs, points, agreed, case.flows, rested, limits)
 
 
 def _with_error(low: float, high: float, flows: bool | None, method: SlideMethod) -> Span:

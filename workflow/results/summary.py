@@ -146,16 +146,22 @@ class EstimateSummary(Part):
 
 @dataclass(frozen=True)
 class PaperRow:
-    """Holds one quantity of the paper and the computed value: ``agrees`` is None if there is nothing to compare;
-    ``why`` is the reason of a difference.
+    """Holds one quantity of the paper and the computed value.
+
+    Attributes
+    ----------
+    quantity, paper, ours : the quantity, its value in the paper, and the computed value
+    reference : figure, table or section of the paper
+    agrees : whether both values agree; None if there is nothing to compare
+    reason : reason of a difference; empty without one
     """
 
     quantity: str
     paper: str
-    where: str
+    reference: str
     ours: str
     agrees: bool | None = None
-    why: str = ""
+    reason: str = ""
 
 
 class NoAnswer(Part):

@@ -36,7 +36,7 @@ class StageLine:
         self.stage = stage
         self.state, self.text, self.share = "wait", stage.description, None  # type: tuple[State, str, float | None]
         self.start, self.seconds = 0.0, 0.0
-        self.left = TimeLeft(0.0)
+        self.time_left = TimeLeft(0.0)
 
     def cells(self) -> list[Text]:
         """Return mark, name, text, and times or a bar."""
@@ -44,7 +44,7 @@ class StageLine:
         clock = ""
         if self.state == "run":
             now = time.monotonic()
-            left = self.left.words(now, self.share)
+            left = self.time_left.words(now, self.share)
             clock = duration(now - self.start) + (f", {left}" if left else "")
         elif self.seconds:
             clock = duration(self.seconds)
@@ -88,7 +88,7 @@ class Display:
         """Show that a stage begins; return the callback for its progress."""
         shown = self.lines[decision.stage.name]
         shown.state, shown.start = "run", time.monotonic()
-        shown.left = TimeLeft(shown.start)
+        shown.time_left = TimeLeft(shown.start)
         if self.verbosity == Verbosity.VERBOSE:
             self._say(f"{decision.stage.name}: {decision.stage.description} ({decision.reason})")
         last = shown.start
@@ -99,7 +99,7 @@ class Display:
             now = time.monotonic()
             if self.verbosity == Verbosity.VERBOSE or now - last > LINE_INTERVAL:
                 last = now
-                left = shown.left.words(now, share)
+                left = shown.time_left.words(now, share)
                 self._say(f"{decision.stage.name}: {line}" + (f", {left}" if left else ""))
 
         return progress

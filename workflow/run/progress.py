@@ -44,17 +44,17 @@ class TimeLeft:
 
     def __init__(self, start: float) -> None:
         self.start, self.share, self.end = start, 0.0, math.inf
-        self.before: float | None = None  # share that was finished at the start
+        self.share_at_start: float | None = None  # share that was finished at the start
         self.shown = math.inf
 
     def seconds(self, now: float, share: float | None) -> float | None:
         """Return the remaining time (s) at a time ``now`` (s) when a share of the work is finished; None if unknown."""
         if share is None:
             return None
-        if self.before is None and share > 0.0:
-            self.before = share if share < self.FIRST_SHARE else 0.0
-            self.start = now if self.before else self.start
-        if not self.FIRST_SHARE + (self.before or 0.0) <= share <= 1.0:
+        if self.share_at_start is None and share > 0.0:
+            self.share_at_start = share if share < self.FIRST_SHARE else 0.0
+            self.start = now if self.share_at_start else self.start
+        if not self.FIRST_SHARE + (self.share_at_start or 0.0) <= share <= 1.0:
             return None
         plain = self._plain(now, share)
         if share > self.share:
@@ -71,7 +71,7 @@ class TimeLeft:
         return f"{bound}{duration(left)} left"
 
     def _plain(self, now: float, share: float) -> float:
-        return (now - self.start) * (1.0 - share) / (share - (self.before or 0.0))
+        return (now - self.start) * (1.0 - share) / (share - (self.share_at_start or 0.0))
 
 
 class SearchShare:
@@ -87,16 +87,16 @@ class SearchShare:
         search has finished.
         """
         self.searches, self.usual = searches, usual
-        self.trials, self.done, self.before = 0, 0, 0
+        self.trials, self.done, self.trials_before = 0, 0, 0
 
     def after_trial(self, done: int) -> float:
         """Return the finished share of all searches after one more trial, with ``done`` finished searches; always below
         1."""
         if done > self.done:
-            self.done, self.before = done, self.trials
+            self.done, self.trials_before = done, self.trials
         self.trials += 1
-        usual = self.before / self.done if self.done else self.usual
-        return min(0.99, (done + min(self.ALMOST, (self.trials - self.before) / usual)) / self.searches)
+        usual = self.trials_before / self.done if self.done else self.usual
+        return min(0.99, (done + min(self.ALMOST, (self.trials - self.trials_before) / usual)) / self.searches)
 
 
 def duration(seconds: float) -> str:

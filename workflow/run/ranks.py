@@ -27,7 +27,7 @@ class Ranks:
         from mpi4py import MPI
 
         self.comm: Any = MPI.COMM_WORLD
-        self.first = self.comm.rank == 0
+        self.is_first = self.comm.rank == 0
         self.waiting = True
 
     def call(self) -> None:

@@ -63,7 +63,7 @@ def work(job: Job) -> None:
 
     config, store, progress, ranks = job.config, job.store, job.progress, job.ranks or Ranks()
     mesh = stored_mesh(config.section, store)
-    if ranks.first:
+    if ranks.is_first:
         ranks.call()
 
     def tell(what: str, path: "EquilibriumPath | None") -> None:
@@ -80,7 +80,7 @@ def work(job: Job) -> None:
     progress("gravity", None)
     assessment = assess(config.section, config.mesh, mesh, config.fem, ranks.comm, tell)
     result = assessment.critical
-    if ranks.first:
+    if ranks.is_first:
         with store.writing(FEM_FILE) as path:
             save(assessment.mesh, path)
         answer_of(config, assessment).write(store)

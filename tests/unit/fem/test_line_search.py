@@ -21,12 +21,12 @@ def test_the_search_ends_where_the_potential_hardly_falls(kinks, stiffer, first)
         return 1.0 - first * part - sum(k * max(part - at, 0.0) for at, k in zip(sorted(kinks), stiffer, strict=False))
 
     search, tried = LineSearch(slope(0.0)), 0
-    while not search.ends(slope(search.part)):
+    while not search.ends(slope(search.step_length)):
         tried += 1
     assert tried < MOST_TRIALS
-    assert 0.0 < search.part <= LONGEST_STEP
+    assert 0.0 < search.step_length <= LONGEST_STEP
     if tried < MOST_TRIALS - 1:
-        assert abs(slope(search.part)) <= REMAINING_SLOPE or math.isclose(search.part, LONGEST_STEP)
+        assert abs(slope(search.step_length)) <= REMAINING_SLOPE or math.isclose(search.step_length, LONGEST_STEP)
 
 
 @given(slopes=st.lists(st.floats(-2.0, 2.0) | st.just(math.nan), min_size=MOST_TRIALS + 1, max_size=MOST_TRIALS + 1))
@@ -35,4 +35,4 @@ def test_the_search_ends_whatever_the_slopes(slopes) -> None:
     search = LineSearch(slopes[0])
     tried = next(number for number, slope in enumerate(slopes[1:], 1) if search.ends(slope))
     assert tried <= MOST_TRIALS
-    assert 0.0 < search.part <= LONGEST_STEP
+    assert 0.0 < search.step_length <= LONGEST_STEP

@@ -50,7 +50,7 @@ def test_what_agrees_says_no_more_and_what_does_not_says_why(s13: Config) -> Non
     for kc, agrees in ((0.24, True), (0.2749, True), (0.2751, False), (0.2, False)):
         row = table(results(s13, fem=fem(s13, kc)))["FEM: critical Kh"]
         assert row.agrees is agrees
-        assert bool(row.why) is not agrees
+        assert bool(row.reason) is not agrees
 
 
 def test_the_continuum(s13: Config) -> None:
@@ -85,7 +85,7 @@ def test_slides_and_settlements_within_thirty_percent(s13: Config) -> None:
     wrong = {**dem_fixture.CASES, 2: dem_fixture.case(0.02, 2.3)}  # 30 % less than 3.3 is 2.31
     result = table(results(s13, fem=fem(s13), cases=CasesAnswer(sets={"calibrated": wrong}, random=None)))
     assert result[f"largest slide, case 2{springs}"].agrees is False
-    assert "docs/theory/paper.md" in result[f"largest slide, case 2{springs}"].why
+    assert "docs/theory/paper.md" in result[f"largest slide, case 2{springs}"].reason
 
 
 def test_states_of_the_discs(s13: Config) -> None:
@@ -98,7 +98,7 @@ def test_states_of_the_discs(s13: Config) -> None:
     result = table(results(s13, fem=fem(s13), dem=critical))
     row = result["DEM: pore springs broken along the Asd layers at Kh = 0.3, calibrated"]
     assert row.agrees is False
-    assert "90 % of 8 As1" in row.why
+    assert "90 % of 8 As1" in row.reason
 
 
 @pytest.mark.parametrize(
