@@ -252,7 +252,9 @@ def boundary(outline: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray
     corners, edge, length = outline[keep], edge[keep], length[keep]
     along = edge / length[:, None]
     outward = np.column_stack([along[:, 1], -along[:, 0]])
-    wall = along[:, 0] > -1e-9  # a vertical side runs neither way
+    wall = along[:, 0] > -1e-9  # a vertical side runs neither way, and a vertical step of the surface is no wall
+    on_top = ~wall
+    wall &= ~(np.roll(on_top, 1) & np.roll(on_top, -1))
     higher = WALL_ROWS * 2.0 * radius * ROW
     far = 10.0 * float(np.ptp(outline[:, 1])) + 100.0 * radius
     centres, lines = [], []

@@ -192,6 +192,7 @@ def _overfilled_box(section: Section, settings: DemSettings, radius: float, peri
     lift = SINKING * float(np.ptp(outline[:, 1])) + MARGIN * radius
     surface = section.ground
     on_top = np.abs(outline[:, 1] - np.interp(outline[:, 0], *surface.T)) < 1e-6
+    on_top |= (np.abs(outline[:, None] - surface).max(axis=2) < 1e-6).any(axis=1)  # both corners of a vertical step
     base = outline[~on_top]
     base = base[np.argsort(base[:, 0], kind="stable")]
 

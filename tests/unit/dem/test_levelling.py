@@ -5,7 +5,9 @@ import pytest
 
 from dem.assembly import DiscMaterials
 from dem.packing import Packing
+from dem.search.deposit import deposit
 from dem.search.levelling import INSERTION_OVERLAP, LARGEST_PROTRUSION, levelled, misfit
+from dem.settings import DemSettings
 from meshes.section.section import Section
 from tests.support.dem_cases import SOIL_SPRINGS
 from tests.support.sections import layer
@@ -103,3 +105,15 @@ def test_the_same_discs_give_the_same_surface() -> None:
     item, two = (levelled(ground, before, RADIUS, SPREAD) for _ in range(2))
     assert np.array_equal(item.x, two.x)
     assert np.array_equal(item.radius, two.radius)
+
+
+def test_a_vertical_face_of_the_ground_is_deposited() -> None:
+    """Discs in front of the vertical face of a quay "passed rigid line 2"; with a face 0.1 m wide they did not."""
+    sand = layer("Sand", cohesion="5 kPa", friction_angle="35 deg")
+    surface = [[0, 0], [10, 0], [10, -4], [20, -4]]
+    ground = Section.parse({"name": "face", "surface": surface, "base": {"elevation": -8}, "strata": [sand]})
+    box = deposit(ground, DemSettings(elements=120))
+    x, z = box.ground.to_section(box.settled.x, box.settled.z)
+    free = ~box.settled.fixed
+    assert (free & (x > 12.0) & (z < -4.0)).any()
+    assert not (free & (x > 12.0) & (z > -3.0)).any()

@@ -6,7 +6,7 @@ import pytest
 from dem.assembly import DiscMaterials
 from dem.engine.engine import Engine
 from dem.kernels.pushing_apart import clearance
-from dem.packing import Packing, lattice_box, periodic_packing, random_packing, triangular_lattice
+from dem.packing import Packing, boundary, lattice_box, periodic_packing, random_packing, triangular_lattice
 from dem.springs import from_strata
 from meshes.section.section import Section
 from tests.support import SECTIONS
@@ -130,6 +130,15 @@ def test_both_packings_fit_a_section(name: str) -> None:
         assert np.array_equal(packing.layer[free], section.stratum_at(packing.x[free], packing.z[free]))
         model = packing.discs(DiscMaterials(layers), gravity=(0.0, -GRAVITY))
         Engine().run(model, steps=200)
+
+
+def test_a_vertical_step_of_the_surface_is_no_wall() -> None:
+    """The face of a quay was a rigid line from top to bottom, which the discs in front of it had "passed"."""
+    step = np.array([[0.0, 0.0], [30.0, 0.0], [30.0, 4.0], [15.0, 4.0], [15.0, 12.0], [0.0, 12.0]])
+    _, lines = boundary(step, RADIUS)
+    assert sorted(lines[:, 2:4].round(6).tolist()) == [[-1.0, 0.0], [0.0, 1.0], [1.0, 0.0]]
+    of_base = np.array([[0.0, 0.0], [15.0, 0.0], [15.0, 4.0], [30.0, 4.0], [30.0, 12.0], [0.0, 12.0]])
+    assert len(boundary(of_base, RADIUS)[1]) == 5
 
 
 def test_periodic_packing_fits_to_itself_at_its_sides() -> None:
