@@ -220,8 +220,8 @@ def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:
         k = int(np.flatnonzero(inclined)[0])
         at = x[k] if depths[0, k] > LEVEL else x[k + 1]
         yield (
-            f"water: water stands on the ground at x = {at:g} m and its surface is not level there; a water table in "
-            "the ground lies below the surface"
+            f"water: water stands on the ground at x = {at:g} m and its surface is not level there; "
+            "expected a level surface, or a water table below the ground"
         )
 
 

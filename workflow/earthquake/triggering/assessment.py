@@ -209,9 +209,9 @@ def below_loads(section: Section, settings: TriggeringSettings) -> list[str]:
     if not loaded:
         return []
     return [
-        f"triggering, borings: {', '.join(loaded)}: surcharges there spread with depth as on an elastic half-plane; "
-        "σv in F_L includes the share seismic_share of a surcharge, σ'v and the normalised resistance include the "
-        "share consolidated (1 if sand has drained under the load)"
+        f"F_L of {'boring' if len(loaded) == 1 else 'borings'} {', '.join(loaded)} includes surcharges, which spread "
+        "with depth as on an elastic half-plane: check seismic_share (the share of a surcharge in σv) and consolidated "
+        "(its share in σ'v and the normalised resistance, 1 if sand has drained under the load)"
     ]
 
 
