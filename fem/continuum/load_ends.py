@@ -49,7 +49,7 @@ def with_cohesion_around(section: Section, cohesion: Mapping[float, float], leas
     Parameters
     ----------
     section : the ground
-    cohesion : the cohesion by the x of the points (m)
+    cohesion : the cohesion (Pa) of each point by its x (m)
     least_depth : half of the width, and the depth, of the ground that is strengthened (m)
 
     Returns

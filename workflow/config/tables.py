@@ -147,7 +147,7 @@ class Tables(Model):
         description="a table [sliding_block] of the rigid blocks that slides are compared with",
     )
     earthquake: EarthquakeSettings = Field(
-        default=EarthquakeSettings(), description="a table [earthquake] of magnitude and distance, or acceleration"
+        default=EarthquakeSettings(), description="a table [earthquake] of magnitude, distance, acceleration or record"
     )
     site_response: SiteResponseSettings = Field(
         default=SiteResponseSettings(), description="a table [site_response] of the layers under a record of the rock"
@@ -163,7 +163,8 @@ class Tables(Model):
         default=CriteriaSettings(), description="a table [criteria] of the limits that the answers are compared with"
     )
     tension_crack: TensionCrack = Field(
-        default=TensionCrack(), description="a table [tension_crack] of the cracks at which slip circles end"
+        default=TensionCrack(),
+        description="a table [tension_crack] of vertical cracks and the water in them",
     )
     uncertain: UncertainSettings = Field(
         default=UncertainSettings(),
@@ -172,7 +173,9 @@ class Tables(Model):
     study: StudySettings = Field(
         default=StudySettings(), description="a table [study] of the samples of `noshiro study`"
     )
-    figures: FigureSettings = Field(default=FigureSettings(), description="a table [figures] of pictures and report")
+    figures: FigureSettings = Field(
+        default=FigureSettings(), description="a table [figures] of pictures and animations of the report"
+    )
     report: ReportSettings = Field(
-        default=ReportSettings(), description="a table [report] with the title block of the report"
+        default=ReportSettings(), description="a table [report] of the title block, language, observations and appendix"
     )

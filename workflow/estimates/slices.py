@@ -65,7 +65,8 @@ def divide(
         ground
     towards : LEFT or RIGHT, the side to which the mass slides and the seismic force acts
     seismic : whether excess pore pressures by shaking act
-    vertical : vertical seismic coefficient, positive upwards: it reduces the weight by this share of the mass
+    vertical : vertical seismic coefficient, positive upwards: times the weight of the seismic mass it is
+        subtracted from the weight
     """
     shape = (len(x), x.shape[1] - 1)
     middle, base = 0.5 * (x[:, 1:] + x[:, :-1]), 0.5 * (z[:, 1:] + z[:, :-1])

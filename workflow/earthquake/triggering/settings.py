@@ -143,7 +143,9 @@ class FreeFaceSettings(Model):
         if self.distance_and_height(ground)[1] <= 0.0:
             problems.append(f"free_face: the ground at the crest, x = {self.crest:g} m, is not above that at the toe")
         if self.at is not None and (self.at - self.crest) * (self.toe - self.crest) > 0.0:
-            problems.append(f"free_face, at = {self.at:g}: lies before the crest; expected a place behind it")
+            problems.append(
+                f"free_face, at = {self.at:g}: lies on the side of the toe; expected a place behind the crest"
+            )
         return problems
 
     def distance_and_height(self, ground: np.ndarray) -> tuple[float, float]:
