@@ -170,7 +170,7 @@ class PointSlider:
             if checkpoint is not None and (slide.reason or time.monotonic() - saved_at > CHECKPOINT_INTERVAL):
                 self._keep(checkpoint, slide, shares)
                 saved_at = time.monotonic()
-        slide.surface_after = self._surface()
+        slide.surface_after = self._highest_ground()
         energy = self.engine.energy
         slide.transfer_loss_share, slide.energy_lost_share = energy.transfer_loss_share, energy.imbalance_share
         return slide
@@ -344,20 +344,34 @@ class PointSlider:
         top = np.array([0.0, 0.25 * self.ground.grid.cell])
         return self.engine.original(self.ground.points.x)[self.ground.surface] + self.ground.offset + top
 
+    def _highest_ground(self) -> np.ndarray:
+        """Return the tops (k, 2) of the highest points of all columns as wide as a cell, from left to right, in the
+        section (m). Ground that has slid over other ground hides the surface there.
+        """
+        if self.ground.grid.periodic:
+            return self._surface()
+        cell, points = self.ground.grid.cell, self.ground.points
+        places = points.x[points.stratum >= 0] + self.ground.offset
+        column = np.floor(places[:, 0] / cell).astype(int)
+        order = np.lexsort((places[:, 1], column))
+        return places[order[np.append(np.diff(column[order]) > 0, True)]] + [0.0, 0.25 * cell]
+
     def _side_reached(self) -> str | None:
-        """Return the side at which the slide is stopped: ground that moved lies within two cells of this side, or of
-        the end of the floor beyond it.
+        """Return the side at which the slide is stopped: ground that moved towards this side lies within two cells of
+        it, or of the end of the floor beyond it. The downhill side comes first.
         """
         points, grid = self.ground.points, self.ground.grid
         if grid.periodic:
             return None
         left, right = self.ground.section.extent
         x = points.x[:, 0] + self.ground.offset[0]
-        moved = (points.stratum >= 0) & (self.sign * points.displacement[:, 0] > 2.0 * grid.cell)
         room = self.ground.room - 2.0 * grid.cell
-        edge = right + room if self.sign > 0 else left - room
-        beyond = moved & (x > edge if self.sign > 0 else x < edge)
-        return ("right" if self.sign > 0 else "left") if beyond.any() else None
+        for sign in (self.sign, -self.sign):
+            moved = (points.stratum >= 0) & (sign * points.displacement[:, 0] > 2.0 * grid.cell)
+            beyond = moved & (x > right + room if sign > 0 else x < left - room)
+            if beyond.any():
+                return "right" if sign > 0 else "left"
+        return None
 
 
 def _liquefied_share(since: float, onset: float) -> float:

@@ -176,9 +176,11 @@ def _moved_surfaces(results: Results) -> Iterator[tuple[str, list[MovedSurface]]
 
 
 def _slides(results: Results, row: FaceRow) -> Iterator[str]:
-    """Yield the largest slide of a face towards its side by every method, over all cases of liquefaction."""
+    """Yield the largest slide of a face, with its half of the crest, towards its side by every method, over all cases
+    of liquefaction."""
     face = row.face
-    start, end = (face.start_m, face.crest_m[0]) if face.towards == "left" else (face.crest_m[1], face.end_m)
+    middle = 0.5 * (face.crest_m[0] + face.crest_m[1])
+    start, end = (face.start_m, middle) if face.towards == "left" else (middle, face.end_m)
     sign = 1.0 if _downhill(results, face.towards) else -1.0
     for method, cases in _moved_surfaces(results):
         values = []

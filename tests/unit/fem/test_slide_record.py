@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
+from fem.mpm.ground import ground_of
+from fem.mpm.slide import PointSlider
 from fem.mpm.slide_record import PointSlide
+from meshes.section.section import Section
+from tests.support.sections import slope
 
 
 @pytest.mark.parametrize(
@@ -34,3 +38,32 @@ def test_what_creeps_to_the_other_side_is_not_at_rest() -> None:
     slide = -10.0 - 0.0041 * (time - 30.0)[:, np.newaxis]
     record = PointSlide(times=list(time), slide=list(slide), settlement=list(np.zeros_like(slide)))
     assert not record.at_rest(0.01, 10.0)
+
+
+@pytest.fixture
+def slider() -> PointSlider:
+    return PointSlider(ground_of(Section.parse(slope()), 300, "smooth"), 1)
+
+
+def test_ground_that_lies_on_other_ground_is_the_surface(slider: PointSlider) -> None:
+    """Debris of a bank covered the river bed, and the surface after the slide was drawn along the bed below it."""
+    points, cell = slider.ground.points, slider.ground.grid.cell
+    before = slider._highest_ground()
+    assert np.interp(before[:, 0], *slider._surface().T) == pytest.approx(before[:, 1], abs=1e-9)
+    x, z = (points.x + slider.ground.offset).T
+    block = (points.stratum >= 0) & (x < 10.0)
+    low = z[(points.stratum >= 0) & (x > 80.0) & (x < 90.0)].max()
+    points.x[block] += [80.0, low + cell - z[block].min()]
+    after = slider._highest_ground()
+    assert np.interp(85.0, *after.T) - np.interp(85.0, *before.T) > 0.5 * np.ptp(z[block])
+
+
+@pytest.mark.parametrize(("sign", "side"), [(1.0, "right"), (-1.0, "left")])
+def test_a_slide_that_reaches_either_side_is_told(sign: float, side: str, slider: PointSlider) -> None:
+    points, cell = slider.ground.points, slider.ground.grid.cell
+    assert slider._side_reached() is None
+    end = max(slider.ground.section.extent) if sign > 0 else min(slider.ground.section.extent)
+    moving = np.flatnonzero(points.stratum >= 0)[:5]
+    points.displacement[moving, 0] = sign * 3.0 * cell
+    points.x[moving, 0] = end + sign * slider.ground.room - slider.ground.offset[0]
+    assert slider._side_reached() == side
