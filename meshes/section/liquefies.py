@@ -1,4 +1,4 @@
-"""Describes the cases in which a stratum liquefies, given by their numbers or by blow counts and an earthquake, and the
+"""Describes the cases in which a stratum liquefies, given by their numbers or by borings and an earthquake, and the
 strength that remains in these cases."""
 
 from collections.abc import Iterable
@@ -9,13 +9,13 @@ from pydantic import PlainSerializer, PlainValidator
 
 TRIGGERED = "triggered"
 LIQUEFIES_IN = (
-    f'the cases in which the stratum liquefies, such as [1, 2, 3], or "{TRIGGERED}": as the blow counts determine'
+    f'the cases in which the stratum liquefies, such as [1, 2, 3], or "{TRIGGERED}": as borings and earthquake tell'
 )
 
 
 class Cases(tuple[int, ...]):
-    """Holds the numbers of cases. If ``triggered``, blow counts determine the cases, and the file contains the word
-    "triggered" instead of numbers."""
+    """Holds the numbers of cases. If ``triggered``, borings and earthquake determine the cases, and the file contains
+    the word "triggered" instead of numbers."""
 
     triggered: bool
 

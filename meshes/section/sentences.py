@@ -94,7 +94,7 @@ OTHER_WORDS = {
     "psi": ("dilation_angle", ""), "e": ("youngs_modulus", ""), "nu": ("poissons_ratio", ""),
     "ru": ("pore_pressure_ratio", ""), "r_u": ("pore_pressure_ratio", ""), "k": ("permeability", ""),
     "kx": ("permeability", ""), "ky": ("permeability_vertical", ""), "kv": ("permeability_vertical", ""),
-    "borings": ("triggering", ", where [[triggering.borings]] have the blow counts"),
+    "borings": ("triggering", ", where [[triggering.borings]] have blow counts or cones"),
     "pop": ("pre_overburden_pressure", ""), "shansep": ("strength_ratio", ""),
 }  # fmt: skip
 

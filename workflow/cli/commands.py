@@ -334,7 +334,7 @@ def _of_stage(stage: str, panel: str, words: str, bounds: bool = False) -> None:
     app.command(stages.command_of(stage), help=words, rich_help_panel=panel)(command)
 
 
-_of_stage("triggering", Panel.LIQUEFACTION, "F_L at the blow counts of the borings, which strata liquefy, and P_L.")
+_of_stage("triggering", Panel.LIQUEFACTION, "F_L at the tests of the borings, which strata liquefy, and P_L.")
 _of_stage("slices", Panel.GROUND, "Slip circles by Bishop and Spencer, to both sides: factor of safety, critical Kh.")
 _of_stage("faces", Panel.GROUND, "Critical Kh and factor of safety of every face, by elements and bounds.", bounds=True)
 _of_stage("residual", Panel.GROUND, "Factor of safety with peak, then with residual strength, and the critical Kh.")

@@ -29,7 +29,7 @@ def config_after_triggering(config: Config, source: str = "section") -> Config:
 
     Returns
     -------
-    The config with all values that follow from blow counts and earthquake: strata that liquefy in all cases, excess
+    The config with all values that follow from borings and earthquake: strata that liquefy in all cases, excess
     pore pressure ratios of other strata, cases of the slides, and a numerical Kh.
 
     Raises
@@ -76,10 +76,11 @@ def ground_after_triggering(
     pressures.
 
     ``assessment``: answer of triggering; ``settings``: settings of triggering. Raises InputError for triggered strata
-    below water in which no boring has a blow count.
+    below water in which no boring has a test that the method uses.
     """
     pairs = list(zip(section.strata, assessment.strata, strict=True))
-    message = 'liquefies_in = "triggered": no boring has a blow count in it; expected one, or cases, [] for none'
+    test = {"spt": "blow count", "cpt": "cone test"}[assessment.relation.kind]
+    message = f'liquefies_in = "triggered": no boring has a {test} in it; expected one, or cases, [] for none'
     untested = [
         f"{key_in_file(section.strata, k)}, {message}"
         for k, (stratum, stratum_answer) in enumerate(pairs)
@@ -107,7 +108,7 @@ def ground_after_triggering(
 def cases_after_triggering(
     section: Section, assessment: TriggeringAssessment, settings: TriggeringSettings
 ) -> list[Case]:
-    """Return the cases that follow from blow counts, by their names."""
+    """Return the cases that follow from borings, by their names."""
     strata = section.strata
     remains = [layer for layer in residual_strengths(assessment, settings) if strata[layer.stratum].liquefies_in]
     drained = min(0.2, max((layer.volumetric_strain for layer in remains), default=0.0))

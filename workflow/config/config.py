@@ -30,7 +30,7 @@ from workflow.config.tables import Tables
 from workflow.earthquake.records_in_use import remarks, unreadable_records
 from workflow.earthquake.settings import CYCLES, EARTHQUAKE
 from workflow.earthquake.triggering.assessment import below_loads
-from workflow.earthquake.triggering.settings import CASE_NAMES, left_to_blow_counts
+from workflow.earthquake.triggering.settings import CASE_NAMES, left_to_borings
 from workflow.uncertain.limits import AdmissibleRange, reach_of
 from workflow.uncertain.path import changed, mutable_copy
 
@@ -66,7 +66,7 @@ class Config(Tables):
 
     _written: dict[str, Any] = PrivateAttr(default_factory=dict)  # the section as it stood in the file
     _left_open: dict[str, str] = PrivateAttr(default_factory=dict)  # keys of [slide] that follow from other tables
-    _derived_cases: tuple[Case, ...] = PrivateAttr(default=())  # cases that follow from blow counts
+    _derived_cases: tuple[Case, ...] = PrivateAttr(default=())  # cases that follow from borings
 
     @model_validator(mode="after")
     def _settings_fit(self) -> Self:
@@ -143,14 +143,14 @@ class Config(Tables):
         if slides and self.slide.cases and self.slide.cases == cases_of_loose_sand(self.section):
             notices.append(
                 "no residual strength of liquefied ground is given; loose sand with (N1)60 = 8, 3 "
-                "and 12 is assumed (Olson & Stark 2002): give blow counts ([triggering]), or [[slide.cases]]"
+                "and 12 is assumed (Olson & Stark 2002): give borings ([triggering]), or [[slide.cases]]"
             )
         return notices
 
     @classmethod
     def parse(cls, data: Mapping[str, Any], source: str = "section") -> Self:
         """Make the config from the content of a TOML file. The function `config_after_triggering` completes the config
-        by analyses, after which cases from blow counts replace the default cases. Raises InputError with every problem.
+        by analyses, after which cases from borings replace the default cases. Raises InputError with every problem.
         """
         data = {key: value for key, value in current(data).items() if key not in FOUND_BY_OTHERS}
         slide = data.get("slide", {})
@@ -164,7 +164,7 @@ class Config(Tables):
                 data = merged(data, {"slide": {"cases": []}})  # not the default ones beside them
             elif isinstance(dem, Mapping) and dem.get("model") == "paper":
                 data = merged(data, {"slide": {"cases": [case.model_dump() for case in CASES["paper"]]}})
-            elif left_to_blow_counts(data):
+            elif left_to_borings(data):
                 data = merged(data, {"slide": {"cases": []}, "triggering": {"cases": list(CASE_NAMES)}})
             left_open = {
                 key: slide[key]
@@ -194,7 +194,7 @@ class Config(Tables):
         return self._left_open
 
     def analysed(self, section: Section, slide: SlideSettings, cases: Sequence[Case], keys: Sequence[str]) -> Self:
-        """Return the config completed by analyses: ground, slides, and cases from blow counts; ``keys`` are the keys
+        """Return the config completed by analyses: ground, slides, and cases from borings; ``keys`` are the keys
         that the earthquake determines.
 
         ``section``: the section of the ground; ``slide``: settings of slides.
@@ -254,7 +254,7 @@ class Config(Tables):
 
     @property
     def cases(self) -> tuple[Case, ...]:
-        """Return the cases of the slide: the cases of [slide], then the cases that follow from blow counts, by their
+        """Return the cases of the slide: the cases of [slide], then the cases that follow from borings, by their
         names."""
         return (*self.slide.cases, *self._derived_cases)
 

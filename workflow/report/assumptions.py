@@ -111,7 +111,7 @@ def _onset(config: Config) -> str:
     if slide.kh_cycles is None:
         return f"{how}, after the constant Kh has begun to act"
     if at == "F_L":
-        return f"{how}, before the first cycle or, where blow counts give F_L, during the cycles"
+        return f"{how}, before the first cycle or, where borings give F_L, during the cycles"
     return f"{how}, from {at:g} s after the cycles begin"
 
 

@@ -142,9 +142,8 @@ def _residual_strength(results: Results) -> Iterator[str]:
     if without_strain:
         yield (
             f"liquefied sand has its residual strength without any shear strain in {of_cases(without_strain)}; in "
-            f"the field sand shears before it regains strength, so that lateral spreads are underestimated: give "
-            f"blow counts, or the shear "
-            "strain (slide.cases, strain_potential), at most 0.5 in loose sand"
+            "the field sand shears before it regains strength, so that lateral spreads are underestimated: give "
+            "borings, or the shear strain (slide.cases, strain_potential), at most 0.5 in loose sand"
         )
 
 

@@ -219,7 +219,7 @@ class Summary(Answer):
         default=None, description="cases by the material point method, if it was requested"
     )
     comparison: tuple[EstimateSummary, ...]
-    triggering: tuple[StratumPart, ...] | None = Field(default=None, description="strata that liquefy, by blow counts")
+    triggering: tuple[StratumPart, ...] | None = Field(default=None, description="strata that liquefy, by borings")
     residual: PeakAndResidual | None = Field(default=None, description="stability with residual strength")
     liquefied: tuple[LiquefiedCase, ...] | None = Field(default=None, description="stability after liquefaction")
     paper: tuple[PaperRow, ...] | None = None

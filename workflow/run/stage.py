@@ -67,7 +67,7 @@ class Stage:
     needs: stages whose results this stage reads.
     reads: settings that the work of this stage reads, each a whole "table" or one "table.key".
     ignores: settings that this stage, or a stage that it needs, reads, but that do not change its results.
-    takes: inputs that follow from settings which the stage does not read itself, such as cases from blow counts, by
+    takes: inputs that follow from settings which the stage does not read itself, such as cases from borings, by
         names for messages.
     files: files of the user that the stage reads, by names for messages.
     results: patterns of the files with the results of the stage.

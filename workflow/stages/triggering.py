@@ -33,5 +33,5 @@ STAGE = Stage(
     results=(TriggeringAnswer.FILE,),
     read=TriggeringAnswer.read,
     pictures=(PICTURE,),
-    unwanted=lambda config: "" if config.triggering.borings else "no blow counts are given (triggering.borings)",
+    unwanted=lambda config: "" if config.triggering.borings else "no borings are given (triggering.borings)",
 )

@@ -111,7 +111,7 @@ def task_of(read: Config, part: StudyPart, store: Store) -> Task[StudySample, Nu
     """Return the task of one part of a sample: its section, and only the settings that this part reads.
 
     If a part of the sample reads borings and earthquake, they are in the input of its task. A part that does not read
-    them does not depend on which strata liquefy, since pore pressures that follow from blow counts are already in the
+    them does not depend on which strata liquefy, since pore pressures that follow from borings are already in the
     strata.
     """
     data = read.to_data(part.tables)

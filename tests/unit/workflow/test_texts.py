@@ -214,7 +214,7 @@ def test_assumptions_and_checks_of_a_report_are_japanese(name: str) -> None:
     [
         (
             {"kh": 0.2, "kh_cycles": 10.0, "kh_period": 0.6},
-            "lose strength over 5 s, before the first cycle or, where blow counts give F_L, during the cycles. The "
+            "lose strength over 5 s, before the first cycle or, where borings give F_L, during the cycles. The "
             "ground slides under Kh = 0.2 in both directions (10 cycles, period 0.6 s): uniform cycles",
         ),
         (

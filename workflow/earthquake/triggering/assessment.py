@@ -256,7 +256,8 @@ def normalised_counts(test: TestResult, settings: TriggeringSettings) -> tuple[f
 
 
 def fines_of(test: TestResult) -> float:
-    """Return the fines content (%) of the tested soil: measured, or from the index of a cone test, or None."""
+    """Return the fines content (%) of the tested soil: measured; else from the index of a cone, or 0 of a blow
+    count, which is on the safe side."""
     point = point_of(test.sample, test.overburden)
     if isinstance(point, ConeTest):
         return boulanger_idriss.fines_of(point.index) if point.fines is None else point.fines

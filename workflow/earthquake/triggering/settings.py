@@ -71,10 +71,10 @@ class TriggeringSettings(Model):
     cases: tuple[CaseName, ...] = Field(
         default=(),
         description=(
-            'cases of the slides that follow from blow counts: "median", "low strength" and "high '
+            'cases of the slides that follow from borings: "median", "low strength" and "high '
             'strength", by the residual strengths of three relations. They are added to the cases that '
             "[slide] gives, and replace its default cases. By default all three are computed if [slide] "
-            "gives no cases and the blow counts determine all strata that liquefy"
+            "gives no cases and borings determine all strata that liquefy"
         ),
     )
     residual: Residual = Field(
@@ -102,8 +102,8 @@ class TriggeringSettings(Model):
     borings: tuple[Boring, ...] = Field(default=(), description="borings, one table [[triggering.borings]] for each")
 
 
-def left_to_blow_counts(data: Mapping[str, Any]) -> bool:
-    """Return whether blow counts determine all liquefying strata of a section file: [triggering] has borings and names
+def left_to_borings(data: Mapping[str, Any]) -> bool:
+    """Return whether borings determine all liquefying strata of a section file: [triggering] has borings and names
     no cases.
 
     ``data``: the tables of the file as read, which may contain anything.
