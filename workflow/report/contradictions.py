@@ -26,6 +26,7 @@ REPORTED_FALL = 0.25
 # Shares of the largest slide by which the uphill end of a section moves if the slide continues behind it, and the
 # largest slide (m) up to which this is not reported.
 END_SLIDE_SHARES, LEAST_END = (0.1, 0.8), 2.0
+LEVEL_ENDS = 1e-3  # of the relief: ends that differ by less, as they settle, are level
 NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
 
 
@@ -134,8 +135,9 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
 
 
 def _uphill_end(case: PointCase) -> int:
-    """Return the index of the uphill end in the lists of a surface."""
-    return 0 if case.surface_before[0][1] >= case.surface_before[-1][1] else -1
+    """Return the index of the uphill end in the lists of a surface; of ends that are level, of the left one."""
+    heights = [z for _, z in case.surface_before]
+    return 0 if heights[0] >= heights[-1] - LEVEL_ENDS * (max(heights) - min(heights)) else -1
 
 
 def liquefied_strata(results: Results) -> dict[int, list[str]]:

@@ -232,7 +232,7 @@ def _answer(slides: Sequence["PointSlide"], ground: "PointGround") -> PointCase:
     """Return the slide of a case with its error: its governing slide, and the slides for `numerical_interval`."""
     counts = slides[0]
     slide, settlement = counts.slide[-1], counts.settlement[-1]
-    uphill_first = counts.surface_before[0, 1] >= counts.surface_before[-1, 1]
+    uphill_first = downhill(ground.section.ground) > 0  # of level ends, too, where slides count to the right
     thirds = [np.array_split(values if uphill_first else values[::-1], 3) for values in (slide, settlement)]
     names = ("uphill", "middle", "downhill")
     low, high = numerical_interval(slides)

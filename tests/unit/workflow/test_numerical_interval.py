@@ -1,10 +1,15 @@
 """The interval of a slide of material points by its numerical error."""
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 
 from fem.mpm import PointSlide
-from workflow.stages.mpm import numerical_interval
+from meshes.section.section import Section
+from tests.support.sections import layer
+from workflow.stages.mpm import _answer, numerical_interval
 
 
 def slide(values: list[float]) -> PointSlide:
@@ -35,3 +40,17 @@ def test_a_slide_to_the_other_side_has_the_same_interval() -> None:
     answers = [slide([-0.5, -0.9, 0.1]), slide([-0.5, -1.0, 0.1]), slide([-0.5, -1.05, 0.1])]
     assert answers[0].slide_max == 0.9
     assert numerical_interval(answers) == (pytest.approx(0.8), pytest.approx(0.95))
+
+
+def test_thirds_of_a_dam_whose_ends_are_level_begin_at_the_left() -> None:
+    """The left end had settled by a hair more, and the report had the debris of the left face in the right third."""
+    clay = layer("clay", cohesion="20 kPa", friction_angle="0 deg")
+    surface = [[0, 0], [30, 0], [50, 10], [70, 0], [100, 0]]
+    dam = Section.parse({"name": "dam", "surface": surface, "base": {"elevation": -5}, "strata": [clay]})
+    counts = slide([-3.0, -2.0, 0.0, 0.0, 0.0, 0.0])
+    counts.surface_before[0, 1] = -1e-6
+    counts.surface_after, counts.settlement = counts.surface_before, [np.array([-0.5, -0.5, 0.0, 0.0, 0.0, 0.0])]
+    ground = SimpleNamespace(section=dam, sides="smooth", crust=9.0, softened=())
+    case = _answer([counts, counts, counts], cast(Any, ground))
+    assert (case.slide_uphill_m, case.slide_downhill_m) == (-2.5, 0.0)
+    assert (case.settlement_uphill_m, case.settlement_downhill_m) == (-0.5, 0.0)
