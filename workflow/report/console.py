@@ -237,7 +237,7 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
         yield (
             f"Case {which} ({name}): the largest slide is {metres(case.slide_max_m)} at x = "
             f"{case.slide_max_at_x_m:.0f} m, and the upslope third {case.uphill} by "
-            f"{metres(abs(case.settlement_uphill_m))} on average{settled}."
+            f"{metres(abs(case.settlement_uphill_m))} (median){settled}."
         )
     yield from crest_sentences(crest_parts(config, answer))
 

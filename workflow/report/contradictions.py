@@ -18,7 +18,7 @@ from workflow.results.verdicts import Weight
 
 # A case with less residual strength contradicts the other if it slides less by this length (m), and by this share.
 SLIDE_DROP, SLIDE_DROP_SHARE = 0.1, 0.03
-# The mean settlement of the upslope third hides a fall of the surface by this length (m) and this multiple of the mean.
+# The median settlement of the upslope third hides a fall of the surface by this length (m) and this multiple of it.
 SURFACE_FALL, FALL_RATIO = 0.5, 3.0
 SIDE_DISTANCE = 0.05  # of the length of the section: ground that falls this near to a side slides away from the side
 # Discs whose Kh falls by this share of their critical Kh before they reach it do not resist it as a constant Kh.
@@ -195,8 +195,8 @@ def is_weaker(case: Case, other: Case, strata: Sequence[str], of_other: Sequence
 def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "discs") -> Iterator[str]:
     """Warn of surfaces that fall much further at one place than the reported settlement (m) of the case.
 
-    The reported settlement is the median settlement of the upslope third for discs, and the settlement of the highest
-    point for material points.
+    The reported settlement is the median settlement of the upslope third for discs, and the fall of the highest level
+    of the ground for material points.
     """
     falls = {number: surface.largest_fall for number, (surface, _) in cases.items()}
     large_falls = {k: fall for k, fall in falls.items() if fall[0] > max(SURFACE_FALL, FALL_RATIO * abs(cases[k][1]))}
@@ -213,13 +213,13 @@ def of_settlement(cases: Mapping[int, tuple[MovedSurface, float]], by: str = "di
         )
     elif by == "discs":
         yield (
-            f"the surface falls by {fall} at x = {at} m in {of}, far more than the mean settlement of any third "
-            "of the section: use this value for structures at this place"
+            f"the surface falls by {fall} at x = {at} m in {of}, far more than the median settlement of the "
+            "upslope third: use this value for structures at this place"
         )
     else:
         yield (
-            f"the surface of material points falls by {fall} at x = {at} m in {of}, far more than at the highest "
-            "point of the ground: use this value for structures at this place"
+            f"the surface of material points falls by {fall} at x = {at} m in {of}, far more than the highest "
+            "ground: use this value for structures at this place"
         )
 
 

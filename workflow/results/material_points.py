@@ -24,13 +24,13 @@ class PointCase(SurfaceMovement, MovedSurface):
     slide_max_low_m: float = Field(
         description=(
             "lower end of the numerical interval: the smallest of this slide, the slide extrapolated to fine "
-            "cells, and the slide with a damping rate of 1 1/s, all at the same place"
+            "cells, and the slide changed as in coarse cells by a damping rate of 1 1/s, all at the same place"
         )
     )
     slide_max_high_m: float = Field(
         description="upper end of the numerical interval: the largest of the same three slides"
     )
-    settlement_crest_m: float = Field(description="settlement of the highest point of the ground")
+    settlement_crest_m: float = Field(description="highest level of the ground before the slide less that after it")
     settled: bool = Field(description="whether the surface came to rest")
     reason: str
     seconds_simulated: float
@@ -46,8 +46,7 @@ class PointCase(SurfaceMovement, MovedSurface):
 
     @property
     def highest(self) -> str:
-        """Return by how much the highest ground is lower or higher after the slide; the crest of a structure is other
-        ground if the highest point belongs to none."""
+        """Return by how much the highest level of the ground is lower or higher after the slide, in words."""
         settles = self.settlement_crest_m
         return f"{metres(abs(settles))} {'higher' if settles < 0.0 else 'lower'}"
 

@@ -122,11 +122,11 @@ def test_every_warning_has_its_japanese() -> None:
 
 def test_a_warning_is_translated_with_its_numbers() -> None:
     text = (
-        "The surface falls by 6.1 to 6.9 m at x = 66 to 70 m in cases 1 and 2, far more than the mean settlement of "
-        "any third of the section."
+        "The surface falls by 6.1 to 6.9 m at x = 66 to 70 m in cases 1 and 2, far more than the median settlement "
+        "of the upslope third."
     )
     assert Texts("ja").sentence(text) == (
-        "ケース1、2で地表がx = 66~70 mにおいて6.1~6.9 m沈下し、1/3区間の平均沈下量を大きく上回る。"
+        "ケース1、2で地表がx = 66~70 mにおいて6.1~6.9 m沈下し、上方1/3の沈下量の中央値を大きく上回る。"
     )
     mixed = "In cases 1 and 2 the layers keep 0.1 of the stiffness, and what nobody has translated."
     assert Texts("ja").page(f"<p>{mixed}</p>") == f"<p>{mixed}</p>"
