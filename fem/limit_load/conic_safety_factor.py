@@ -178,7 +178,8 @@ class _FactorSearch:
                 return factor, mechanism, FactorStart(log_factor + step, solution.shear, mean, resisted)
             step = float(np.clip(step, -math.log(LARGEST_STEP), math.log(LARGEST_STEP)))
             log_factor = log_factor + step if low < log_factor + step < high else 0.5 * (low + high)
-        raise NoAnswerError("no factor of safety was found", "use another mesh")
+        reason = f"the factor of safety still changes by {100.0 * abs(step):.2g} % after {MOST_TRIALS} corrections"
+        raise NoAnswerError(reason, "use another mesh")
 
     def moving(self, solution: cone_program.Solution, kh: float) -> np.ndarray:
         """Return the nodes (n, 2) in m that move at more than half of the largest velocity in the mechanism."""

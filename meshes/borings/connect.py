@@ -123,7 +123,8 @@ def _piece(log: Log, layer: LogLayer) -> Piece:
 
 
 def _numbered(borings: Sequence[PlacedBoring]) -> tuple[tuple[PlacedBoring, ...], Stack]:
-    """Return the borings and the strata. If a layer lies above and below other layers, its names get numbers."""
+    """Return the borings with the names of the strata, and the stack of all strata. A layer that lies both above and
+    below another one becomes several strata, whose names have numbers."""
     stack = stacked([[_piece(boring.log, layer) for layer in boring.log.layers] for boring in borings])
     numbered = []
     for boring, numbers in zip(borings, stack.numbers, strict=True):
