@@ -25,6 +25,7 @@ from meshes.section.layering import Layering
 from meshes.section.naming import BOUNDARIES, group_names
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
+from meshes.wide_corners import with_wider_corners
 
 GMSH_QUADRILATERAL, GMSH_LINE = 3, 1
 AREA_TOLERANCE = 1e-7  # relative difference of areas and lengths of a mesh from those of the ground
@@ -35,6 +36,7 @@ SCALES = (1.0, 0.8, 0.64)
 # If a free mesh has a corner below this angle (deg), the next algorithm is tried, up to this number; the best mesh is
 # used.
 NARROW_ANGLE, MOST_ALGORITHMS = 15.0, 4
+WIDENED_ANGLE = 20.0  # deg: corners below it are made wider, if nodes inside their stratum can be moved
 
 # gmsh has one state for all of a process.
 _one_session = Lock()
@@ -170,8 +172,10 @@ def _built(
             raise
         except Exception as error:  # gmsh raises plain Exception with its last error message
             raise BadMeshError(f"gmsh gave up: {error}; try another size") from error
-        mesh = _from_gmsh(section, method)
+        mesh, tags = _from_gmsh(section, method)
         check(mesh)
+        if method == "free":
+            mesh = _with_wider_corners(mesh, tags)
         if layers is not None:
             refuse_other_ground(mesh, layers)
         if path is not None and (best is None or _narrowest(mesh) > _narrowest(best)):
@@ -195,8 +199,18 @@ def session(name: str) -> Iterator[Any]:
             gmsh.finalize()
 
 
-def _from_gmsh(section: Section, method: str) -> QuadMesh:
-    """Return the meshed gmsh model as arrays, its nodes numbered from 0 without gaps."""
+def _with_wider_corners(mesh: QuadMesh, tags: np.ndarray) -> QuadMesh:
+    """Return the mesh with wider corners, and move the nodes of the gmsh model; ``tags`` are gmsh's numbers of the
+    nodes."""
+    wider = with_wider_corners(mesh, WIDENED_ANGLE)
+    for node in np.flatnonzero((wider.points != mesh.points).any(axis=1)):
+        gmsh.model.mesh.setNode(int(tags[node]), [*wider.points[node], 0.0], [])
+    return wider
+
+
+def _from_gmsh(section: Section, method: str) -> tuple[QuadMesh, np.ndarray]:
+    """Return the meshed gmsh model as arrays, its nodes numbered from 0 without gaps, and gmsh's numbers of the
+    nodes."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     types, _, _ = gmsh.model.mesh.getElements(2)
     others = set(types) - {GMSH_QUADRILATERAL}
@@ -217,7 +231,7 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
     used = np.unique(quads)
     refuse_bare_ground(quads, np.concatenate(list(boundaries.values())), tags, coordinates)
     points = coordinates.reshape(-1, 3)[np.argsort(tags)][np.searchsorted(np.sort(tags), used), :2]
-    return QuadMesh(
+    mesh = QuadMesh(
         points=points,
         cells=np.searchsorted(used, quads),
         stratum=np.concatenate(stratum),
@@ -225,6 +239,7 @@ def _from_gmsh(section: Section, method: str) -> QuadMesh:
         boundaries={name: np.searchsorted(used, edges) for name, edges in boundaries.items()},
         method=method,
     )
+    return mesh, used
 
 
 def refuse_bare_ground(cells: np.ndarray, boundary: np.ndarray, tags: np.ndarray, coordinates: np.ndarray) -> None:
