@@ -1,11 +1,12 @@
 """Computes the FEM model that the DEM is calibrated to: sides of the discs, non-associated flow with the given ψ."""
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.continuum.strength import is_dilating_fully
-from fem.settings import YIELDED, FemSettings
+from fem.settings import YIELDED, FemSettings, Sides
 from meshes.errors import NoAnswerError
 from meshes.executor import Tell
 from meshes.quad_mesh import QuadMesh
@@ -45,7 +46,8 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
     """Return the path with the given ψ, on the initial mesh, since discs have the strength of the soil and hardly
     dilate. If the path still rises at its end, the critical Kh lies between its last equilibrium and the limit load
     with ψ = φ. If the path takes too long, or gives less than Davis's estimate, Davis's estimate replaces the path.
-    This estimate is low, so that the critical Kh then lies between the estimate and the limit load with ψ = φ. The
+    This estimate is low, so that the critical Kh then lies between the estimate and the limit load with ψ = φ. A path
+    on a mesh that is too coarse does not count above the critical Kh with ψ = φ of the meshes of the section. The
     given ψ is also used if the critical Kh of the section is with ψ = φ, since the dilation of discs does not depend on
     the flow rule of the continuum.
     """
@@ -71,14 +73,24 @@ def find_dem_counterpart(config: Config, store: Store, tell: Tell) -> DemCounter
             instead += f"; with ψ = φ there is no answer ({error.reason}): the upper limit is not known"
     if path is None or surface is None:
         return known.model_copy(update={"instead": instead, "kc_upper": max(known.kc_upper, most)})
-    curve = tuple(path.steps)
+    curve, limit = tuple(path.steps), _limit_inside(fem, known, sides)
+    kc, reason = path.kc, path.reason
+    if kc > limit:
+        kc, reason = limit, f"{reason}, at Kh = {kc:.3f}, above that of finer meshes with ψ = φ, which counts"
     return known.model_copy(
         update={
-            "kc": path.kc, "kc_upper": max(path.kc, min(path.upper, most)), "verdict": path.verdict,
-            "reason": path.reason, "flow": "non-associated", "curve": curve,
-            "yielding_m": displacement_at(curve, path.kc, YIELDED), "slip_surface": line(surface),
+            "kc": kc, "kc_upper": max(kc, min(path.upper, most, limit)), "verdict": path.verdict, "reason": reason,
+            "flow": "non-associated", "curve": curve, "yielding_m": displacement_at(curve, kc, YIELDED),
+            "slip_surface": line(surface),
         }
     )  # fmt: skip
+
+
+def _limit_inside(fem: FemAnswer, known: DemCounterpart, sides: Sides) -> float:
+    """Return the critical Kh with ψ = φ of the section if its mechanism moves neither side, so that it is also one
+    between fixed sides, where no smaller ψ resists more; infinite otherwise, or if ``known`` is of deeper failures."""
+    inside = fem.flow == "associated" and fem.has_kc and not fem.at_sides and fem.settings.sides in ("smooth", "fixed")
+    return fem.kc if inside and sides == "fixed" and known.deeper_than_m is None else math.inf
 
 
 def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tell) -> DemCounterpart | None:
