@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from meshes.section.cutting import shown_name
+from meshes.section.cutting import shown_name, whole_soil
 from workflow.report.post_liquefaction import factors
 from workflow.results.stability import PeakAndResidual
 from workflow.texts.report_texts import Texts, listed
@@ -35,8 +35,11 @@ def residual_verdict(steps: PeakAndResidual, _: Texts) -> str:
 
 def residual_details(steps: PeakAndResidual) -> Iterator[str]:
     """Yield sentences on the strengths, the factors of safety of the verdict, and missing results."""
-    # Parts of a stratum that zones or cracks divide are named once.
-    strata = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa and {s.friction_deg:.3g}°" for s in steps.strata]
+    # Parts of a stratum that zones, cracks or water divide are named once.
+    strata = [
+        f"{shown_name(whole_soil(each.name))} {each.cohesion_kPa:.3g} kPa and {each.friction_deg:.3g}°"
+        for each in steps.strata
+    ]
     yield f"The residual strength is {listed(list(dict.fromkeys(strata)))}."
     if steps.peak is not None:
         yield f"With peak strength the factor of safety at Kh = 0 is {steps.peak:.2f} by finite elements."

@@ -10,8 +10,8 @@ from workflow.texts.report_texts import Texts
 
 
 def test_a_stratum_that_zones_divide_is_named_once() -> None:
-    """Tailings between three raises of a dam stood in the sentence six times."""
-    names = ("Tailings", "Tailings, part 2", "Tailings, part 3", "Shale")
+    """Tailings between three raises of a dam stood in the sentence six times, and those below water once more."""
+    names = ("Tailings", "Tailings, part 2", "Tailings, part 3", "Tailings, below water", "Shale")
     strata: Any = tuple(
         SoftenedStratum.model_construct(name=name, cohesion_kPa=0.0, friction_deg=8.0) for name in names
     )
