@@ -8,6 +8,7 @@ import numpy as np
 from dem.slides.rest import moved_lately
 
 WEIGHT_ALONE_TIME = 20.0  # s of a slide without shaking that shows whether the ground flows by its weight alone
+LEAST_UPHILL = 0.05  # of the largest slide: smaller movements uphill are no slide
 SLIDING_RATIO = 2.0  # displacement over that under Kh alone from which a disc of the surface slides
 
 
@@ -111,7 +112,9 @@ class Slide:
             "moved_lately_m": moved_lately([row.time_s for row in self.rows], [row.slide_max_m for row in self.rows]),
         }
         if alone is not None:
-            moving = np.abs(self.slide) > SLIDING_RATIO * np.abs(alone.slide)
+            slide, without = np.array(self.slide), SLIDING_RATIO * np.array(alone.slide)
+            least = LEAST_UPHILL * np.abs(slide).max()
+            moving = (slide > np.maximum(without, 0.0)) | (-slide > np.maximum(-without, least))
             half = len(moving) // 2
             out["slides_over_share"] = float(moving.mean())
             out["slides_over_share_uphill"] = float(moving[:half].mean())
