@@ -1,4 +1,4 @@
-"""Computes the overburden of discs: mass, or weight less buoyancy, of the ground vertically above each disc."""
+"""Computes the effective overburden of discs: the weight less buoyancy of the ground vertically above each disc."""
 
 import numpy as np
 
@@ -8,22 +8,14 @@ SPREADING_WIDTH = 2.0  # mean diameters to either side over which weight is spre
 
 
 def effective_overburden(model: DiscModel) -> np.ndarray:
-    """Return the vertical effective stress (n,) in Pa at the centres of all discs: the weight of the ground above, with
-    the forces of water and of loads on the ground."""
-    return np.maximum(sum_above(model, -model.mass * model.pull[1]), 0.0)
+    """Return the vertical effective stress (n,) in Pa at the centres of all discs.
 
-
-def mass_above(model: DiscModel) -> np.ndarray:
-    """Return the mass (n,) in kg/m² of the ground above the centres of all discs."""
-    return sum_above(model, model.mass)
-
-
-def sum_above(model: DiscModel, amount: np.ndarray) -> np.ndarray:
-    """Return what all higher discs and half the disc itself have of an ``amount`` (n,) per metre of width, (n,).
-
-    The amount of each disc is distributed over `SPREADING_WIDTH` mean diameters to either side. Fixed discs have none.
+    The stress is the weight of all higher discs and of half the disc itself, with the forces of water and of loads on
+    the ground; the weight of each disc is distributed over `SPREADING_WIDTH` mean diameters to either side. Fixed discs
+    have no weight.
     """
     free = np.flatnonzero(~model.fixed)
+    down = -model.mass * model.pull[1]
     width = SPREADING_WIDTH * 2.0 * float(model.radius[free].mean())
     left, right = float((model.x - model.radius)[free].min()), float((model.x + model.radius)[free].max())
     length = right - left if model.period is None else model.period[0]
@@ -48,10 +40,10 @@ def sum_above(model: DiscModel, amount: np.ndarray) -> np.ndarray:
             dx, dz = dx - repeats * length, dz - repeats * model.period[1]
         share = np.maximum(1.0 - np.abs(dx) / across, 0.0) / across
         higher = np.clip(0.5 + 0.5 * dz / model.radius[above], 0.0, 1.0)
-        out[below] = (share * higher) @ amount[above]
+        out[below] = (share * higher) @ down[above]
     if model.period is None:
         out /= _share_within(model.x, left, right, across)
-    return out
+    return np.maximum(out, 0.0)
 
 
 def _share_within(x: np.ndarray, left: float, right: float, width: float) -> np.ndarray:

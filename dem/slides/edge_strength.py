@@ -1,20 +1,20 @@
 """Lowers the residual strength just above the lower edge of a liquefied layer to what lets it slip at that edge.
 
 Discs shear in a band some diameters wide, which lies above the edge where the ground below is strong. The shear stress
-by Kh and by the slope is proportional to the mass above, so that a band above the edge resists more than slip on the
+by Kh and by the slope is proportional to the overburden, so that a band above the edge resists more than slip on the
 edge itself would: with a constant strength 1.05 to 1.13 times. Within the width of the band discs therefore have at
 most
 
-    s(z) = s_e M(z) / M_e,
+    s(z) = s_e p(z) / p_e,
 
-with the mass above M (kg/m²), and s_e and M_e at the edge: all of the band yields at the Kh at which a rigid block
-slips on the edge. Material points have the same rule for the ground below the edge (`fem.mpm.weak_edges`).
+with the overburden p (Pa), and s_e and p_e at the edge: all of the band yields at the Kh at which a rigid block slips
+on the edge. A strength in proportion to the overburden stays as it is. Material points have the same rule for the
+ground below the edge (`fem.mpm.weak_edges`).
 """
 
 import numpy as np
 
 from dem.model import DiscModel
-from dem.overburden import mass_above
 
 BAND = 2.0  # mean diameters above the edge
 LEAST_SHARE = (
@@ -25,8 +25,9 @@ NEXT_LAYER = 1.5  # mean diameters below the edge, in which other liquefied grou
 
 
 def edge_shares(
-    model: DiscModel, liquefies: np.ndarray, strength: np.ndarray, increase: np.ndarray, area: np.ndarray
-) -> np.ndarray:
+    model: DiscModel, liquefies: np.ndarray, strength: np.ndarray, increase: np.ndarray, pressure: np.ndarray,
+    area: np.ndarray,
+) -> np.ndarray:  # fmt: skip
     """Return the share of their strength that discs keep near the lower edges of liquefied layers.
 
     Parameters
@@ -38,7 +39,9 @@ def edge_shares(
     strength : ndarray (n,)
         Residual strength (Pa).
     increase : ndarray (n,)
-        Increase of the residual strength with the depth (Pa/m).
+        Increase of the residual strength with the overburden (-).
+    pressure : ndarray (n,)
+        Effective overburden (Pa), with the loads on the ground.
     area : ndarray (n,)
         Area of the discs with their voids (m²).
 
@@ -47,17 +50,15 @@ def edge_shares(
     Shares (n,), from `LEAST_SHARE` to 1; 1 away from edges.
     """
     share = np.ones(len(model))
-    discs = np.flatnonzero(liquefies & (strength > 0.0))
+    discs = np.flatnonzero(liquefies & (strength > 0.0) & (pressure > 0.0))
     if not len(discs):
         return share
     diameter = 2.0 * float(model.radius[~model.fixed].mean())
-    edge = _edges(model, discs, diameter)
-    height = model.z[discs] - edge
+    height = model.z[discs] - _edges(model, discs, diameter)
     near = height < BAND * diameter
     discs, height = discs[near], height[near]
-    above = mass_above(model)[discs]
-    at_edge = above + height * model.mass[discs] / area[discs]
-    slips = (strength[discs] + height * increase[discs]) * above / at_edge
+    below = height * np.maximum(-model.mass * model.pull[1] / area, 0.0)[discs]  # overburden from the disc to the edge
+    slips = (strength[discs] + increase[discs] * below) * pressure[discs] / (pressure[discs] + below)
     share[discs] = np.clip(slips / strength[discs], LEAST_SHARE, 1.0)
     return share
 

@@ -92,8 +92,7 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
         strength[in_layer] += remaining.residual * np.maximum(consolidated[in_layer], 0.0) + remaining.strength
     area = area_with_voids(model)
     discs = np.isin(model.layer, strata) & ~model.fixed
-    unit_weight = -model.mass * model.pull[1] / area
-    strength *= edge_shares(model, discs & ~is_liquefying(model), strength, with_pressure * unit_weight, area)
+    strength *= edge_shares(model, discs & ~is_liquefying(model), strength, with_pressure, pressure, area)
     for k in strata:
         in_layer, layer, remaining = model.layer == k, model.springs.layers[k], remains[k]
         modulus = case.stiffness * SHEAR_MODULUS * layer.kn

@@ -7,7 +7,7 @@ import pytest
 
 from dem import DiscMaterials, DiscModel
 from dem.disc_area import area_with_voids
-from dem.overburden import mass_above
+from dem.overburden import effective_overburden
 from dem.packing import lattice_box
 from dem.slides.edge_strength import BAND, LEAST_SHARE, edge_shares
 from tests.unit.dem.test_liquefied_ground import LOOSE
@@ -26,34 +26,33 @@ def lattice(upper: int = 0) -> DiscModel:
 
 
 def shares(model: DiscModel, liquefies: np.ndarray, strength: np.ndarray, increase: float = 0.0) -> np.ndarray:
-    return edge_shares(model, liquefies, strength, np.full(len(model), increase), area_with_voids(model))
+    pressure, area = effective_overburden(model), area_with_voids(model)
+    return edge_shares(model, liquefies, strength, np.full(len(model), increase), pressure, area)
 
 
-def test_a_constant_strength_falls_with_the_mass_above_in_the_band() -> None:
-    """Closed form: a band at the height h slips at the Kh of the edge with s M(h) / (M(h) + ρ h)."""
+def test_a_constant_strength_falls_with_the_overburden_in_the_band() -> None:
+    """Closed form: a band at the height h slips at the Kh of the edge with s p(h) / (p(h) + γ h)."""
     model = lattice()
     low = (model.layer == 1) & ~model.fixed
     share = shares(model, low, np.where(low, 8e3, 0.0))
     height = model.z - (model.z[low].min() - RADIUS)
     band = low & (height < BAND * 2.0 * RADIUS)
-    density = float((model.mass / area_with_voids(model))[band][0])
-    above = mass_above(model)
-    assert share[band] == pytest.approx((above / (above + density * height))[band])
+    unit_weight = GRAVITY * float((model.mass * model.weight / area_with_voids(model))[band][0])
+    above = effective_overburden(model)
+    assert share[band] == pytest.approx((above / (above + unit_weight * height))[band])
     assert (share[band] < 0.99).all()
     assert (share[band] > 0.9).all()
     assert (share[~band] == 1.0).all()
 
 
-def test_a_strength_in_proportion_to_the_mass_above_stays() -> None:
+def test_a_strength_in_proportion_to_the_overburden_stays() -> None:
     model = lattice()
     low = (model.layer == 1) & ~model.fixed
-    density = float((model.mass / area_with_voids(model))[low][0])
-    strength = np.where(low, 0.1 * GRAVITY * mass_above(model), 0.0)
-    assert shares(model, low, strength, 0.1 * GRAVITY * density) == pytest.approx(1.0)
+    assert shares(model, low, np.where(low, 0.1 * effective_overburden(model), 0.0), 0.1) == pytest.approx(1.0)
 
 
 def test_thin_ground_keeps_four_fifths() -> None:
-    """All rows liquefy: at the surface there is next to no mass above, but the edge is far; in two rows it is near."""
+    """All rows liquefy: at the surface there is next to no overburden, but the edge is far; in two rows it is near."""
     model = lattice(upper=1)
     free = ~model.fixed
     top = free & (model.z > np.sort(np.unique(model.z[free].round(3)))[-3])
