@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from dem.case import Case, cases_of_loose_sand
 from dem.settings import SlideSettings
@@ -17,6 +17,9 @@ from workflow.earthquake.settings import SHAKES, SiteResponseSettings, assumed_l
 from workflow.earthquake.triggering.assessment import TriggeringAssessment, assess
 from workflow.earthquake.triggering.consequences import pore_pressures, residual_strengths
 from workflow.earthquake.triggering.settings import TriggeringSettings
+
+# Tests in borings that a method of triggering uses.
+TESTS: Mapping[Literal["spt", "cpt"], str] = {"spt": "blow count", "cpt": "cone test"}
 
 
 def config_after_triggering(config: Config, source: str = "section") -> Config:
@@ -79,7 +82,7 @@ def ground_after_triggering(
     below water in which no boring has a test that the method uses.
     """
     pairs = list(zip(section.strata, assessment.strata, strict=True))
-    test = {"spt": "blow count", "cpt": "cone test"}[assessment.relation.kind]
+    test = TESTS[assessment.relation.kind]
     message = f'liquefies_in = "triggered": no boring has a {test} in it; expected one, or cases, [] for none'
     untested = [
         f"{key_in_file(section.strata, k)}, {message}"
