@@ -114,7 +114,7 @@ class Slide:
         if alone is not None:
             slide, without = np.array(self.slide), SLIDING_RATIO * np.array(alone.slide)
             least = LEAST_UPHILL * np.abs(slide).max()
-            moving = (slide > np.maximum(without, 0.0)) | (-slide > np.maximum(-without, least))
+            moving = (slide > np.maximum(without, 0.0)) | (-slide > np.maximum(np.abs(without), least))
             half = len(moving) // 2
             out["slides_over_share"] = float(moving.mean())
             out["slides_over_share_uphill"] = float(moving[:half].mean())
