@@ -57,7 +57,7 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
     for warning in results.warnings:
         yield (1 if warning.contradiction else 3), f"{warning.what.rstrip('.')}: {warning.remedy}"
     if results.response is not None and results.response.warning:
-        yield 2, f"response of the layers to {results.response.record}: {results.response.warning}"
+        yield 2, f"in the response of the layers to {results.response.record} {results.response.warning}"
     if fem is not None:
         yield from sides_warning(fem, results.config.section, results.variants.variants if results.variants else ())
     if results.config.section.reconstruction:

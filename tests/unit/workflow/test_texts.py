@@ -117,7 +117,7 @@ def test_a_description_in_japanese_has_the_same_choices(english: str, japanese: 
 def test_every_warning_has_its_japanese() -> None:
     """But for words about the response of layers, and what cases say."""
     missing = {text for text in warnings_of_report() if text not in catalogue("ja", "sentences")}
-    assert all(text.startswith(("Response of", "{} ({}")) for text in missing)
+    assert all(text.startswith(("In the response of", "{} ({}")) for text in missing)
 
 
 def test_a_warning_is_translated_with_its_numbers() -> None:

@@ -9,6 +9,7 @@ from tests.support import dem_fixture
 from tests.support.answers import fem, liquefying_config, report_text, results, warned
 from tests.support.sections import analysed, slope
 from workflow.config import Config
+from workflow.earthquake.site_response import warning as strain_warning
 from workflow.report.warnings import _unresolved, merged_notes
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import PathStep
@@ -119,3 +120,12 @@ def test_a_slide_of_material_points_that_its_cells_leave_open_is_told(run: Confi
     assert warned_of(0.6, 0.96, 0.96) == []
     assert len(warned_of(0.9, 0.96, 2.1)) == 1
     assert warned_of(0.0, 0.05, 0.05) == []
+
+
+def test_a_large_strain_in_the_response_is_observed_before_the_colon(run: Config) -> None:
+    """ "Response of the layers to r.EW." stood as the observation, and the strain as its remedy."""
+    response = cast(Any, SimpleNamespace(record="r.EW", warning=strain_warning(0.0062)))
+    [sentence] = [item for item in warned(results(run, response=response)) if "r.EW" in item]
+    assert sentence.startswith(
+        "In the response of the layers to r.EW the largest shear strain is 0.62 %, above 0.5 %. "
+    )
