@@ -87,7 +87,7 @@ def deepest_fall(search: DiscSearch, soil: bool) -> tuple[float, float] | None:
     kh = np.array([kh for _, kh in sorted(points)])
     if search.kc is None or not (kh >= NEAR_KC * search.kc).any():
         return None
-    kh = kh[: int(np.flatnonzero(kh >= NEAR_KC * search.kc)[-1]) + 1]
+    kh = kh[: int(np.flatnonzero(kh >= NEAR_KC * search.kc)[0]) + 1]
     before = np.maximum.accumulate(kh)
     at = int(np.argmax(before - kh))
     return (float(before[at]), float(kh[at])) if before[at] > kh[at] else None

@@ -178,6 +178,8 @@ def test_a_critical_kh_behind_a_fall_of_the_curve_is_told(run: Config) -> None:
     assert "dem.elements" in messages
     rises = displaced(run, 0.148, (0.0, 0.0), (0.02, 0.10), (0.03, 0.09), (0.05, 0.15), (0.07, 0.02))
     assert list(of_curve(rises)) == [], "what grains do, and what comes after the critical Kh, is none"
+    twice = displaced(run, 0.204, (0.0, 0.0), (0.02, 0.206), (0.03, 0.097), (0.05, 0.204), (0.07, 0.02))
+    assert list(of_curve(twice)) == [], "under a constant Kh these discs fail at their critical Kh"
     assert any("falls from 0.130 to 0.080" in item for item in warned(results(run, dem=falls)))
 
 
