@@ -30,6 +30,8 @@ CHECK_INTERVAL = 0.5  # s between two checks
 ONSET_STEPS = 20  # in which strength changes as ground liquefies
 # 1/s: with which velocities of points decay that the grid cannot resolve. The first one counts. The smaller one keeps
 # more noise; the difference of the two, in coarse cells, is part of the method's interval.
+# The surface after a slide is at a point with this number of points of its column within this number of cells below it.
+POINTS_BELOW, REACH_BELOW = 3, 2.0
 DECAY_RATES = (10.0, 1.0)
 # s: viscosity over stiffness of liquefied ground below its strain potential. With this viscosity ground comes to rest
 # where it would if its stiffness were lost slowly, and does not swing for minutes; in sand hysteresis dissipates this
@@ -345,16 +347,21 @@ class PointSlider:
         return self.engine.original(self.ground.points.x)[self.ground.surface] + self.ground.offset + top
 
     def _highest_ground(self) -> np.ndarray:
-        """Return the tops (k, 2) of the highest points of all columns as wide as a cell, from left to right, in the
-        section (m). Ground that has slid over other ground hides the surface there.
+        """Return the tops (k, 2) of the ground in all columns as wide as a cell, from left to right, in the section
+        (m). Ground that has slid over other ground hides the surface there; single points in the air are no ground.
         """
         if self.ground.grid.periodic:
             return self._surface()
         cell, points = self.ground.grid.cell, self.ground.points
         places = points.x[points.stratum >= 0] + self.ground.offset
         column = np.floor(places[:, 0] / cell).astype(int)
-        order = np.lexsort((places[:, 1], column))
-        return places[order[np.append(np.diff(column[order]) > 0, True)]] + [0.0, 0.25 * cell]
+        order = np.lexsort((-places[:, 1], column))
+        tops = []
+        for own in np.split(order, np.flatnonzero(np.diff(column[order])) + 1):
+            z = places[own, 1]
+            carried = np.flatnonzero(z[: -POINTS_BELOW or None] - z[POINTS_BELOW:] < REACH_BELOW * cell)
+            tops.append(own[carried[0] if len(carried) else -1])
+        return np.asarray(places[tops] + [0.0, 0.25 * cell])
 
     def _side_reached(self) -> str | None:
         """Return the side at which the slide is stopped: ground that moved towards this side lies within two cells of
