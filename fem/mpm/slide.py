@@ -357,10 +357,10 @@ class PointSlider:
         column = np.floor(places[:, 0] / cell).astype(int)
         order = np.lexsort((-places[:, 1], column))
         tops = []
-        for own in np.split(order, np.flatnonzero(np.diff(column[order])) + 1):
-            z = places[own, 1]
-            carried = np.flatnonzero(z[: -POINTS_BELOW or None] - z[POINTS_BELOW:] < REACH_BELOW * cell)
-            tops.append(own[carried[0] if len(carried) else -1])
+        for of_column in np.split(order, np.flatnonzero(np.diff(column[order])) + 1):
+            z = places[of_column, 1]
+            supported = np.flatnonzero(z[: -POINTS_BELOW or None] - z[POINTS_BELOW:] < REACH_BELOW * cell)
+            tops.append(of_column[supported[0] if len(supported) else -1])
         return np.asarray(places[tops] + [0.0, 0.25 * cell])
 
     def _side_reached(self) -> str | None:
