@@ -2,7 +2,7 @@
 
 Discs shear in a band some diameters wide, which lies above the edge where the ground below is strong. The shear stress
 by Kh and by the slope is proportional to the overburden, so that a band above the edge resists more than slip on the
-edge itself would: with a constant strength 1.05 to 1.13 times. Within the width of the band discs therefore have at
+edge itself would: with a constant strength 1.03 to 1.13 times. Within the width of the band discs therefore have at
 most
 
     s(z) = s_e p(z) / p_e,
@@ -17,9 +17,8 @@ import numpy as np
 from dem.model import DiscModel
 
 BAND = 2.0  # mean diameters above the edge
-LEAST_SHARE = (
-    0.8  # of its strength that ground keeps: in front of a toe, thin ground resists by more than slip on its edge
-)
+# Of its strength that ground keeps: thin ground in front of a toe does not only slip on its edge but is compressed, too.
+LEAST_SHARE = 0.8
 AROUND = 1.0  # mean diameters to either side, in which the lowest disc of a layer marks its edge
 NEXT_LAYER = 1.5  # mean diameters below the edge, in which other liquefied ground makes it no edge
 

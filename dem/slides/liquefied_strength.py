@@ -2,6 +2,7 @@
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -62,45 +63,66 @@ def effect_of(case: Case, section: Section, strata: Sequence[int], law: Law) -> 
     return *felt, tuple((remains, 0.0 if remains.strain_potential else case.stiffness) for remains in remains_of)
 
 
-def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
-    """Return the state of soil discs at the onset of liquefaction: overburden, and residual strength by the case.
+class _StrengthByCase(NamedTuple):
+    """Holds the residual strength of discs by a case of liquefaction; arrays of all discs, 0 where nothing liquefies.
 
-    The strength is given as a ratio of the vertical effective stress at that time, as a stress, or as shares of the
-    friction and cohesion of the soil (`Case.remains_of`). The residual strength is reached at a shear strain s/G, with
-    the shear modulus G by the case, but at most `LARGEST_STRAIN`; ground with a strain potential reaches it only beyond
-    that potential (`meshes.section.strain_potential`). model: model of the discs; ground: the ground in which the discs
-    lie; strata: numbers of those that liquefy; case: stiffness and strength after liquefaction.
+    Attributes
+    ----------
+    pressure (n,) : effective overburden (Pa)
+    strength (n,) : residual strength (Pa)
+    increase (n,) : increase of this strength with the overburden (-)
+    remains : what each stratum retains, by its number
     """
+
+    pressure: np.ndarray
+    strength: np.ndarray
+    increase: np.ndarray
+    remains: Mapping[int, RemainingStrength]
+
+
+def _strength_by_case(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> _StrengthByCase:
+    """Return the residual strength of discs: a ratio of the vertical effective stress at present, a stress, or shares
+    of the friction and cohesion of the soil (`Case.remains_of`)."""
     pressure, section = effective_overburden(model), ground.section
     consolidated = pressure - _not_consolidated(model, ground)
-    strength, strain = np.zeros(len(model)), np.full(len(model), SMALLEST_STRAIN)
-    knee, soft_to, with_pressure = np.zeros(len(model)), np.zeros(len(model)), np.zeros(len(model))
+    strength, increase = np.zeros(len(model)), np.zeros(len(model))
     remains: dict[int, RemainingStrength] = {}
     for k in strata:
         in_layer = model.layer == k
         remaining = remains[k] = (
             case.residual_remains(model.springs.layers[k].name) if section is None else case.remains_of(section, k)
         )
-        with_pressure[in_layer] = remaining.residual
+        increase[in_layer] = remaining.residual
         if section is not None:
             soil = section.cohesion_field.means()[k]
             strength[in_layer] = (
                 remaining.friction * np.tan(soil.friction_angle) * pressure[in_layer]
                 + remaining.cohesion * soil.cohesion
             )
-            with_pressure[in_layer] += remaining.friction * np.tan(soil.friction_angle)
+            increase[in_layer] += remaining.friction * np.tan(soil.friction_angle)
         strength[in_layer] += remaining.residual * np.maximum(consolidated[in_layer], 0.0) + remaining.strength
-    area = area_with_voids(model)
-    discs = np.isin(model.layer, strata) & ~model.fixed
-    strength *= edge_shares(model, discs & ~is_liquefying(model), strength, with_pressure, pressure, area)
-    for k in strata:
-        in_layer, layer, remaining = model.layer == k, model.springs.layers[k], remains[k]
-        modulus = case.stiffness * SHEAR_MODULUS * layer.kn
-        strain[in_layer] = np.maximum(
-            1.0 / (modulus / np.maximum(strength[in_layer], NO_STRENGTH) + 1.0 / LARGEST_STRAIN), SMALLEST_STRAIN
-        )
+    return _StrengthByCase(pressure, strength, increase, remains)
+
+
+def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
+    """Return the state of soil discs at the onset of liquefaction: overburden, and residual strength by the case.
+
+    Near the lower edge of a layer the strength lets it slip at this edge (`edge_shares`). It is reached at a shear
+    strain s/G, with the shear modulus G by the case, but at most `LARGEST_STRAIN`; ground with a strain potential
+    reaches it only beyond that potential (`meshes.section.strain_potential`). model: model of the discs; ground: the
+    ground in which the discs lie; strata: numbers of those that liquefy; case: stiffness and strength after
+    liquefaction.
+    """
+    pressure, strength, increase, remains = _strength_by_case(model, ground, strata, case)
+    area, discs = area_with_voids(model), np.isin(model.layer, strata) & ~model.fixed
+    strength = strength * edge_shares(model, discs, strength, increase, pressure, area)
+    strain, knee, soft_to = np.full(len(model), SMALLEST_STRAIN), np.zeros(len(model)), np.zeros(len(model))
+    for k, remaining in remains.items():
+        in_layer = model.layer == k
+        modulus = case.stiffness * SHEAR_MODULUS * model.springs.layers[k].kn
+        wanted = np.maximum(strength[in_layer], NO_STRENGTH)
+        strain[in_layer] = np.maximum(1.0 / (modulus / wanted + 1.0 / LARGEST_STRAIN), SMALLEST_STRAIN)
         if remaining.strain_potential > 0.0:
-            wanted = np.maximum(strength[in_layer], NO_STRENGTH)
             strain[in_layer] = ELASTIC * (remaining.strain_potential + REGAINING_STRAIN)
             knee[in_layer] = stress_at_potential(pressure[in_layer], wanted) / wanted
             soft_to[in_layer] = remaining.strain_potential / (remaining.strain_potential + REGAINING_STRAIN)
@@ -118,7 +140,7 @@ def weaken_clay(model: DiscModel, start: DiscModel, ground: Ground, shares: Mapp
     if not clay.any():
         return
     before = start.liquefied[clay, bond.STRENGTH] / start.strength_factor[clay]
-    after = onset(start, ground, list(shares), case).strength[clay]
+    after = _strength_by_case(start, ground, list(shares), case).strength[clay]
     share = np.array([shares[k] for k in start.layer[clay]])
     factor = np.ones(len(model))
     wanted = (before + share * (after - before)) * model.strength_factor[clay]
