@@ -77,7 +77,7 @@ def _move(points: np.ndarray, node: int, cells: np.ndarray) -> bool:
         points[node] = place
         return float(corner_widths(points, cells).min())
 
-    around = np.delete(np.unique(cells), np.searchsorted(np.unique(cells), node))
+    around = np.setdiff1d(cells, node)
     place = began = points[node].copy()
     best = narrowest_at(place)
     step = FIRST_STEP * float(np.hypot(*(points[around] - place).T).min())

@@ -254,9 +254,10 @@ def gather(
 
     ``velocity`` (nx, nz, 4): velocities of the nodes, see `move_grid`; ``properties`` (n, PROPERTIES); ``dt``: time
     step (s); ``keep``: share α, 0 or 1, of the part of its velocity that a point keeps although the grid cannot resolve
-    it; ``base``: velocity of the base (m/s); ``sums`` (stripes, 2) take energies (J/m). ``stripes``, ``offsets``,
-    ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``, ``cell``, ``slope``, ``periodic``, ``shaking``,
-    ``gravity_x``, ``gravity_z``: as in `scatter`.
+    it; ``base``: velocity of the base (m/s); ``sums`` (stripes, 2) take energies (J/m). ``side`` (N/m), as in
+    `scatter`, becomes 0 where ground has come apart (`DETACHED_SHARE`). ``stripes``, ``offsets``, ``x``, ``v``,
+    ``affine``, ``stress``, ``state``, ``cell``, ``slope``, ``periodic``, ``shaking``, ``gravity_x``, ``gravity_z``: as
+    in `scatter`.
     """
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
     stiff = 4.0 * inverse * inverse

@@ -14,7 +14,7 @@ from fem.mpm.engine import MaterialPointEngine, ShakingHistory
 from fem.mpm.ground import ROOM_BEYOND_SIDES, PointGround, with_free_sides
 from fem.mpm.points import UNLIMITED_TENSION
 from fem.mpm.slide_record import PointSlide
-from fem.mpm.weak_edges import edge_strength, thickness_over_width
+from fem.mpm.weak_edges import edge_strength, in_columns, thickness_over_width
 from meshes.files import read_checkpoint, write_checkpoint
 from meshes.section.liquefies import RemainingStrength
 from meshes.section.strain_potential import LARGEST_SHARE, REGAINING_STRAIN, stress_at_potential
@@ -30,9 +30,9 @@ CHECK_INTERVAL = 0.5  # s between two checks
 ONSET_STEPS = 20  # in which strength changes as ground liquefies
 # 1/s: with which velocities of points decay that the grid cannot resolve. The first one counts. The smaller one keeps
 # more noise; the difference of the two, in coarse cells, is part of the method's interval.
+DECAY_RATES = (10.0, 1.0)
 # The surface after a slide is at a point with this number of points of its column within this number of cells below it.
 POINTS_BELOW, REACH_BELOW = 3, 2.0
-DECAY_RATES = (10.0, 1.0)
 # s: viscosity over stiffness of liquefied ground below its strain potential. With this viscosity ground comes to rest
 # where it would if its stiffness were lost slowly, and does not swing for minutes; in sand hysteresis dissipates this
 # energy.
@@ -355,11 +355,10 @@ class PointSlider:
         cell, points = self.ground.grid.cell, self.ground.points
         places = points.x[points.stratum >= 0] + self.ground.offset
         column = np.floor(places[:, 0] / cell).astype(int)
-        order = np.lexsort((-places[:, 1], column))
         tops = []
-        for of_column in np.split(order, np.flatnonzero(np.diff(column[order])) + 1):
+        for of_column in in_columns(places, column):
             z = places[of_column, 1]
-            supported = np.flatnonzero(z[: -POINTS_BELOW or None] - z[POINTS_BELOW:] < REACH_BELOW * cell)
+            supported = np.flatnonzero(z[:-POINTS_BELOW] - z[POINTS_BELOW:] < REACH_BELOW * cell)
             tops.append(of_column[supported[0] if len(supported) else -1])
         return np.asarray(places[tops] + [0.0, 0.25 * cell])
 

@@ -86,7 +86,7 @@ def edge_strength(
     column, row = _grid_places(x, cell)
     above = np.zeros(len(x))
     edges: dict[int, list[_Edge]] = {}
-    for points_of_column in _in_columns(x, column):
+    for points_of_column in in_columns(x, column):
         above[points_of_column] = np.cumsum(mass[points_of_column]) - 0.5 * mass[points_of_column]
         edges[int(column[points_of_column[0]])] = _edges(
             points_of_column, int(column[points_of_column[0]]), x, height, mass, above, layer, strength
@@ -133,7 +133,7 @@ def thickness_over_width(
     """
     column, _ = _grid_places(x, cell)
     share = np.ones(len(x))
-    for points_of_column in _in_columns(x, column):
+    for points_of_column in in_columns(x, column):
         weak = layer[points_of_column] >= 0
         if not weak.any():
             continue
@@ -170,8 +170,11 @@ def _equilibrium(z: np.ndarray, height: np.ndarray, above: np.ndarray, weak: np.
     return hats @ strains, float(strains.sum())
 
 
-def _in_columns(x: np.ndarray, column: np.ndarray) -> list[np.ndarray]:
-    """Return the numbers of the points of each column, from the surface down."""
+def in_columns(x: np.ndarray, column: np.ndarray) -> list[np.ndarray]:
+    """Return the numbers of the points of each column, from the surface down.
+
+    ``x`` (n, 2): positions (m); ``column`` (n,): numbers of their columns.
+    """
     order = np.lexsort((-x[:, 1], column))
     return np.split(order, np.flatnonzero(np.diff(column[order])) + 1)
 
