@@ -17,6 +17,7 @@ from workflow.figures.front import FRONT, front
 from workflow.figures.ground import Overlay, foot, section_sheet
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.discs import DiscsAnswer, DiscSearch
+from workflow.results.governing import governing_kh
 from workflow.results.results import Results
 
 CURVES, SURFACES = "figures/curves.png", "figures/slip_surfaces.png"
@@ -232,8 +233,10 @@ def _factors(axes: Axes) -> None:
 
 def _block(results: Results) -> Sheet | None:
     """Draw the accelerogram, and the slide of the rigid block under it in both directions."""
-    if not results.config.sliding_block.accelerogram or results.kc is None:
+    governing = governing_kh(results)
+    if not results.config.sliding_block.accelerogram or governing is None:
         return None
+    kc = governing.value
     record = results.config.sliding_block.in_use()
     sheet = Sheet(
         f"{_title(results)}: rigid block under {record.name}",
@@ -243,20 +246,18 @@ def _block(results: Results) -> Sheet | None:
     )
     first = sheet.plot(0, "time (s)", "acceleration (m/s²)", f"{record.kind}, peak {record.peak:.2f} m/s²")
     first.plot(record.time, record.acceleration, color=INK, linewidth=0.6)
-    resistance = results.kc * GRAVITY
+    resistance = kc * GRAVITY
     for sign, colour in ((1.0, CONTINUUM), (-1.0, DISCS)):
         first.axhline(sign * resistance, color=colour, linewidth=0.9, linestyle=DOTTED)
     speed = sheet.plot(1, "time (s)", "velocity (m/s)")
     path = sheet.plot(2, "time (s)", "displacement (m)")
     handles = []
     for sign, colour, sense, line in ((1.0, CONTINUUM, "positive", SOLID), (-1.0, DISCS, "negative", DASHED)):
-        slide = newmark(record.time, sign * record.acceleration, results.kc)
+        slide = newmark(record.time, sign * record.acceleration, kc)
         speed.plot(slide.time, slide.velocity, color=colour, linewidth=1.0, linestyle=line)
         label = f"{sense}: {slide.permanent:.3f} m"
         handles += path.plot(slide.time, slide.displacement, color=colour, linewidth=1.3, linestyle=line, label=label)
-    handles.append(
-        Line2D([], [], color=INK, linewidth=0.9, linestyle=DOTTED, label=f"resistance kc g, kc = {results.kc:.3f}")
-    )
+    handles.append(Line2D([], [], color=INK, linewidth=0.9, linestyle=DOTTED, label=f"resistance kc g, kc = {kc:.3f}"))
     for axes in (first, speed, path):
         axes.set_xlim(record.time[0], record.time[-1])
     sheet.legend(handles, 3)

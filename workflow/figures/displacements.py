@@ -12,6 +12,7 @@ from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import foot
 from workflow.figures.symbols import in_mathtext
 from workflow.results.cases import CaseAnswer, equal_cases
+from workflow.results.governing import estimates_of
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
@@ -92,7 +93,7 @@ def _draw(axes: Axes, row: MethodRow, at: int) -> None:
 
 def _others(results: Results) -> Iterator[MethodRow]:
     """Yield the displacement (m) by each method that is compared with the slide of the discs."""
-    for estimate in results.estimates:
+    for estimate in estimates_of(results):
         if estimate.displacement_m is not None:
             yield MethodRow(estimate.method, OTHER_METHODS, estimate.displacement_m)
         elif estimate.kind != "smooth block":  # which never gives one

@@ -11,7 +11,7 @@ from workflow.figures.canvas import CRITICAL, DISCS, Sheet
 from workflow.figures.ground import Overlay, mark_borings, section_sheet
 from workflow.figures.slides import seen_from_above
 from workflow.results.cases import CaseAnswer, equal_cases, smoothed
-from workflow.results.governing import governing_kh, slides_by_weight
+from workflow.results.governing import faces_with_bounds, governing_face_value, governing_kh, slides_by_weight
 from workflow.results.lengths import metres
 from workflow.results.results import Results
 
@@ -51,9 +51,11 @@ def front(results: Results) -> Sheet | None:
 def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
     """Yield the slip surface of the face that slides first with a crest, unless it is also the slip surface of the
     section at ``kh``."""
-    faces = results.faces.faces if results.faces is not None else ()
+    bounded = faces_with_bounds(results)
     values = [
-        (face.critical.value, face) for face in faces if face.critical is not None and face.critical.reaches_crest
+        (governing_face_value(face.critical), face)
+        for face in (bounded.faces if bounded is not None else ())
+        if face.critical is not None and face.critical.reaches_crest
     ]
     if not values:
         return

@@ -31,14 +31,14 @@ from workflow.report.tables import case_heads, case_rows
 from workflow.report.triggering import triggering_sentences
 from workflow.report.verdicts import verdict_paragraph
 from workflow.report.warnings import sides_warning, split_warning
-from workflow.results.accuracy import accuracy, of_meshes, remaining_error, strict_factor
+from workflow.results.accuracy import accuracy, of_meshes, remaining_error, strict_factor, strict_kh
 from workflow.results.answer import FORCE, SectionLabel, way_out
 from workflow.results.bounds import BoundsAnswer, SafetyPart
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.faces import FacesAnswer
-from workflow.results.governing import governing_factor
+from workflow.results.governing import governing_kh, governing_value
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.results import Results
@@ -80,6 +80,7 @@ def fem_sentences(
     is no limit load, the reason is always stated. Strict bounds among the ``results`` are part of the interval.
     """
     error = accuracy(results, answer) if results is not None else of_meshes(answer)
+    governing = governing_kh(results) if results is not None else None
     interval = f" {range_sentence(answer, error)}" if error is not None else ""
     surface = next((state.slip_surface for state in reversed(answer.states) if state.slip_surface), ())
     where = f" The ground {extent_in_words(np.array(surface))}." if surface and answer.has_kc else ""
@@ -88,19 +89,18 @@ def fem_sentences(
         most = f", at most {coefficient(answer.kc_upper)} on this mesh" if answer.kc_upper > answer.kc else ""
         how = f"; {answer.reason}" if answer.by_limit_analysis else f": {answer.ended}{most}, {answer.reason}"
     yield (
-        f"Critical Kh = {critical_with_flow(answer, coefficient)}.{how_to_get_own_dilation(answer)} The seismic "
-        f"force acts {FORCE[answer.direction]}, to the {answer.towards}{how}.{where}{interval}"
+        f"Critical Kh {critical_with_flow(answer, coefficient, governing)}.{how_to_get_own_dilation(answer)} The "
+        f"seismic force acts {FORCE[answer.direction]}, to the {answer.towards}{how}.{where}{interval}"
     )
     if every:
         if answer.davis is not None or answer.associated is not None:
             yield WHEN
         yield from meshes_sentences(answer)
     yield from own_dilation_sentences(answer)
-    yield from comparison_sentences(answer)
+    yield from comparison_sentences(answer, results)
     for factor in answer.safety_factors:
         strict = strict_factor(results, answer, factor, answer.flow) if results is not None else None
-        excess = _above_bound(factor, results) if results is not None else ""
-        yield safety_sentence(factor, answer, every, strict) + excess
+        yield safety_sentence(factor, answer, every, strict)
     for warning in (*answer.warnings, *(results.warnings_by_bounds() if results is not None else ())):
         yield f"{'Contradiction' if warning.contradiction else 'Warning'}: {warning.what} To do: {warning.remedy}."
     for _, text in sides_warning(answer, section):
@@ -117,7 +117,9 @@ def safety_sentence(
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
     rest = f", with a mesh error of {100 * factor.rest:.1f} % or less" if factor.rest is not None else ""
     compared = factor.davis if factor.davis is not None else factor.associated
-    number = with_flow(factor.factor, answer.flow, compared, answer.estimate, "{:.3f}".format)
+    ends = (None, None) if strict is None else (strict.lower, strict.upper)
+    governing = governing_value(factor.factor, *ends)
+    number = with_flow(governing, answer.flow, compared, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
         return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, where the search ended."
     of_mesh = factor.reason.startswith("the factor of safety")
@@ -134,16 +136,16 @@ def safety_sentence(
         edges = bool(faces) and all(face.is_edge(depth) for face in faces)
         face_words = "The edge of a layer without cohesion" if edges else "A cohesionless face"
         phrase += f" {face_words} fails in a shallow failure at a smaller factor, {factor.shallow_failure:.3f}."
+    if governing != factor.factor:
+        phrase += f" The finite elements give {factor.factor:.3f}, {_beyond(factor.factor, governing)}."
     return phrase
 
 
-def _above_bound(factor: FactorOfSafety, results: Results) -> str:
-    """Return a sentence, after a blank, on a factor of safety that exceeds its strict upper bound; empty otherwise."""
-    upper = governing_factor(results, factor)
-    if upper == factor.factor:
-        return ""
-    above = 100.0 * (factor.factor / upper - 1.0)
-    return f" The finite elements lie {above:.1f} % above the strict upper bound, {upper:.3f}: use this bound."
+def _beyond(value: float, bound: float) -> str:
+    """Return how far a value by finite elements lies beyond the strict bound that counts, in words."""
+    side_words = "above the strict upper bound" if value > bound else "below the strict lower bound"
+    share = f"{100.0 * abs(value / bound - 1.0):.1f} % " if bound > 0.0 else ""
+    return f"{share}{side_words}, which is reported"
 
 
 def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
@@ -155,14 +157,21 @@ def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
         yield f"The sequence of meshes ended because {answer.meshes_ended}.{tends}"
 
 
-def comparison_sentences(answer: FemAnswer) -> Iterator[str]:
-    """Yield sentences on the critical Kh in the other direction, and the shallow failures of cohesionless faces."""
+def comparison_sentences(answer: FemAnswer, results: Results | None = None) -> Iterator[str]:
+    """Yield sentences on the critical Kh in the other direction, within its strict bounds among the ``results``, and
+    the shallow failures of cohesionless faces."""
     if answer.associated is not None and answer.associated.at_sides:
         yield f"With ψ = φ the critical Kh is {coefficient(answer.associated.kc)}{way_out(answer.associated.at_sides)}."
     other = answer.opposite
     if other is not None:
         kh = f"{'above ' if other.verdict == 'no failure' else ''}{coefficient(other.kc)}"
-        if answer.is_rough(other):
+        strict = strict_kh(results, answer, answer.flow, other.direction) if results is not None else None
+        if strict is not None and other.verdict != "no failure":
+            governing = governing_value(other.kc, *strict)
+            kh = f"{coefficient(governing)}, with strict bounds of {range_of(strict)}"
+            if governing != other.kc:
+                kh += f" (the finite elements give {coefficient(other.kc)}, {_beyond(other.kc, governing)})"
+        elif answer.is_rough(other):
             kh = f"about {rough_coefficient(other.kc)}, by one mesh"
         yield f"With the seismic force {FORCE[other.direction]} the critical Kh is {kh}{way_out(other.at_sides)}."
     for face in answer.shallow_failures:

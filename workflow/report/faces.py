@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from fem.continuum.loads import Direction, sign_of
+from fem.continuum.loads import sign_of
 from workflow.config import Config
 from workflow.estimates.comparison import block_slide
 from workflow.estimates.slices import LEFT, RIGHT
@@ -15,7 +15,13 @@ from workflow.estimates.structures import structures_of
 from workflow.report.structures import FaceRow, face_rows, smaller_kh
 from workflow.results.cases import MovedSurface
 from workflow.results.faces import FacesAnswer, FaceValue
-from workflow.results.governing import governing_value
+from workflow.results.governing import (
+    faces_with_bounds,
+    governing_face_value,
+    governing_value,
+    section_factor_bounds,
+    section_kh_bounds,
+)
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart
 
@@ -37,9 +43,9 @@ class MethodValues:
 
     @property
     def governing(self) -> float | None:
-        """Return the value with ψ = φ that counts: the value by finite elements or, if this value exceeds its strict
-        upper bound, the bound; None without finite elements."""
-        return None if self.elements is None else governing_value(self.elements, self.upper)
+        """Return the value with ψ = φ that counts: the value by finite elements or, if this value lies beyond a strict
+        bound, the bound; None without finite elements."""
+        return None if self.elements is None else governing_value(self.elements, self.lower, self.upper)
 
     def pair(self, by: Literal["elements", "circles"], digits: int) -> tuple[str, str]:
         """Return the value with ψ = φ that counts, and the value with Davis's strength, as texts; empty if there is
@@ -99,22 +105,20 @@ def side_words(config: Config, start: float, end: float, towards: Side) -> str:
 
 def face_lines(results: Results) -> list[FaceLine]:
     """Return the lines of all faces, and of a failure elsewhere that comes first; nothing without slip circles."""
-    config = results.config
-    lines = [_line(results, row) for row in face_rows(config, results.slices, results.faces)]
+    config, faces = results.config, faces_with_bounds(results)
+    lines = [_line(results, row, faces) for row in face_rows(config, results.slices, faces)]
     return lines + list(_elsewhere(results)) if lines else []
 
 
-def _line(results: Results, row: FaceRow) -> FaceLine:
+def _line(results: Results, row: FaceRow, faces: FacesAnswer | None) -> FaceLine:
     face, config = row.face, results.config
-    strength = results.faces.of(face.structure, face.towards) if results.faces is not None else None
+    strength = faces.of(face.structure, face.towards) if faces is not None else None
     critical, safety = (None, None) if strength is None else (strength.critical, strength.safety)
-    least, most = _value_ends(critical) if critical is None or critical.held else _of_section(results, face.towards)
-    low, high = _value_ends(safety) if safety is None or safety.held else _of_safety(results)
     return FaceLine(
         name=face.structure,
         side=side_words(config, face.start_m, face.end_m, face.towards),
-        critical=_strength(critical, least, most, row.kc, face.davis_critical),
-        safety=_strength(safety, low, high, face.factor(0.0), face.davis_factor),
+        critical=_strength(critical, row.kc, face.davis_critical),
+        safety=_strength(safety, face.factor(0.0), face.davis_factor),
         block=_blocks(config, row, critical),
         slides=tuple(_slides(results, row)),
         settles=tuple(_settlements(results, row)),
@@ -133,37 +137,16 @@ def _blocks(config: Config, row: FaceRow, elements: FaceValue | None) -> str:
     return row.block.span + ("" if low is None else f" ({low.span})")
 
 
-def _strength(
-    value: FaceValue | None, lower: float | None, upper: float | None, circle: float | None, davis: CirclePart | None
-) -> MethodValues:
+def _strength(value: FaceValue | None, circle: float | None, davis: CirclePart | None) -> MethodValues:
     valid = value if value is not None and value.reaches_crest else None
     return MethodValues(
         None if valid is None else valid.value,
         None if valid is None else valid.davis,
-        lower if valid is not None else None,
-        upper if valid is not None else None,
+        None if valid is None else valid.lower,
+        None if valid is None else valid.upper,
         circle,
         None if davis is None else davis.bishop,
     )
-
-
-def _value_ends(value: FaceValue | None) -> tuple[float | None, float | None]:
-    return (None, None) if value is None else (value.lower, value.upper)
-
-
-def _of_section(results: Results, towards: Side) -> tuple[float | None, float | None]:
-    """Return the strict bounds of the critical Kh of the section with the seismic force to one side."""
-    bounds = results.bounds
-    if bounds is None:
-        return None, None
-    direction: Direction = "downhill" if _downhill(results, towards) else "uphill"
-    part = bounds.towards(direction) or (bounds if bounds.direction == direction else None)
-    return (None, None) if part is None else (part.lower, part.upper)
-
-
-def _of_safety(results: Results) -> tuple[float | None, float | None]:
-    parts = results.bounds.safety if results.bounds is not None else ()
-    return next(((part.lower, part.upper) for part in parts if part.kh == 0.0), (None, None))
 
 
 def _moved_surfaces(results: Results) -> Iterator[tuple[str, list[MovedSurface]]]:
@@ -236,11 +219,11 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
     safety = MethodValues(circles=circles[0].bishop if circles else None)
     if factor is not None:
         results_of_rules = _by_both_rules(fem.flow, factor.factor, factor.davis, factor.associated)
-        safety = MethodValues(*results_of_rules, *_of_safety(results), safety.circles)
+        safety = MethodValues(*results_of_rules, *section_factor_bounds(results), safety.circles)
     yield FaceLine(
         name=f"x = {surface[0][0]:.0f} to {surface[-1][0]:.0f} m, no crest is part of this failure",
         side=fem.towards,
-        critical=MethodValues(full, low, *_of_section(results, fem.towards), circle),
+        critical=MethodValues(full, low, *section_kh_bounds(results, fem.towards), circle),
         safety=safety,
         block="",
         slides=(),
@@ -299,7 +282,7 @@ def note_sentences(results: Results) -> Iterator[str]:
                 )
         for reason in face.reasons:
             yield f"{of[0].upper()}{of[1:]}: no {reason.rstrip('.')}."
-    yield from _above_bounds(face_lines(results))
+    yield from _beyond_bounds(face_lines(results))
     if answer is None:
         reason = results.missing.get("faces", "")
         stage = next((stage for stage in results.stages if stage.name == "faces"), None)
@@ -309,14 +292,16 @@ def note_sentences(results: Results) -> Iterator[str]:
         yield "Left out for their cost: strict bounds of factors of safety (bounds.safety_factor = true)."
 
 
-def _above_bounds(lines: list[FaceLine]) -> Iterator[str]:
-    """Yield a sentence on every value by finite elements whose strict upper bound is smaller, and counts."""
+def _beyond_bounds(lines: list[FaceLine]) -> Iterator[str]:
+    """Yield a sentence on every value by finite elements that lies beyond a strict bound, which counts."""
     for line in lines:
         for quantity, values, digits in (("Critical Kh", line.critical, 3), ("Factor of safety", line.safety, 2)):
-            if values.elements is not None and values.elements != values.governing:
+            if values.elements is not None and values.governing is not None and values.elements != values.governing:
+                is_above = values.elements > values.governing
+                side_words = "above the strict upper" if is_above else "below the strict lower"
                 yield (
                     f"{quantity} of {line.name}, {line.side}: the finite elements give {values.elements:.{digits}f}, "
-                    "above the strict upper bound, which counts."
+                    f"{side_words} bound, which counts."
                 )
 
 
@@ -324,22 +309,21 @@ def faces_sentences(answer: FacesAnswer, results: Results | None = None) -> Iter
     """Yield sentences on the critical Kh and the factor of safety of every face, as commands print them. A face that
     fails first has the bounds of the section, which are taken from the ``results``.
     """
-    for face in answer.faces:
+    bounded = None if results is None else faces_with_bounds(results)
+    for face in (bounded or answer).faces:
         phrases = []
         for name, value, digits in (("critical Kh", face.critical, 3), ("factor of safety", face.safety, 2)):
             if value is None or not value.reaches_crest:
                 continue
-            if results is not None and not value.held:
-                ends = _of_section(results, face.towards) if name == "critical Kh" else _of_safety(results)
-                value = value.model_copy(update=dict(zip(("lower", "upper"), ends, strict=True)))
             low = "" if value.davis is None else f", {value.davis:.{digits}f} with Davis reduced strength"
             bounds = "" if value.lower is None or value.upper is None else (
                 f", strict bounds {value.lower:.{digits}f} to {value.upper:.{digits}f}"
             )  # fmt: skip
-            kh, bound_words = governing_value(value.value, value.upper), ""
-            if kh != value.value:
-                bound_words = f" (the upper bound counts: the finite elements give {value.value:.{digits}f})"
-            phrases.append(f"{name} {kh:.{digits}f} with ψ = φ{low}{bounds}{bound_words}")
+            governing, bound_words = governing_face_value(value), ""
+            if governing != value.value:
+                end = "upper" if governing < value.value else "lower"
+                bound_words = f" (the {end} bound counts: the finite elements give {value.value:.{digits}f})"
+            phrases.append(f"{name} {governing:.{digits}f} with ψ = φ{low}{bounds}{bound_words}")
         reasons = [reason.rstrip(".") for reason in face.reasons]
         words = "; ".join([*phrases, *reasons]) or "no failure includes the crest"
         yield f"{face.structure}, towards the {face.towards}: {words}."

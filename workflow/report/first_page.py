@@ -67,7 +67,7 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
     governing = governing_kh(results)
     assert governing is not None
     conditions = _("{sides}, {flow}", sides=_(SIDES[fem.settings.sides]), flow=_(IN_FULL[fem.flow]))
-    if not governing.by_elements:
+    if governing.bound is not None:
         return _contradicted(results, fem, governing, conditions, _)
     phrase = _(
         "The section fails {way} at Kh = {kc} ({acceleration} m/s²), with {conditions}.",
@@ -153,26 +153,37 @@ def _direction_words(results: Results, fem: FemAnswer, _: Texts) -> str:
 
 
 def _contradicted(results: Results, fem: FemAnswer, kh: GoverningKh, conditions: str, _: Texts) -> HeadlinePart:
-    """Return the sentence on the critical Kh if strict bounds are below the finite elements. The upper end of the
-    interval then counts: as the critical Kh if the bounds are close, else as a limit. The finite elements are a second
-    opinion.
+    """Return the sentence on the critical Kh if the finite elements lie beyond a strict bound. The end of the interval
+    then counts: as the critical Kh if the bounds are close, else as a limit. The finite elements are a second opinion.
     """
     word = (
         "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give a Kh that is {excess} % higher, "
         "but the section cannot resist more than the strict upper bound, which is therefore reported."
     )
-    if kh.is_limit:
+    if kh.bound == "lower":
+        word = (
+            "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give a Kh that is {excess} % "
+            "lower, but a stress field in equilibrium proves that the section resists the strict lower bound, which is "
+            "therefore reported."
+        )
+    if kh.is_limit and kh.bound == "upper":
         word = (
             "The section fails {way} at Kh = {kc} or less ({conditions}). The finite elements give a Kh that is "
             "{excess} % higher, but the section cannot resist more than the strict upper bound, which is therefore "
             "reported as an upper limit."
+        )
+    if kh.is_limit and kh.bound == "lower":
+        word = (
+            "The section fails {way} at Kh = {kc} or more ({conditions}). The finite elements give a Kh that is "
+            "{excess} % lower, but a stress field in equilibrium proves that the section resists the strict lower "
+            "bound, which is therefore reported as a lower limit."
         )
     phrase = _(
         word,
         way=_direction_words(results, fem, _),
         kc=coefficient(kh.value),
         conditions=conditions,
-        excess=f"{100.0 * (fem.kc / kh.value - 1.0):.1f}",
+        excess=f"{abs(100.0 * (fem.kc / kh.value - 1.0)):.1f}",
     )
     return HeadlinePart(name=_("critical Kh"), value=kh.text, interval=_interval(kh.interval, _), conclusion=phrase)
 
@@ -216,6 +227,12 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
             "The finite elements give a factor of safety that is {excess} % higher, but the section cannot resist more "
             "than the strict upper bound, which is therefore reported.",
             excess=f"{100.0 * (factor.factor / governing - 1.0):.1f}",
+        )
+    elif governing > factor.factor:
+        phrase += " " + _(
+            "The finite elements give a factor of safety that is {excess} % lower, but a stress field in equilibrium "
+            "proves that the section resists the strict lower bound, which is therefore reported.",
+            excess=f"{100.0 * (1.0 - factor.factor / governing):.1f}",
         )
     if factor.davis is not None:
         phrase += " " + _("With Davis reduced strength the factor of safety is {factor}.", factor=f"{factor.davis:.2f}")

@@ -7,6 +7,7 @@ from typing import assert_never
 from fem.continuum.strength import Flow
 from workflow.report.numbers import coefficient
 from workflow.results.continuum import FemAnswer
+from workflow.results.governing import GoverningKh
 
 # When Davis's estimate counts, and when ψ = φ does.
 WHEN = (
@@ -67,11 +68,13 @@ def _low(value: float, shown: Callable[[float], str]) -> str:
     return shown(value) if value > 0.0 else "0, it fails under its own weight"
 
 
-def critical_with_flow(fem: FemAnswer, shown: Callable[[float], str]) -> str:
-    """Return the critical Kh in words, with its value by the other flow rule."""
+def critical_with_flow(fem: FemAnswer, shown: Callable[[float], str], governing: GoverningKh | None = None) -> str:
+    """Return the critical Kh in words after its name, with its value by the other flow rule: "= 0.158 with ψ = φ". The
+    ``governing`` critical Kh counts, if it is known; else the value of the finite elements."""
     other = fem.davis if fem.flow == "associated" else fem.associated
     known = other is not None and other.verdict in ("plateau", "peak")
-    return with_flow(fem.kc, fem.flow, other.kc if known and other else None, fem.estimate, shown)
+    value, sign = (fem.kc, "=") if governing is None else (governing.value, governing.sign)
+    return f"{sign} {with_flow(value, fem.flow, other.kc if known and other else None, fem.estimate, shown)}"
 
 
 def own_dilation_sentences(fem: FemAnswer) -> Iterator[str]:

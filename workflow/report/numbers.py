@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from workflow.results.accuracy import Accuracy, exceeds
+from workflow.results.accuracy import Accuracy, exceeds, falls_below
 from workflow.results.continuum import FemAnswer
 from workflow.results.lengths import metres
 from workflow.texts.report_texts import listed
@@ -115,13 +115,16 @@ def numerical_error(estimate: Accuracy | None, kc: float) -> str:
 
 
 def range_sentence(answer: FemAnswer, error: Accuracy) -> str:
-    """Return the interval of the critical Kh in a sentence, and what counts if the finite elements lie above it."""
+    """Return the interval of the critical Kh in a sentence, and the value by finite elements if it lies beyond."""
     if not answer.has_kc:
         return f"The range {error.method} is {range_of([error.low, error.high])}."
-    if not exceeds(answer.kc, error.high):  # their last digit may be the next one
+    if exceeds(answer.kc, error.high):
+        beyond = f"{100.0 * (answer.kc / error.high - 1.0):.1f} % above this range, whose upper end is"
+    elif falls_below(answer.kc, error.low):
+        beyond = f"{100.0 * (1.0 - answer.kc / error.low):.1f} % below this range, whose lower end is"
+    else:  # their last digit may be the next one
         return f"The range {error.method} is {range_of([error.low, error.high, answer.kc])}."
-    above = 100.0 * (answer.kc / error.high - 1.0)
     return (
-        f"The range {error.method} is {range_of([error.low, error.high])}. The finite elements lie {above:.1f} % above "
-        "this interval: use its upper end."
+        f"The range {error.method} is {range_of([error.low, error.high])}. The finite elements give "
+        f"{coefficient(answer.kc)}, {beyond} the critical Kh."
     )

@@ -41,6 +41,7 @@ from workflow.report.templates import templates
 from workflow.report.uncertainty import sources_of_uncertainty
 from workflow.report.verdicts import interval_words, limit_words
 from workflow.results.cases import equal_cases
+from workflow.results.governing import estimates_of, faces_with_bounds
 from workflow.results.lengths import metres
 from workflow.results.results import Results
 from workflow.results.summary import Summary
@@ -80,7 +81,7 @@ def page(results: Results, summary: Summary) -> str:
 def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]:
     """Return the content of the template."""
     config, uncertainty_rows = results.config, list(sources_of_uncertainty(results))
-    faces = face_rows(config, results.slices, results.faces)
+    faces = face_rows(config, results.slices, faces_with_bounds(results))
     room = MOST_WARNINGS - WARNINGS_PER_TABLE * (bool(faces) + bool(summary.crests))
     first = [warning for warning in summary.warnings if warning.weight < NOTE_WEIGHT][:room]
     checks = [row for row in uncertainty_rows if row[0] not in VARIED]
@@ -124,7 +125,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "elsewhere": list(circles_without_crest(config, results.slices)),
         "lines_of_faces": face_lines(results),
         "face_notes": list(note_sentences(results)) if faces else [],
-        "estimates": results.estimates,
+        "estimates": estimates_of(results),
         "slides": list(slides(results)),
         "paper": rows(results),
         "is_s13": is_s13(config.section),

@@ -9,7 +9,7 @@ from workflow.report.model_error import NAMES
 from workflow.report.numbers import SMALLEST_SLIDE, rough_range, span
 from workflow.report.summary_text import at_rest
 from workflow.results.cases import CaseAnswer
-from workflow.results.governing import MethodSlides, slides_by_weight
+from workflow.results.governing import MethodSlides, estimates_of, slides_by_weight
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
@@ -80,7 +80,7 @@ def _block(results: Results, _: Texts) -> HeadlinePart:
     has_shaking = config.earthquake != EarthquakeSettings() or bool(config.sliding_block.accelerogram)
     slides = {
         _("Newmark's block") if row.kind == "block" else row.method: row.displacement_m
-        for row in (results.estimates if has_shaking else ())
+        for row in (estimates_of(results) if has_shaking else ())
         if row.kind in ("block", "block regression") and row.displacement_m is not None
     }
     if not slides:

@@ -13,7 +13,7 @@ from workflow.estimates.structures import structures_of
 from workflow.report.first_page import FLOW, SIDES
 from workflow.report.numbers import coefficient, number, rough_coefficient
 from workflow.report.slices import factor_on_surface
-from workflow.results.accuracy import exceeds, strict_factor, strict_kh
+from workflow.results.accuracy import exceeds, falls_below, strict_factor, strict_kh
 from workflow.results.bounds import SafetyPart
 from workflow.results.continuum import FemAnswer, OtherCriticalKh
 from workflow.results.results import Results
@@ -84,28 +84,32 @@ def _factors(results: Results, fem: FemAnswer, _: Texts) -> Iterator[StabilityRo
         of = _("factor of safety at Kh = {kh}, finite elements", kh=f"{factor.kh:g}")
         value = f"> {factor.factor:.2f}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
         strict = strict_factor(results, fem, factor, fem.flow)
-        yield StabilityRow(of, value, "", _(FLOW[fem.flow]) + _above_factor(factor.factor, strict, _))
+        yield StabilityRow(of, value, "", _(FLOW[fem.flow]) + _factor_bound_words(factor.factor, strict, _))
         if factor.davis is not None:
             yield StabilityRow(of, f"{factor.davis:.2f}", "", _(FLOW["davis"]))
         elif factor.associated is not None:
-            above = _above_factor(factor.associated, strict_factor(results, fem, factor, "associated"), _)
+            above = _factor_bound_words(factor.associated, strict_factor(results, fem, factor, "associated"), _)
             yield StabilityRow(of, f"{factor.associated:.2f}", "", _(FLOW["associated"]) + above)
 
 
 def _bound_words(kc: float, strict: tuple[float, float] | None, _: Texts) -> str:
-    """Return, for the conditions of a critical Kh by finite elements, that its strict upper bound is smaller and
-    counts; empty otherwise."""
-    if strict is None or not exceeds(kc, strict[1]):
-        return ""
-    return _("; above the strict upper bound of {upper}, which counts", upper=coefficient(strict[1]))
+    """Return, for the conditions of a critical Kh by finite elements, that it lies beyond a strict bound, which counts;
+    empty otherwise."""
+    return "" if strict is None else _beyond(kc, *strict, 3, _)
 
 
-def _above_factor(factor: float, strict: SafetyPart | None, _: Texts) -> str:
-    """Return, for the conditions of a factor of safety by finite elements, that its strict upper bound is smaller and
+def _factor_bound_words(factor: float, strict: SafetyPart | None, _: Texts) -> str:
+    """Return, for the conditions of a factor of safety by finite elements, that it lies beyond a strict bound, which
     counts; empty otherwise."""
-    if strict is None or strict.upper is None or not exceeds(factor, strict.upper):
-        return ""
-    return _("; above the strict upper bound of {upper}, which counts", upper=f"{strict.upper:.2f}")
+    return "" if strict is None else _beyond(factor, strict.lower, strict.upper, 2, _)
+
+
+def _beyond(value: float, lower: float | None, upper: float | None, digits: int, _: Texts) -> str:
+    if upper is not None and exceeds(value, upper):
+        return _("; above the strict upper bound of {upper}, which counts", upper=number(upper, digits))
+    if lower is not None and falls_below(value, lower):
+        return _("; below the strict lower bound of {lower}, which counts", lower=number(lower, digits))
+    return ""
 
 
 def _shallow_by_davis(results: Results, fem: FemAnswer, name: str, _: Texts) -> Iterator[StabilityRow]:

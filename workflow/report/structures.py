@@ -7,7 +7,7 @@ from workflow.config import Config
 from workflow.estimates.comparison import BlockSlide, block_slide
 from workflow.estimates.structures import structures_of
 from workflow.results.faces import FacesAnswer, FaceValue
-from workflow.results.governing import governing_value
+from workflow.results.governing import governing_face_value
 from workflow.results.slices import FacePart, SlicesAnswer
 from workflow.texts.report_texts import listed
 
@@ -61,7 +61,7 @@ def smaller_kh(circle: float | None, value: FaceValue | None, davis: bool = Fals
     estimate; None without a circle."""
     if circle is None or value is None or not value.reaches_crest:
         return circle
-    kh = value.davis if davis else governing_value(value.value, value.upper)
+    kh = value.davis if davis else governing_face_value(value)
     return circle if kh is None else min(circle, kh)
 
 

@@ -13,6 +13,12 @@ from workflow.report.warnings import warnings
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CaseAnswer, CaseNumbers, CaseSummary
 from workflow.results.continuum import MeshCount
+from workflow.results.governing import (
+    estimates_of,
+    faces_with_bounds,
+    governing_factor,
+    governing_kh,
+)
 from workflow.results.results import Results
 from workflow.results.stored_mesh import stored_mesh
 from workflow.results.summary import (
@@ -67,7 +73,7 @@ def summary(results: Results, report_seconds: float) -> Summary:
         triggering=results.triggering.strata if results.triggering is not None else None,
         residual=results.residual.steps if results.residual is not None else None,
         liquefied=results.liquefied.cases if results.liquefied is not None else None,
-        comparison=tuple(EstimateSummary.model_validate(part) for part in results.estimates),
+        comparison=tuple(EstimateSummary.model_validate(part) for part in estimates_of(results)),
         paper=paper or None,
         no_answer={
             stage: NoAnswer.model_validate(entry)
@@ -86,13 +92,14 @@ def _paper_model(results: Results, cases: dict[int, CaseAnswer]) -> PaperModel |
 
 
 def _faces(results: Results) -> Iterator[FaceSummary]:
-    for row in face_rows(results.config, results.slices, results.faces):
+    faces = faces_with_bounds(results)
+    for row in face_rows(results.config, results.slices, faces):
         yield FaceSummary.taken(
             row.face,
             factors={kh: value for kh, value in row.factors if value is not None},
             kc=row.kc,
             block_slide_m=None if row.block is None else (row.block.low, row.block.high),
-            elements=None if results.faces is None else results.faces.of(row.face.structure, row.face.towards),
+            elements=None if faces is None else faces.of(row.face.structure, row.face.towards),
         )
 
 
@@ -128,15 +135,18 @@ def _fem(results: Results) -> FemSummary | None:
     answer = results.fem
     if answer is None:
         return None
-    has_kc = results.kc is not None
+    has_kc, governing = results.kc is not None, governing_kh(results)
     return FemSummary.taken(
         answer,
+        kc_governing=None if governing is None else governing.value,
         kc=answer.kc if has_kc else None,
         kc_upper=answer.kc_upper if has_kc else None,
         dilation="psi = phi" if answer.flow == "associated" else answer.dilation_deg,
         kc_davis=answer.davis.kc if has_kc and answer.davis is not None else None,
         kc_associated=answer.associated.kc if has_kc and answer.associated is not None else None,
-        safety_factors=tuple(map(SafetySummary.model_validate, answer.safety_factors)),
+        safety_factors=tuple(
+            SafetySummary.taken(factor, governing=governing_factor(results, factor)) for factor in answer.safety_factors
+        ),
         sides=answer.settings.sides,
     )
 

@@ -18,7 +18,7 @@ from workflow.report.tables import factor
 from workflow.results.accuracy import Accuracy, accuracy
 from workflow.results.cases import CaseAnswer, CaseNumbers
 from workflow.results.continuum import FemAnswer
-from workflow.results.governing import governing_kh
+from workflow.results.governing import estimates_of, governing_kh
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
@@ -321,7 +321,7 @@ def _disagreement(results: Results) -> Iterator[str]:
     _, cases = results.case_set()
     discs = [max(case.slide_max_m, 0.0) for case in cases.values()]
     observed, blocks = (
-        [row.displacement_m for row in results.estimates if row.kind == kind and row.displacement_m is not None]
+        [row.displacement_m for row in estimates_of(results) if row.kind == kind and row.displacement_m is not None]
         for kind in ("regression", "block")
     )
     points = [max(case.slide_max_m, 0.0) for case in results.mpm.cases.values()] if results.mpm is not None else []

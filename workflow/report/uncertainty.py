@@ -117,7 +117,7 @@ def _dilation(fem: FemAnswer) -> str:
     how = FLOWS[fem.flow]
     if fem.associated is None and fem.davis is None:
         return how
-    return f"{how} Critical Kh = {critical_with_flow(fem, coefficient)}."
+    return f"{how} Critical Kh {critical_with_flow(fem, coefficient)}."
 
 
 def _bounds(results: Results, bounds: BoundsAnswer) -> str:

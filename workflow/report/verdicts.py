@@ -12,7 +12,7 @@ from workflow.report.crests import crest_parts, water_at_crest
 from workflow.report.structures import FaceRow, face_rows
 from workflow.report.summary_text import at_rest
 from workflow.results.answer import Line
-from workflow.results.governing import governing_factor, governing_kh, governing_value
+from workflow.results.governing import faces_with_bounds, governing_face_value, governing_factor, governing_kh
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, FacePart, SlicesAnswer
 from workflow.results.verdicts import Criterion, VerdictPart
@@ -86,7 +86,7 @@ def _critical(results: Results) -> Iterator[Interval]:
         yield from _by_elements(results, of, face, "critical Kh")
     governing, fem = governing_kh(results), results.fem
     if governing is not None and fem is not None and _is_of_section(results, results.slip_surface):
-        most = max(governing.value, fem.kc_upper) if governing.by_elements else governing.value
+        most = max(governing.value, fem.kc_upper) if governing.bound is None else governing.value
         yield "the section by finite elements", governing.value, most, ""
 
 
@@ -130,19 +130,20 @@ def _by_slices(of: str, circles: Sequence[CirclePart]) -> Iterator[Interval]:
 
 
 def _by_elements(results: Results, of: str, face: FacePart | SlicesAnswer, criterion: Criterion) -> Iterator[Interval]:
-    """Yield the result of a face by finite elements, or its strict upper bound if the elements exceed the bound."""
-    if results.faces is None or not isinstance(face, FacePart):
+    """Yield the result of a face by finite elements, or the strict bound that the elements lie beyond."""
+    faces = faces_with_bounds(results)
+    if faces is None or not isinstance(face, FacePart):
         return
-    strength = results.faces.of(face.structure, face.towards)
+    strength = faces.of(face.structure, face.towards)
     value = None if strength is None else strength.critical if criterion == "critical Kh" else strength.safety
     if value is not None and value.reaches_crest:
-        least = governing_value(value.value, value.upper)
+        least = governing_face_value(value)
         yield f"{of}, by finite elements", least, least, ""
 
 
 def _displacements(results: Results) -> Iterator[Interval]:
     config = results.config
-    for row in face_rows(config, results.slices, results.faces):
+    for row in face_rows(config, results.slices, faces_with_bounds(results)):
         of = f"{row.name}, {BLOCK}"
         if row.block is not None:
             yield of, row.block.low, row.block.high, ""
@@ -235,7 +236,9 @@ def _blocks(results: Results) -> list[FaceRow]:
     liquefies, since no other slide is computed for these sections."""
     if any(stratum.liquefies_in for stratum in results.config.section.strata):
         return []
-    return [row for row in face_rows(results.config, results.slices, results.faces) if row.block is not None]
+    return [
+        row for row in face_rows(results.config, results.slices, faces_with_bounds(results)) if row.block is not None
+    ]
 
 
 def _without_crest(results: Results) -> Iterator[Interval]:

@@ -14,8 +14,8 @@ from workflow.results.results import Results
 COARSE_ERROR = 0.1
 # Error of a sequence that has not converged, over the change between its last meshes.
 WIDENING = 2.0
-# A critical Kh or a factor of safety exceeds an upper bound if it does so by half of the last digit reported, and
-# by this share of the bound.
+# A critical Kh or a factor of safety lies above an upper bound, or below a lower one, if it does so by half of the last
+# digit reported, and by this share of the bound.
 LAST_DIGIT, LAST_SHARE = 0.0005, 0.0005
 # What an interval can follow from.
 METHODS = (
@@ -68,16 +68,26 @@ def exceeds(value: float, upper: float) -> bool:
     return value > upper + max(LAST_DIGIT, LAST_SHARE * abs(upper))
 
 
-def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety, flow: Flow) -> SafetyPart | None:
-    """Return the strict bounds of a factor of safety, for the same Kh, sides and flow rule; None without both bounds.
+def falls_below(value: float, lower: float) -> bool:
+    """Return whether a critical Kh or a factor of safety lies below a ``lower`` bound by more than rounding."""
+    return value < lower - max(LAST_DIGIT, LAST_SHARE * abs(lower))
 
-    ``factor`` is a factor of safety of the finite elements ``fem``; ``flow`` is its flow rule.
+
+def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety, flow: Flow) -> SafetyPart | None:
+    """Return the strict bounds of a factor of safety, for the same Kh, sides and flow rule; None without any bound.
+
+    ``factor`` is a factor of safety of the finite elements ``fem``; ``flow`` is its flow rule. A lower bound of ground
+    with strengthened faces does not count for finite elements without: shallow ground may fail before.
     """
     bounds = results.bounds
     if bounds is None or bounds.sides != fem.settings.sides or flow != "associated":
         return None
-    complete = (part for part in bounds.safety if part.lower is not None and part.upper is not None)
-    return next((part for part in complete if part.kh == factor.kh), None)
+    part = next((part for part in bounds.safety if part.kh == factor.kh), None)
+    if part is None or (part.lower is None and part.upper is None):
+        return None
+    other_ground = part.shallow_failure is not None and factor.shallow_failure is None
+    below = part.lower is not None and falls_below(factor.factor, part.lower)
+    return part.model_copy(update={"lower": None}) if other_ground and below else part
 
 
 def remaining_error(factor: FactorOfSafety, strict: SafetyPart | None) -> float | None:

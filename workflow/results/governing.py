@@ -2,12 +2,18 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from dem.settings import SlideMethod
+from fem.continuum.loads import Direction, sign_of
+from workflow.estimates.comparison import estimates
+from workflow.estimates.estimate import Estimate, with_flow_failure
+from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.slide_error import SlideError, slide_error
-from workflow.results.accuracy import Accuracy, accuracy, exceeds, strict_factor
+from workflow.results.accuracy import Accuracy, accuracy, exceeds, falls_below, strict_factor
 from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import FactorOfSafety
+from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 
@@ -21,48 +27,122 @@ class GoverningKh:
     Attributes
     ----------
     value : the critical Kh (-)
-    by_elements : whether the critical Kh is the value by finite elements. Otherwise it is the upper end of its
-        interval, which the finite elements exceed.
-    is_limit : whether the critical Kh is only an upper limit, because the ends of its interval are far apart
+    bound : the strict bound that counts, because the finite elements lie beyond it; None if the finite elements count
+    is_limit : whether the critical Kh is only an upper or a lower limit, because the ends of its interval are far apart
     interval : interval of the critical Kh by meshes and strict bounds; None if it is not known
     """
 
     value: float
-    by_elements: bool = True
+    bound: Literal["lower", "upper"] | None = None
     is_limit: bool = False
     interval: Accuracy | None = None
 
     @property
     def text(self) -> str:
-        """Return the critical Kh to three places, with a sign for an upper limit."""
-        return f"{'≤ ' if self.is_limit else ''}{self.value:.3f}"
+        """Return the critical Kh to three places, with a sign for an upper or lower limit."""
+        return f"{self.sign} {self.value:.3f}" if self.is_limit else f"{self.value:.3f}"
+
+    @property
+    def sign(self) -> str:
+        """Return the relation of the critical Kh to its value: "=", or "≤" or "≥" for a limit."""
+        return "=" if not self.is_limit else "≤" if self.bound == "upper" else "≥"
 
 
 def governing_kh(results: Results) -> GoverningKh | None:
-    """Return the critical Kh that counts: the value by finite elements or, if this value exceeds the upper bound, the
-    bound. Return None without any value.
+    """Return the critical Kh that counts: the value by finite elements or, if this value lies beyond a strict bound,
+    the bound. Return None without any value.
     """
     kc, fem = results.kc, results.fem
     if kc is None or fem is None:
         return None
     interval = accuracy(results, fem)
-    if interval is None or not exceeds(kc, interval.high):
-        return GoverningKh(kc, interval=interval)
-    return GoverningKh(interval.high, False, interval.low < CLOSE_BOUNDS * interval.high, interval)
+    if interval is None:
+        return GoverningKh(kc)
+    is_wide = interval.low < CLOSE_BOUNDS * interval.high
+    if exceeds(kc, interval.high):
+        return GoverningKh(interval.high, "upper", is_wide, interval)
+    if falls_below(kc, interval.low):
+        return GoverningKh(interval.low, "lower", is_wide, interval)
+    return GoverningKh(kc, interval=interval)
 
 
 def governing_factor(results: Results, factor: FactorOfSafety) -> float:
-    """Return the factor of safety that counts: the value by finite elements or, if this value exceeds the strict upper
+    """Return the factor of safety that counts: the value by finite elements or, if this value lies beyond a strict
     bound, the bound."""
     fem = results.fem
     strict = strict_factor(results, fem, factor, fem.flow) if fem is not None else None
-    return governing_value(factor.factor, None if strict is None else strict.upper)
+    return factor.factor if strict is None else governing_value(factor.factor, strict.lower, strict.upper)
 
 
-def governing_value(value: float, upper: float | None) -> float:
-    """Return the critical Kh or factor of safety that counts: the ``value`` of the finite elements, or its strict upper
-    bound, if there is one and the finite elements exceed it."""
-    return value if upper is None or not exceeds(value, upper) else upper
+def governing_value(value: float, lower: float | None, upper: float | None) -> float:
+    """Return the critical Kh or factor of safety that counts: the ``value`` of the finite elements, or the strict bound
+    that this value lies beyond. A mechanism proves that the ground does not resist more than the ``upper`` bound, a
+    stress field in equilibrium that it does not resist less than the ``lower`` one; finite elements prove neither."""
+    if upper is not None and exceeds(value, upper):
+        return upper
+    return lower if lower is not None and falls_below(value, lower) else value
+
+
+def governing_face_value(value: FaceValue) -> float:
+    """Return the critical Kh or factor of safety of a face that counts: by finite elements, or its strict bound."""
+    return governing_value(value.value, value.lower, value.upper)
+
+
+def estimates_of(results: Results) -> list[Estimate]:
+    """Return all estimates of displacement, with the critical Kh that counts; estimates of lateral spreads state
+    whether they apply to ground that flows."""
+    cases = results.liquefied.cases if results.liquefied is not None else ()
+    factors = [case.factor for case in cases if case.stands == "flows" and case.factor is not None]
+    governing, config = governing_kh(results), results.config
+    kc = None if governing is None else governing.value
+    return with_flow_failure(estimates(config.section, config, kc, results.slip_surface), factors)
+
+
+def faces_with_bounds(results: Results) -> FacesAnswer | None:
+    """Return the faces of structures with the strict bounds of each value: a face that fails first, without strong
+    zones, has the bounds of the section. None if the faces were not computed."""
+    if results.faces is None:
+        return None
+    bounded = tuple(_with_bounds(results, face) for face in results.faces.faces)
+    return results.faces.model_copy(update={"faces": bounded})
+
+
+def _with_bounds(results: Results, face: FaceStrength) -> FaceStrength:
+    ends = {"critical": section_kh_bounds(results, face.towards), "safety": section_factor_bounds(results)}
+    bounded = {
+        quantity: value.model_copy(
+            update={
+                "lower": value.lower if lower is None else lower,
+                "upper": value.upper if upper is None else upper,
+            }
+        )
+        for quantity, (lower, upper) in ends.items()
+        if (value := getattr(face, quantity)) is not None and not value.held
+    }
+    return face.model_copy(update=bounded)
+
+
+def section_kh_bounds(results: Results, towards: Literal["left", "right"]) -> tuple[float | None, float | None]:
+    """Return the strict bounds of the critical Kh of the section with the seismic force to one side."""
+    bounds = results.bounds
+    if bounds is None:
+        return None, None
+    is_downhill = sign_of(results.config.section, "downhill") == (LEFT if towards == "left" else RIGHT)
+    direction: Direction = "downhill" if is_downhill else "uphill"
+    part = bounds.towards(direction) or (bounds if bounds.direction == direction else None)
+    return (None, None) if part is None else (part.lower, part.upper)
+
+
+def section_factor_bounds(results: Results) -> tuple[float | None, float | None]:
+    """Return the strict bounds of the factor of safety of the section without shaking."""
+    fem = results.fem
+    factor = next((row for row in fem.safety_factors if row.kh == 0.0), None) if fem is not None else None
+    if fem is not None and factor is not None:
+        strict = strict_factor(results, fem, factor, "associated")
+    else:
+        parts = results.bounds.safety if results.bounds is not None else ()
+        strict = next((part for part in parts if part.kh == 0.0), None)
+    return (None, None) if strict is None else (strict.lower, strict.upper)
 
 
 @dataclass(frozen=True)

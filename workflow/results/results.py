@@ -8,8 +8,6 @@ import numpy as np
 
 from fem.search.result_warnings import ComparedKh, ResultWarning, of_bounds, of_others
 from workflow.config import Config
-from workflow.estimates.comparison import estimates
-from workflow.estimates.estimate import Estimate, with_flow_failure
 from workflow.results.answer import Answer
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
@@ -126,14 +124,6 @@ class Results:
         """Return points (n, 2) in m of the slip surface of the FEM; none without a mechanism."""
         end = self.fem.last_in_equilibrium() if self.fem is not None else None
         return np.array(end.slip_surface if end is not None else []).reshape(-1, 2)
-
-    @property
-    def estimates(self) -> list[Estimate]:
-        """Return all estimates of displacement; estimates of lateral spreads state whether they apply to ground that
-        flows."""
-        cases = self.liquefied.cases if self.liquefied is not None else ()
-        factors = [case.factor for case in cases if case.stands == "flows" and case.factor is not None]
-        return with_flow_failure(estimates(self.config.section, self.config, self.kc, self.slip_surface), factors)
 
     @property
     def warnings(self) -> list[ResultWarning]:

@@ -25,6 +25,7 @@ class SafetySummary(Part):
 
     kh: float
     factor: float
+    governing: float = Field(description="factor of safety that counts: the factor, or the strict bound it lies beyond")
     davis: float | None = Field(description="Davis's estimate (low, no bound) if the factor is with ψ = φ")
     associated: float | None = Field(description="factor of safety with ψ = φ, if the factor is Davis's estimate")
 
@@ -34,6 +35,9 @@ class FemSummary(Part):
     equilibrium."""
 
     kc: float | None
+    kc_governing: float | None = Field(
+        description="critical Kh that counts: kc, or the strict bound that kc lies beyond"
+    )
     kc_lower: float
     kc_upper: float | None
     verdict: PathVerdict

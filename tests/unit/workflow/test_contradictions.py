@@ -218,9 +218,10 @@ def test_the_console_has_the_interval_of_strict_bounds_and_what_they_contradict(
         fem_sentences(answer, run.section, False, results(run, fem=answer, bounds=bounds(run, 0.0875, 0.089)))
     )
     assert messages[0].endswith(
-        "The range by strict bounds is 0.087 to 0.089. The finite elements lie 1.0 % above this interval: use its "
-        "upper end."
+        "The range by strict bounds is 0.087 to 0.089. The finite elements give 0.090, 1.0 % above this range, whose "
+        "upper end is the critical Kh."
     )
+    assert messages[0].startswith("Critical Kh = 0.089 with ψ = φ.")
     far = results(run, fem=answer, bounds=bounds(run, 0.078, 0.08))
     assert any(text.startswith("Contradiction: The critical Kh of 0.090 lies 12 % above the strict upper bound")
                for text in fem_sentences(answer, run.section, False, far))  # fmt: skip

@@ -192,4 +192,4 @@ def test_console_tells_where_the_ground_slips_and_that_the_other_direction_has_o
     assert "0.400" in [row.value for row in stability_rows(results(run, fem=finer), Texts())]
     interval = Accuracy(0.2638, 0.2655, "by strict bounds", sure=True)
     assert range_sentence(answer, interval) == "The range by strict bounds is 0.264 to 0.266."
-    assert "use its upper end" in range_sentence(answer, replace(interval, high=0.2640))
+    assert "0.266, 0.7 % above this range, whose upper end" in range_sentence(answer, replace(interval, high=0.2640))

@@ -192,6 +192,24 @@ def test_a_face_of_finite_elements_above_their_strict_bound_has_the_value_of_the
     )
 
 
+def test_a_face_of_finite_elements_below_its_strict_bound_has_the_value_of_the_bound() -> None:
+    """Only upper bounds were known to the choice of the number: 0.148 would have stood beside 0.150 to 0.152."""
+    left, right = answer().faces
+    assert left.critical is not None
+    critical = left.critical.model_copy(update={"lower": 0.150, "upper": 0.152})
+    below = answer().model_copy(update={"faces": (left.model_copy(update={"critical": critical}), right)})
+    config = levee()
+    answers = results(config, slices=by_slices(config), faces=below)
+    assert face_lines(answers)[0].critical.pair("elements", 3) == ("0.150", "0.102")
+    assert (
+        "Critical Kh of embankment at x = 69 m, riverward, left: the finite elements give 0.148, below the strict "
+        "lower bound, which counts."
+    ) in list(note_sentences(answers))
+    assert "strict bounds 0.150 to 0.152 (the lower bound counts: the finite elements give 0.148)" in next(
+        faces_sentences(below)
+    )
+
+
 def test_a_face_that_fails_first_has_the_bounds_of_the_section() -> None:
     """Without strong zones the section is the face's own ground: the command printed no bounds for such a face."""
     config = levee()
