@@ -142,10 +142,10 @@ class FemSettings(Model):
     flow: FlowSetting = Field(
         default="auto",
         description=(
-            '"associated" sets ψ = φ, "davis" takes Davis\'s estimate where ψ < φ (less strength, associated '
-            'flow), "non-associated" follows an equilibrium path with the ψ of the strata; "auto": "associated", '
-            'or "davis" where the strata give a dilation angle below φ. Results by one of the first two also '
-            "state the result by the other one"
+            '"associated" (ψ = φ), "davis" (Davis\'s estimate where ψ < φ: less strength, associated flow), '
+            '"non-associated" (equilibrium path with the ψ of the strata) or "auto" ("davis" where the strata give a '
+            'dilation angle below φ, "associated" elsewhere). Results with "associated" and "davis" each state the '
+            "result by the other one"
         ),
     )
     davis: DavisForm = Field(

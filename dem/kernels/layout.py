@@ -176,8 +176,8 @@ def place_links(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def find_changed(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Compute `changed` and `changed_start` of a layout; lanes without a contact take the kind of the same lane in the
-    chunk before.
+    """Find the groups of lanes whose contacts have other constants than the same lanes of the chunk before: `changed`
+    and `changed_start` of a `Layout`. Lanes without a contact take the kind of the same lane in the chunk before.
     """
     chunks = len(kind) // LANES
     for at in range(LANES, len(kind)):

@@ -280,7 +280,7 @@ def move_shared(
     `move_slice`.
 
     team: the threads; taken: steps taken; layout, buffer, step, entries: as in `move_slice`; shared, need: see
-    `sharing.needs`.
+    `sharing.neighbour_slices`.
     """
     slices = len(layout.chunk_start) - 1
     nobody = np.int64(-1)
@@ -313,10 +313,10 @@ def take_steps(
 
     team: the threads; clock: steps to take and the time; layout: discs and contacts; springs: constants; law: law of
     the contacts; loads: acceleration; entries: entries of the energy balance; reach: square of the displacement after
-    which a disc needs a new neighbour list (m2); shared, need: see `sharing.needs`; buffer: see `new_buffer`. If there
-    are no steps to take, the function computes the contacts in the present state and moves no disc. Returns (steps
-    taken, time, reason): MOVED if the neighbour list must be made anew before the next step, OVERLAP if two discs
-    overlap by more than allowed, DONE otherwise.
+    which a disc needs a new neighbour list (m2); shared, need: see `sharing.neighbour_slices`; buffer: see
+    `new_buffer`. If there are no steps to take, the function computes the contacts in the present state and moves no
+    disc. Returns (steps taken, time, reason): MOVED if the neighbour list must be made anew before the next step,
+    OVERLAP if two discs overlap by more than allowed, DONE otherwise.
     """
     thread, threads, barrier = team.thread, team.threads, team.barrier
     slices = len(layout.chunk_start) - 1

@@ -339,7 +339,8 @@ def take_off(
 ) -> None:  # fmt: skip
     """Subtract from the velocities of the points of some stripes the velocity that the grid resolves: (I - S) (v, C).
 
-    ``velocity`` (nx, nz, 4): velocities of the nodes; ``v`` (n, 2), ``affine`` (n, 4) are changed; ``stripes``,
+    ``velocity`` (nx, nz, 4): velocities of the nodes before and after a step, of which the first two components are
+    subtracted; ``v`` (n, 2), ``affine`` (n, 4) are changed; ``stripes``,
     ``offsets``, ``x``, ``cell``, ``slope``, ``periodic``: as in `scatter`.
     """
     inverse, columns = 1.0 / cell, velocity.shape[0]

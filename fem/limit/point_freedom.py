@@ -201,8 +201,11 @@ def _largest_slack(problem: LimitProblem, point: int, cells: np.ndarray, edges: 
 
 
 def _most_dilation(rates: np.ndarray, sin: np.ndarray) -> float:
-    """Return the largest s of ``_largest_slack``, for strain rates (k, [xx, yy, xy], n) of n unknowns and sin φ
-    (k,)."""
+    """Return the largest s such that volumetric rate - sin φ shear rate >= s in all k cells; unknowns are at most 1.
+
+    ``rates`` (k, [xx, yy, xy], n): strain rates by the n unknowns; ``sin`` (k,): sin φ of the cells, whose volume is
+    constant where it is 0.
+    """
     clay, sand = rates[sin == 0.0], rates[sin > 0.0]
     sin, size = sin[sin > 0.0, None], rates.shape[-1]
     cone = np.stack([sand[:, 0] + sand[:, 1], sin * (sand[:, 0] - sand[:, 1]), sin * sand[:, 2]], axis=1)

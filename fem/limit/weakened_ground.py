@@ -156,7 +156,7 @@ class WeakenedGround:
 
         A mechanism is no starting point for a mechanism of other strength: its strain rates lie at the limit of the
         flow rule, which turns with φ. From there the solver took 35 to 51 iterations, or broke down, instead of 20 to
-        26 from its own start. What remains is the order of elimination.
+        26 from its own start. The order of elimination alone is therefore used again.
         """
         last, point = self.starting_points.get(side, (factor, None))
         if point is None or abs(math.log(factor / last)) >= NEAR:

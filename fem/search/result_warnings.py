@@ -16,12 +16,12 @@ class ResultWarning:
 
     Attributes
     ----------
-    what : the observation, a sentence with its numbers
+    observation : what was observed, a sentence with its numbers
     remedy : advice on what the user can change
     contradiction : whether the observation contradicts the answer; if not, it is a note
     """
 
-    what: str
+    observation: str
     remedy: str
     contradiction: bool = True
 
@@ -47,10 +47,10 @@ class ComparedKh:
 
 
 def of_bounds(
-    kc: float, lower: float | None, upper: float | None, same_flow: bool, what: str = "critical Kh"
+    kc: float, lower: float | None, upper: float | None, same_flow: bool, quantity: str = "critical Kh"
 ) -> Iterator[ResultWarning]:
-    """Compare ``what``, a critical Kh or a factor of safety, with strict bounds of the same flow rule (``same_flow``)
-    or of ψ = φ.
+    """Compare a ``quantity``, a critical Kh or a factor of safety, with strict bounds of the same flow rule
+    (``same_flow``) or of ψ = φ.
 
     If the critical Kh has a smaller ψ, only the upper bound of ψ = φ is used: ground that dilates less does not resist
     more. A difference within the error of a mesh (`REPEAT_TOLERANCE`) is a note, a larger one a contradiction. ``kc``:
@@ -59,14 +59,14 @@ def of_bounds(
     whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
     if upper is not None and kc > upper + max(BOUND_TOLERANCE * upper, KH_TOLERANCE):
         yield ResultWarning(
-            f"The {what} of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.0f} % above the strict upper bound{whose}, "
+            f"The {quantity} of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.0f} % above the strict upper bound{whose}, "
             f"{upper:.3f}.",
             f"take {upper:.3f} as an upper limit and refine the mesh",
             contradiction=kc > upper + max(REPEAT_TOLERANCE * upper, KH_TOLERANCE),
         )
     if same_flow and lower is not None and kc < lower - max(ORDER_TOLERANCE * lower, KH_TOLERANCE):
         yield ResultWarning(
-            f"The {what} of {kc:.3f} lies below the strict lower bound, {lower:.3f}.",
+            f"The {quantity} of {kc:.3f} lies below the strict lower bound, {lower:.3f}.",
             f"take {lower:.3f} as a lower limit and refine the mesh",
             contradiction=kc < lower - max(REPEAT_TOLERANCE * lower, KH_TOLERANCE),
         )

@@ -11,11 +11,11 @@ from fem.solvers import cholmod
 from meshes.executor import interruptible
 
 MOST_CORRECTIONS = 30
-# What is added to the diagonal of A Aᵀ, whose rows have the length 1, so that rows may depend on each other; what that
-# leaves of the equations the next correction takes out.
+# Added to the diagonal of A Aᵀ, where the rows of A have the length 1, so that rows may depend on each other. The
+# residual that the shift leaves is removed by the next correction.
 DIAGONAL_SHIFT = 1e-10
-# Equations, at least, for which the factors of CHOLMOD are the quicker ones; and what they may leave (-), rounding of
-# A Aᵀ being the square of what it is for A: the rest is for Clarabel.
+# Number of equations from which CHOLMOD is faster than Clarabel; and the largest residual (-) that counts as zero.
+# CHOLMOD may not reach it, since A Aᵀ has the square of the condition number of A; Clarabel then corrects the residual.
 CHOLMOD_EQUATIONS, LARGEST_RESIDUAL = 500, 1e-13
 
 

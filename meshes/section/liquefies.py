@@ -9,7 +9,8 @@ from pydantic import PlainSerializer, PlainValidator
 
 TRIGGERED = "triggered"
 LIQUEFIES_IN = (
-    f'the cases in which the stratum liquefies, such as [1, 2, 3], or "{TRIGGERED}": as borings and earthquake tell'
+    f'the cases in which the stratum liquefies, such as [1, 2, 3], or "{TRIGGERED}" if the tests in borings and the '
+    "earthquake decide whether it liquefies"
 )
 
 

@@ -69,7 +69,7 @@ def variant(name: str, change: str, kc: float | None) -> Variant:
 
 def warned(result: Results) -> list[str]:
     """Return the warnings of a run with their remedies, the most important first."""
-    return [f"{warning.what} {warning.remedy}".strip() for warning in warnings(result)]
+    return [f"{warning.observation} {warning.remedy}".strip() for warning in warnings(result)]
 
 
 def liquefying_config() -> Config:

@@ -101,7 +101,7 @@ def test_samples_of_it_have_answers(said: Ask, folder: Path) -> None:
     assert "2 samples of 3 uncertain numbers" in message
     assert "all with an answer" in message
     answer = json.loads((folder / "study/study.json").read_text())
-    assert (answer["failed"], answer["without"]) == (0, [])
+    assert (answer["failed"], answer["parts_without_answer"]) == (0, [])
     assert {item["name"]: item["samples"] for item in answer["results"]}["block_slide_m"] == 2
 
 

@@ -94,7 +94,7 @@ def test_what_is_read_is_what_was_found(name: str, runs: dict[str, Path], tab: P
     read = tab.value("[...document.querySelectorAll('.short p')].map(p => p.textContent)")
     assert read == summary["in_short"]
     warned = tab.value("[...document.querySelectorAll('.warnings td:nth-child(2)')].map(cell => cell.textContent)")
-    assert warned == [entry["what"] for entry in summary["warnings"] if entry["weight"] < 3][:9]
+    assert warned == [entry["observation"] for entry in summary["warnings"] if entry["weight"] < 3][:9]
     assert RUNS[name][1] in " ".join(read)
     assert disagreements([*read, *summary["findings"]], summary) == []
     numbers = tab.value("[...document.querySelectorAll('.answer b')].map(cell => cell.textContent)")

@@ -101,7 +101,7 @@ def converge(
     if not quiet:
         for series in answer.series:
             values = ", ".join(f"{value:.3g}" for value in series.values)
-            say(f"{series.name} over the {series.over}: {values}, tends to {series.limit:.3g}; {series.verdict}")
+            say(f"{series.name} over the {series.refined}: {values}, tends to {series.limit:.3g}; {series.verdict}")
         say("All slides have converged." if answer.converged else "Not all slides have converged.")
         for reason in answer.missing:
             say(f"Without an answer: {reason}")

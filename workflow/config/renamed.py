@@ -58,13 +58,33 @@ RENAMED = (
     Renamed("fem", "flow", values={"section": "non-associated"}),
     Renamed("slide", "judges", new_key="methods"),
 )
-# Keys of the files that a run leaves.
-ANSWER_KEYS = {
-    "doubt": "warning",
-    "doubts": "warnings",
-    "skin": "shallow_failure",
-    "skins": "shallow_failures",
-}
+# Keys of the files that a run leaves: old key, new key, and another key of the same table ("" for any table), without
+# which the old key is the name of something else, such as a stratum.
+ANSWER_KEYS = (
+    ("doubt", "warning", ""),
+    ("doubts", "warnings", ""),
+    ("skin", "shallow_failure", ""),
+    ("skins", "shallow_failures", ""),
+    ("what", "observation", "remedy"),
+    ("rest", "remaining_error", "factor"),
+    ("held", "strong_zones", "slip_surface"),
+    ("by", "method", "reconsolidation_m"),
+    ("of", "subject", "criterion"),
+    ("over_effective", "residual_strength_ratio", "cohesion_kPa"),
+    ("judged", "assessed", "liquefies"),
+    ("left", "residual_strengths", "relations"),
+    ("first", "first_order", "correlation"),
+    ("first_ci95", "first_order_ci95", "correlation"),
+    ("total", "total_order", "correlation"),
+    ("total_ci95", "total_order_ci95", "correlation"),
+    ("over", "coefficient", "low"),
+    ("chance", "probability", "low"),
+    ("without", "parts_without_answer", "seed"),
+    ("fails", "failure_probability", "seed"),
+    ("over", "refined", "sizes"),
+    ("left", "remaining_error", "sizes"),
+    ("within", "tolerance", "converged"),
+)
 
 
 def current(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -93,7 +113,8 @@ def current_answer(data: Any) -> Any:
         return [current_answer(each) for each in data]
     if not isinstance(data, dict):
         return data
-    answer = {ANSWER_KEYS.get(str(key), str(key)): current_answer(each) for key, each in data.items()}
+    new_keys = {old: new for old, new, sibling in ANSWER_KEYS if not sibling or sibling in data}
+    answer = {new_keys.get(str(key), str(key)): current_answer(each) for key, each in data.items()}
     for rule in RENAMED:
         answer = rule.moved(answer, rule.key, rule.key_now)
     return answer

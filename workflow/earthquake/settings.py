@@ -153,7 +153,7 @@ class EarthquakeSettings(Model):
         return (
             f"the peak acceleration of [earthquake] is {motion.median / GAL:.0f} gal, {motion.relation}, where "
             f"{expectation} ({low:.0f} to {high:.0f} gal; {let_expect.relation}): the peak is used; relations that "
-            "need the distance take it as given"
+            "need the distance use the given distance"
         )
 
     def notices(self, slide: SlideSettings | None) -> list[str]:

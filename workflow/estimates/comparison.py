@@ -61,7 +61,7 @@ class BlockDrive:
         """Return the loading in words."""
         if self.cycles is not None:
             return f"in both directions ({self.cycles:g} cycles, period {self.period:g} s)"
-        return "held" if math.isinf(self.seconds) else f"for {self.seconds:g} s"
+        return "constant" if math.isinf(self.seconds) else f"for {self.seconds:g} s"
 
 
 def block_drive(settings: Tables) -> BlockDrive:

@@ -44,12 +44,12 @@ def effects(results: Sequence[Result], title: str) -> Frames:
     picture = Frames(HEIGHT, f"{title}: influence of the uncertain numbers")
     for axes, result in zip(np.ravel([picture.figure.subplots(1, len(shown))]), shown, strict=True):
         bars = result.effects[:SHOWN]
-        indices = all(effect.total is not None for effect in bars)
-        lengths = [(effect.total if indices else effect.correlation) or 0.0 for effect in bars]
+        indices = all(effect.total_order is not None for effect in bars)
+        lengths = [(effect.total_order if indices else effect.correlation) or 0.0 for effect in bars]
         places = -np.arange(len(bars))
         axes.barh(places, lengths, color=[CONTINUUM if length >= 0.0 else CRITICAL for length in lengths])
         if indices:
-            ends = np.array([effect.total_ci95 for effect in bars], dtype=float).T
+            ends = np.array([effect.total_order_ci95 for effect in bars], dtype=float).T
             axes.hlines(places, *ends, color=INK, linewidth=1.0)
         else:
             axes.axvspan(-result.by_chance, result.by_chance, color=PALE, alpha=0.6, linewidth=0, zorder=0)
@@ -114,7 +114,7 @@ def convergence(series: Sequence[Series], title: str) -> Frames:
         axes.set_title(
             f"{row.name}\n{row.verdict.split(':')[0]}", fontsize=6.5, loc="left", color=INK, parse_math=False
         )
-        across = "radius (m)" if row.over == "radius" else "time step over the stable step (-)"
+        across = "radius (m)" if row.refined == "radius" else "time step over the stable step (-)"
         axes.set_xlabel(across, fontsize=7, color=INK)
         axes.set_xlim(left=0.0)
         axes.tick_params(labelsize=6.5, colors=INK)
@@ -136,8 +136,8 @@ def _broken(path: str) -> str:
 
 
 def _band(axes: Axes, curve: ProbabilityCurve, colour: str, label: str) -> None:
-    axes.fill_between(curve.over, curve.low, curve.high, color=colour, alpha=0.18, linewidth=0)
-    axes.plot(curve.over, curve.chance, color=colour, linewidth=1.4, label=label)
+    axes.fill_between(curve.coefficient, curve.low, curve.high, color=colour, alpha=0.18, linewidth=0)
+    axes.plot(curve.coefficient, curve.probability, color=colour, linewidth=1.4, label=label)
 
 
 def _label(axes: Axes, across: str, up: str) -> None:

@@ -102,7 +102,8 @@ def fem_sentences(
         strict = strict_factor(results, answer, factor, answer.flow) if results is not None else None
         yield safety_sentence(factor, answer, every, strict)
     for warning in (*answer.warnings, *(results.warnings_by_bounds() if results is not None else ())):
-        yield f"{'Contradiction' if warning.contradiction else 'Warning'}: {warning.what} To do: {warning.remedy}."
+        kind = "Contradiction" if warning.contradiction else "Warning"
+        yield f"{kind}: {warning.observation} To do: {warning.remedy}."
     for _, text in sides_warning(answer, section):
         yield "Warning: {} To do: {}".format(*split_warning(text))
 
@@ -115,7 +116,11 @@ def safety_sentence(
     ``strict``: strict bounds of the factor, which limit the error by the mesh.
     """
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
-    rest = f", with a mesh error of {100 * factor.rest:.1f} % or less" if factor.rest is not None else ""
+    mesh_error = (
+        f", with a mesh error of {100 * factor.remaining_error:.1f} % or less"
+        if factor.remaining_error is not None
+        else ""
+    )
     compared = factor.davis if factor.davis is not None else factor.associated
     ends = (None, None) if strict is None else (strict.lower, strict.upper)
     governing = governing_value(factor.factor, *ends)
@@ -124,9 +129,9 @@ def safety_sentence(
         return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, where the search ended."
     of_mesh = factor.reason.startswith("the factor of safety")
     end = "This is " if of_mesh else f"{factor.verdict.capitalize()}{most}, "
-    phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {end}{factor.reason}{rest}."
+    phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {end}{factor.reason}{mesh_error}."
     if not every:
-        gain = remaining_error(factor, strict) or 0.0 if factor.rest is not None else 0.0
+        gain = remaining_error(factor, strict) or 0.0 if factor.remaining_error is not None else 0.0
         finer = f" A finer mesh may give {100 * gain:.1f} % less." if gain >= REPORTED_ERROR else ""
         phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}.{finer}"
     if factor.slip_surface:
@@ -295,7 +300,7 @@ def _slides(config: Config, store: Store) -> Iterator[str]:
     if "mpm" in config.slide.methods and (store.folder / PointSlidesAnswer.FILE).is_file():
         points = PointSlidesAnswer.read(store)
         opinions = second_opinions(answer, points if points.section.sha256 == label.sha256 else None)
-        yield from (f"Warning: {opinion.what} {opinion.remedy}" for opinion in contradicting(opinions))
+        yield from (f"Warning: {opinion.observation} {opinion.remedy}" for opinion in contradicting(opinions))
         yield from agreeing(opinions)
 
 
@@ -344,7 +349,9 @@ def run_lines(answer: Summary, texts: Texts | None = None) -> list[str]:
     lines += verdict_paragraph(list(answer.criteria or ()), _)
     failed = [f"the stage {stage} has no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]
     lines += failed[:1]
-    warnings = [" ".join(_.sentence(text) for text in (part.what, part.remedy) if text) for part in answer.warnings]
+    warnings = [
+        " ".join(_.sentence(text) for text in (part.observation, part.remedy) if text) for part in answer.warnings
+    ]
     shown = warnings[: max(MOST_LINES - len(lines) - 1, 0)]
     lines += [f"- {line}" for line in shown]
     if len(warnings) > len(shown):

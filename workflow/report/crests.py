@@ -39,8 +39,8 @@ def crest_parts(
         for number, point in sorted(points.cases.items()) if points is not None else ():
             value = crest_settlement(*point.surfaces, structure.crest)
             if value is not None:
-                of = f"material points, {config.called(number)}"
-                yield _part(config, structure, of, number, (value, value, value), at_rest(point))
+                method = f"material points, {config.called(number)}"
+                yield _part(config, structure, method, number, (value, value, value), at_rest(point))
 
 
 def _over_packings(value: float | None, profile: Profile | None, crest: Crest) -> Settlements | None:
@@ -57,7 +57,7 @@ def _over_packings(value: float | None, profile: Profile | None, crest: Crest) -
 
 
 def _part(
-    config: Config, structure: CrestedStructure, by: str, case: int, slide: Settlements, at_rest: bool
+    config: Config, structure: CrestedStructure, method: str, case: int, slide: Settlements, at_rest: bool
 ) -> CrestPart:
     drained = reconsolidation_below(config, structure.crest, case)
     added = 0.0 if config.cases[case - 1].volumetric_strain > 0.0 else drained or 0.0
@@ -69,7 +69,7 @@ def _part(
     ]
     return CrestPart(
         structure=structure.name,
-        by=by,
+        method=method,
         settlement_m=value,
         settlement_low_m=low,
         settlement_high_m=high,
@@ -135,7 +135,7 @@ def crest_sentences(parts: Iterator[CrestPart]) -> Iterator[str]:
         left_over = "" if part.freeboard_m is None else f"; the remaining freeboard is {metres(part.freeboard_m)}"
         moves = "" if part.at_rest else "; the slide is not at rest"
         yield (
-            f"Crest of {part.structure}, {part.by}: the crest settles "
+            f"Crest of {part.structure}, {part.method}: the crest settles "
             f"{metres(part.settlement_m)}{spread}{drained}{left_over}"
             f"{moves}."
         )

@@ -261,14 +261,18 @@ def note_sentences(results: Results) -> Iterator[str]:
     for face in answer.faces if answer is not None else ():
         of = f"{face.structure}, towards the {face.towards}"
         values = {"critical Kh": face.critical, "factor of safety": face.safety}
-        if face.critical is not None and face.safety is not None and face.critical.held == face.safety.held:
+        if (
+            face.critical is not None
+            and face.safety is not None
+            and face.critical.strong_zones == face.safety.strong_zones
+        ):
             values = {"critical Kh and factor of safety": face.critical}
         for what, value in values.items():
-            if value is not None and value.held:
+            if value is not None and value.strong_zones:
                 where = " and ".join(
                     f"from x = {zone.start:.0f} to {zone.end:.0f} m"
                     + (f" down to {zone.depth:.1f} m" if zone.depth < 1e3 else "")
-                    for zone in value.held
+                    for zone in value.strong_zones
                 )
                 yield (
                     f"{what[0].upper()}{what[1:]} of {of}, by finite elements and bounds: the ground {where} is "

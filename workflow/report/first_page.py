@@ -248,7 +248,9 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
     interval is empty if none of these is known.
     """
     strict = strict_factor(results, fem, factor, fem.flow)
-    by_meshes = None if factor.rest is None else (factor.factor * (1.0 - factor.rest), factor.factor)
+    by_meshes = (
+        None if factor.remaining_error is None else (factor.factor * (1.0 - factor.remaining_error), factor.factor)
+    )
     if strict is not None and strict.lower is not None and strict.upper is not None:
         low, high, method = strict.lower, strict.upper, proven_by(strict.shallow_failure is not None)
         if by_meshes is not None and by_meshes[0] <= high and low <= by_meshes[1]:

@@ -149,7 +149,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
 
 def _is_checked(warning: WarningPart, checks: Sequence[tuple[str, str]]) -> bool:
     """Return whether one of the checks already gives a warning."""
-    return any(warning.what in words for _, words in checks)
+    return any(warning.observation in words for _, words in checks)
 
 
 def _names_of_thirds(section: Section, texts: Texts) -> tuple[str, str, str]:

@@ -96,8 +96,8 @@ class SufficientStrength:
     def words(self) -> str:
         """Return the strengths as a sentence without its full stop."""
         phrases = [
-            f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)} ({s.over_effective:.2g} of its mean vertical effective "
-            "stress)"
+            f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)} ({s.residual_strength_ratio:.2g} of its mean vertical "
+            "effective stress)"
             for s in self.strata
         ]
         sentence = f"The residual strength required to stand without shaking is {self.qualifier} {listed(phrases)}"

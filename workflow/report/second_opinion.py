@@ -123,7 +123,7 @@ def contradicting(opinions: dict[int, SecondOpinion]) -> Iterator[WarningPart]:
         {number: [opinion.sentence()] for number, opinion in opinions.items() if not opinion.agreed}
     ):
         observation, remedy = split_warning(warning)
-        yield WarningPart(weight=1, what=observation, remedy=remedy)
+        yield WarningPart(weight=1, observation=observation, remedy=remedy)
 
 
 def agreeing(opinions: dict[int, SecondOpinion]) -> Iterator[str]:

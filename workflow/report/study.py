@@ -100,8 +100,8 @@ def _strongest(result: Result) -> str:
     first = next((effect for effect in result.effects if effect.correlation is not None), None)
     if first is None or first.correlation is None:
         return ""
-    if first.total is not None:
-        return f"; it depends most on {first.path} (total Sobol' index {first.total:.2f})"
+    if first.total_order is not None:
+        return f"; it depends most on {first.path} (total Sobol' index {first.total_order:.2f})"
     if abs(first.correlation) <= result.by_chance:
         return "; the samples are too few to show on which numbers it depends"
     return f"; it depends most on {first.path} (correlation {first.correlation:+.2f})"

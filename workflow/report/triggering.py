@@ -14,7 +14,7 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
     peak = f"a peak acceleration of {motion.median_gal:.0f} gal{spread}{magnitude}"
     yield f"The method is {answer.method}, with {peak}, {motion.relation}."
     yield from dict.fromkeys(map(stratum_sentence, answer.strata))  # parts of a soil share their tests
-    yield from dict.fromkeys(map(_left_sentence, answer.left))
+    yield from dict.fromkeys(map(_left_sentence, answer.residual_strengths))
     for boring in answer.borings:
         yield f"{boring.name}: liquefaction potential index P_L = {boring.potential:.1f}, risk {boring.risk}."
 
@@ -36,11 +36,15 @@ def _left_sentence(stratum: ResidualPart) -> str:
 def stratum_sentence(stratum: StratumPart) -> str:
     """Return whether a stratum liquefies, or why this was not assessed."""
     name = shown_name(stratum.name)
-    if not stratum.judged or stratum.share is None:
+    if not stratum.assessed or stratum.share is None:
         return f"{name} was not assessed ({stratum.reason})."
     word = "liquefies" if stratum.liquefies else "does not liquefy"
     phrase = f"{name} {word}: F_L is below 1 in {100.0 * stratum.share:.0f} % of it"
     if stratum.lowest_factor is not None:
         phrase += f", and the smallest F_L is {stratum.lowest_factor:.2f}"
-    rest = stratum.tests - stratum.judged
-    return phrase + (f"; {rest} of {stratum.tests} tests in it were not assessed ({stratum.reason})." if rest else ".")
+    not_assessed = stratum.tests - stratum.assessed
+    return phrase + (
+        f"; {not_assessed} of {stratum.tests} tests in it were not assessed ({stratum.reason})."
+        if not_assessed
+        else "."
+    )

@@ -125,7 +125,7 @@ def _bounds(results: Results, bounds: BoundsAnswer) -> str:
     are the same.
     """
     phrase = f"{bounds.words} ({bounds.sides} sides; {bounds.flow.rstrip('.')})."
-    contradictions = [f"{warning.what} To do: {warning.remedy}." for warning in results.warnings_by_bounds()]
+    contradictions = [f"{warning.observation} To do: {warning.remedy}." for warning in results.warnings_by_bounds()]
     return " ".join([phrase, *(contradictions or ["No result of the finite elements contradicts these bounds."])])
 
 

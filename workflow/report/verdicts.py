@@ -49,13 +49,13 @@ def _verdict_parts(
     criterion: Criterion, limit: float, source: str, ranges: Iterator[Interval], kh: float | None = None
 ) -> Iterator[VerdictPart]:
     answers = list(ranges) or [("the section", None, None, "it was not computed")]
-    for of, low, high, reason in answers:
+    for subject, low, high, reason in answers:
         verdict = judge(low, high, limit, criterion in AT_LEAST)
         if verdict == "not decided" and not reason:
             reason = "the limit lies inside the interval"
         yield VerdictPart(
             criterion=criterion,
-            of=of,
+            subject=subject,
             low=None if low is None or abs(low) == OPEN_END else low,
             high=None if high is None or abs(high) == OPEN_END else high,
             limit=limit,
@@ -199,7 +199,7 @@ def _largest(along: Line, start: float, end: float) -> float | None:
 def _settlements(results: Results) -> Iterator[Interval]:
     for part in crest_parts(results.config, results.cases, results.mpm):
         high = part.settlement_high_m if part.at_rest else OPEN_END
-        yield f"{part.structure}, {part.by}", part.settlement_low_m, high, _unrest_reason(part.at_rest)
+        yield f"{part.structure}, {part.method}", part.settlement_low_m, high, _unrest_reason(part.at_rest)
     for row in _blocks(results):
         yield f"{row.name}, {BLOCK}", 0.0, row.block.high if row.block else None, ""
     yield from _not_computed(results)
@@ -208,7 +208,7 @@ def _settlements(results: Results) -> Iterator[Interval]:
 
 def _freeboards(results: Results) -> Iterator[Interval]:
     for part in crest_parts(results.config, results.cases, results.mpm):
-        of = f"{part.structure}, {part.by}"
+        of = f"{part.structure}, {part.method}"
         if part.freeboard_high_m is None:
             yield of, None, None, "the water has no elevation"
         else:
@@ -266,12 +266,14 @@ def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None) -> I
         verdict = common_verdict(tuple(part.verdict for part in parts_of_criterion))
         deciding = [part for part in parts_of_criterion if part.verdict == verdict]
         worst = deciding[:3] if verdict != "satisfied" else []
-        reasons = [f"{_.sentence(part.of)}: {_.sentence(part.reason) or interval_words(part)}" for part in worst]
+        reasons = [f"{_.sentence(part.subject)}: {_.sentence(part.reason) or interval_words(part)}" for part in worst]
         reason_words = f" ({_.listed(reasons)})" if reasons else ""
         limit = _number(criterion, parts_of_criterion[0].limit)
         limit = _("at least {limit}", limit=limit) if criterion in AT_LEAST else _("at most {limit}", limit=limit)
         limit += _kh_words(parts_of_criterion[0], _)
-        by_section = criterion not in OF_FACES or any(part.of.startswith("the section") for part in parts_of_criterion)
+        by_section = criterion not in OF_FACES or any(
+            part.subject.startswith("the section") for part in parts_of_criterion
+        )
         name = criterion if by_section else f"{criterion} of the faces of structures"
         source = f" [{parts_of_criterion[0].source}]" if parts_of_criterion[0].source else ""
         phrases.append(f"{_.sentence(name)} {limit}{source}: {_.sentence(verdict)}{reason_words}")

@@ -34,7 +34,7 @@ def warnings(results: Results) -> list[WarningPart]:
     merged: dict[tuple[str, str], WarningPart] = {}
     for weight, text in _warnings(results):
         observation, remedy = split_warning(text)
-        merged.setdefault((observation, remedy), WarningPart(weight=weight, what=observation, remedy=remedy))
+        merged.setdefault((observation, remedy), WarningPart(weight=weight, observation=observation, remedy=remedy))
     return sorted(merged.values(), key=lambda part: part.weight)
 
 
@@ -55,7 +55,7 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
     if fem is not None and fem.verdict == "undecided":
         yield 1, f"the finite elements found no limit load ({fem.reason}): {fem.remedy or 'refine the mesh'}"
     for warning in results.warnings:
-        yield (1 if warning.contradiction else 3), f"{warning.what.rstrip('.')}: {warning.remedy}"
+        yield (1 if warning.contradiction else 3), f"{warning.observation.rstrip('.')}: {warning.remedy}"
     if results.response is not None and results.response.warning:
         yield 2, f"in the response of the layers to {results.response.record} {results.response.warning}"
     if fem is not None:

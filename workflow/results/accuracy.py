@@ -94,9 +94,9 @@ def remaining_error(factor: FactorOfSafety, strict: SafetyPart | None) -> float 
     """Return the share by which a factor of safety may still be too large: by the sequence of meshes, and no more than
     its ``strict`` lower bound leaves; None if neither is known."""
     if strict is None or strict.lower is None:
-        return factor.rest
+        return factor.remaining_error
     left = max(0.0, 1.0 - strict.lower / factor.factor)
-    return left if factor.rest is None else min(left, factor.rest)
+    return left if factor.remaining_error is None else min(left, factor.remaining_error)
 
 
 def proven_by(strengthened: bool) -> str:

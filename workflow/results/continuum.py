@@ -68,7 +68,7 @@ class FactorOfSafety(Part):
     associated: float | None = Field(
         default=None, description="factor of safety with ψ = φ, if the factor is Davis's estimate"
     )
-    rest: float | None = Field(
+    remaining_error: float | None = Field(
         default=None, description="remaining discretisation error of the factor, as a share of the factor"
     )
     slip_surface: Line = Field(default=(), description="points [x, elevation] of the slip surface (m)")

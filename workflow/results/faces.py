@@ -24,7 +24,7 @@ class FaceValue(Part):
     lower: Known = Field(default=None, description="strict lower bound with ψ = φ, if it was computed for the face")
     upper: Known = Field(default=None, description="strict upper bound with ψ = φ, if it was computed for the face")
     slip_surface: Line = Field(default=(), description="points [x, elevation] of the slip surface (m)")
-    held: tuple[StrongZonePart, ...] = Field(
+    strong_zones: tuple[StrongZonePart, ...] = Field(
         default=(), description="strong zones in which nothing fails; empty if the face fails first without them"
     )
     reaches_crest: bool = Field(default=True, description="whether a part of the crest slides")

@@ -99,12 +99,15 @@ class LiquefiedStratum(Part):
     name: str
     cohesion_kPa: float  # noqa: N815
     friction_deg: float
-    over_effective: float = Field(description="residual strength over the mean vertical effective stress")
+    residual_strength_ratio: float = Field(description="residual strength over the mean vertical effective stress")
 
     def scaled(self, multiple: float) -> "LiquefiedStratum":
         """Return the stratum with a multiple of its residual strength."""
         return self.model_copy(
-            update={"cohesion_kPa": multiple * self.cohesion_kPa, "over_effective": multiple * self.over_effective}
+            update={
+                "cohesion_kPa": multiple * self.cohesion_kPa,
+                "residual_strength_ratio": multiple * self.residual_strength_ratio,
+            }
         )
 
 

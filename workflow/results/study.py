@@ -30,22 +30,26 @@ class Effect(Part):
             "Spearman's rank correlation, -1 to 1; for words the root of the share of variance between categories"
         )
     )
-    first: float | None = Field(
+    first_order: float | None = Field(
         default=None, description="Sobol' index of first order: share of the variance by this number alone"
     )
-    first_ci95: tuple[float, float] | None = Field(default=None, description="95 % confidence interval by bootstrap")
-    total: float | None = Field(
+    first_order_ci95: tuple[float, float] | None = Field(
+        default=None, description="95 % confidence interval by bootstrap"
+    )
+    total_order: float | None = Field(
         default=None, description="total Sobol' index: share of the variance by this number and its interactions"
     )
-    total_ci95: tuple[float, float] | None = Field(default=None, description="95 % confidence interval by bootstrap")
+    total_order_ci95: tuple[float, float] | None = Field(
+        default=None, description="95 % confidence interval by bootstrap"
+    )
 
 
 class ProbabilityCurve(Part):
     """Holds a probability over a coefficient, with its 95 % interval for the number of samples."""
 
     name: str
-    over: tuple[float, ...]
-    chance: tuple[float, ...]
+    coefficient: tuple[float, ...] = Field(description="values of Kh, or of the peak acceleration over gravity")
+    probability: tuple[float, ...]
     low: tuple[float, ...] = Field(
         description="lower end of the 95 % interval, by Wilson (1927) for independent samples, by bootstrap for a fit"
     )
@@ -119,11 +123,13 @@ class StudyAnswer(Answer):
     samples: int
     failed: int
     failures: tuple[Failure, ...]
-    without: tuple[str, ...] = Field(
+    parts_without_answer: tuple[str, ...] = Field(
         default=(), description="requested parts of the study that have no answer in any sample"
     )
     results: tuple[Result, ...]
-    fails: ProbabilityCurve | None = Field(description="probability that the critical Kh is below a given Kh")
+    failure_probability: ProbabilityCurve | None = Field(
+        description="probability that the critical Kh is below a given Kh"
+    )
     fragility: tuple[ProbabilityCurve, ...] = Field(
         description=(
             "probability that a slide exceeds a length: of the block over Kh or peak acceleration, of the "
@@ -136,13 +142,13 @@ class Series(Part):
     """Holds one number over ever smaller discs or time steps."""
 
     name: str
-    over: Literal["radius", "step"]
+    refined: Literal["radius", "step"] = Field(description="radius of the discs, or time step")
     sizes: tuple[float, ...] = Field(description="radius of the discs (m), or time step over the stable time step")
     values: tuple[float, ...] = Field(description="mean over the packings at each size")
     half_ci95: tuple[float | None, ...] = Field(description="half of the 95 % interval of each mean")
     limit: float = Field(description="extrapolated limit of the values at size zero")
     order: float | None = Field(description="order of convergence in the size; None if a straight line was fitted")
-    left: Known = Field(description="estimated remaining error of the last value, as a share of the limit")
+    remaining_error: Known = Field(description="estimated remaining error of the last value, as a share of the limit")
     converged: bool
     verdict: str
 
@@ -153,7 +159,7 @@ class ConvergenceAnswer(Answer):
     FILE: ClassVar[str] = "converge.json"
 
     section: SectionLabel
-    within: float = Field(description="largest remaining error of a converged number, as a share")
+    tolerance: float = Field(description="largest remaining error of a converged number, as a share")
     converged: bool
     missing: tuple[str, ...] = Field(description="runs without an answer, and the reasons")
     series: tuple[Series, ...]

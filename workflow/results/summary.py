@@ -239,5 +239,5 @@ class Summary(Answer):
             return data
         sentences = data["doubtful"]
         answers = {key: value for key, value in data.items() if key != "doubtful"}
-        warnings = [{"weight": 2, "what": text, "remedy": ""} for text in sentences]
+        warnings = [{"weight": 2, "observation": text, "remedy": ""} for text in sentences]
         return {"headlines": (), "findings": (), **answers, "warnings": warnings}

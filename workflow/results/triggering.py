@@ -90,7 +90,7 @@ class StratumPart(Part):
 
     name: str
     tests: int
-    judged: int = Field(description="number of the tests that have an F_L")
+    assessed: int = Field(description="number of the tests that have an F_L")
     share: float | None = Field(description="share of the stratum in which F_L is below 1")
     lowest_factor: float | None
     liquefies: bool
@@ -100,9 +100,9 @@ class StratumPart(Part):
     @property
     def words(self) -> str:
         """Return whether the stratum liquefies, as text for tables."""
-        if not self.judged:
+        if not self.assessed:
             return f"not assessed: {self.reason}"
-        rest = f" ({self.judged} of {self.tests} tests assessed)" if self.judged < self.tests else ""
+        rest = f" ({self.assessed} of {self.tests} tests assessed)" if self.assessed < self.tests else ""
         return f"{'yes' if self.liquefies else 'no'}{rest}"
 
 
@@ -150,7 +150,7 @@ class TriggeringAnswer(Answer):
     strata: tuple[StratumPart, ...]
     borings: tuple[BoringPart, ...]
     tests: tuple[TestPart, ...]
-    left: tuple[ResidualPart, ...]
+    residual_strengths: tuple[ResidualPart, ...]
     relations: tuple[RelationPart, ...] = Field(
         description="relations used for residual strength, volumetric strain and pore pressure"
     )
@@ -180,7 +180,7 @@ class TriggeringAnswer(Answer):
             tests=tuple(
                 TestPart.of(test, config.section.strata[test.overburden.stratum].name) for test in assessment.tests
             ),
-            left=tuple(
+            residual_strengths=tuple(
                 ResidualPart(
                     stratum=config.section.strata[layer.stratum].name,
                     residual=layer.ratios,

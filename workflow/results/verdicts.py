@@ -16,7 +16,7 @@ class WarningPart(Part):
     """Holds a warning, and its remedy."""
 
     weight: Weight = Field(description="importance: 1 contradicts an answer, 2 changes an answer, 3 is a note")
-    what: str
+    observation: str = Field(description="what was observed, a sentence with its numbers")
     remedy: str = Field(description="advice on what to do; empty if the warning itself says it")
 
 
@@ -37,7 +37,7 @@ class CrestPart(Part):
     """
 
     structure: str
-    by: str = Field(description='method that computed the slide, such as "discs, case 1"')
+    method: str = Field(description='method that computed the slide, such as "discs, case 1"')
     settlement_m: float = Field(
         description="settlement of the highest ground as wide as the crest, with reconsolidation"
     )
@@ -59,7 +59,7 @@ class VerdictPart(Part):
     """Holds the verdict on one quantity and its limit."""
 
     criterion: Criterion
-    of: str = Field(description="structure or face, and the method")
+    subject: str = Field(description="structure or face, and the method")
     low: float | None = Field(description="lower end of the interval in which the quantity lies (m, or without a unit)")
     high: float | None = Field(
         description="upper end of the interval; null without an answer, and if a slide is not at rest"

@@ -189,7 +189,7 @@ def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
         lower=low,
         upper=high,
         slip_surface=line(result.surface),
-        held=tuple(StrongZonePart.model_validate(each) for each in zones),
+        strong_zones=tuple(StrongZonePart.model_validate(each) for each in zones),
         reaches_crest=is_of_face(task.structure, task.side, result.surface),
     )
 

@@ -165,13 +165,13 @@ def _stored_state(mesh: "QuadMesh", state: "FieldState", result: "CriticalResult
 
 
 def _factor_of_safety(adapted: "AdaptiveResult[SafetyFactor]", flow: Flow) -> FactorOfSafety:
-    result, rest = adapted.result, adapted.rounds[-1].remaining_error if adapted.rounds else np.inf
+    result, remaining_error = adapted.result, adapted.rounds[-1].remaining_error if adapted.rounds else np.inf
     return FactorOfSafety.taken(
         result,
         curve=tuple(result.steps),
         davis=result.by_other_flow if flow == "associated" else None,
         associated=result.by_other_flow if flow == "davis" else None,
-        rest=float(rest) if np.isfinite(rest) else None,
+        remaining_error=float(remaining_error) if np.isfinite(remaining_error) else None,
         slip_surface=_slip_line(adapted.mesh, result.mechanism) if result.mechanism is not None else (),
     )
 

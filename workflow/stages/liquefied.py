@@ -93,7 +93,7 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, RemainingStrength
                 name=section.strata[k].name,
                 cohesion_kPa=mean[k].cohesion / 1e3,
                 friction_deg=math.degrees(section.strata[k].friction_angle),
-                over_effective=mean[k].cohesion / config.section.cohesion_field.mean_effective_stress(k),
+                residual_strength_ratio=mean[k].cohesion / config.section.cohesion_field.mean_effective_stress(k),
             )
             for k in remains
         ),

@@ -31,25 +31,25 @@ class Fit:
     ----------
     limit : limit of the number at size zero
     order : order of convergence in the size; None if three values show none, so that a straight line is fitted
-    left : relative error of the value of the smallest size, including the half width of its 95 % interval if it is a
-        mean over packings
+    remaining_error : relative error of the value of the smallest size, including the half width of its 95 % interval if
+        the value is a mean over packings
     scatter : half width of the 95 % interval alone, as a share of the limit
     """
 
     limit: float
     order: float | None
-    left: float
+    remaining_error: float
     scatter: float
 
     def converged(self, within: float) -> bool:
         """Return whether the remaining error is at most ``within``."""
-        return self.left <= within
+        return self.remaining_error <= within
 
     def verdict(self, within: float) -> str:
         """Return the verdict on convergence in words."""
         if self.converged(within):
-            return f"converged within {100.0 * self.left:.2g} %"
-        message = f"not converged: the remaining error may be {100.0 * self.left:.2g} %"
+            return f"converged within {100.0 * self.remaining_error:.2g} %"
+        message = f"not converged: the remaining error may be {100.0 * self.remaining_error:.2g} %"
         return f"{message}, {100.0 * self.scatter:.2g} % by the scatter of packings" if self.scatter > 0.0 else message
 
 
@@ -108,7 +108,7 @@ def run(
         raise NoAnswerError("; ".join(missing), "run this section once to see the reasons: noshiro run")
     answer = ConvergenceAnswer(
         section=SectionLabel.of(config.section),
-        within=within,
+        tolerance=within,
         converged=not missing and all(part.converged for part in series),
         missing=missing,
         series=tuple(series),
@@ -132,7 +132,7 @@ def _series(over: str, sizes: Sequence[float], rows: Sequence[TaskOutcome[Number
         largest = answers[-1].numbers.get(f"{name.split('_')[0]}_slide_max_m") or 0.0
         fitted = fit(sizes, known, halves[-1] or 0.0, SMALL_SLIDE * abs(largest))
         yield Series(
-            name=name, over="radius" if over == "radius" else "step", sizes=tuple(sizes), values=tuple(known),
-            half_ci95=tuple(halves), limit=fitted.limit, order=fitted.order, left=fitted.left,
+            name=name, refined="radius" if over == "radius" else "step", sizes=tuple(sizes), values=tuple(known),
+            half_ci95=tuple(halves), limit=fitted.limit, order=fitted.order, remaining_error=fitted.remaining_error,
             converged=fitted.converged(within), verdict=fitted.verdict(within),
         )  # fmt: skip

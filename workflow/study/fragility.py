@@ -53,7 +53,7 @@ def curve(name: str, levels: np.ndarray, exceeds: np.ndarray) -> ProbabilityCurv
               for median, spread in (fit(levels[chosen], exceeds[chosen]) for chosen in mixed)]  # fmt: skip
     chance = norm.cdf(np.log(over / theta) / beta)
     low, high = np.quantile([chance, *others], TAILS, axis=0)
-    return ProbabilityCurve(name=name, over=tuple(map(float, over)), chance=tuple(map(float, chance)),
+    return ProbabilityCurve(name=name, coefficient=tuple(map(float, over)), probability=tuple(map(float, chance)),
                  low=tuple(map(float, low)), high=tuple(map(float, high)))  # fmt: skip
 
 

@@ -25,8 +25,8 @@ def probability(name: str, over: np.ndarray, happens: np.ndarray) -> Probability
     half = Z95 / (1.0 + Z95**2 / n) * np.sqrt(share * (1.0 - share) / n + Z95**2 / (4 * n**2))
     return ProbabilityCurve(
         name=name,
-        over=tuple(map(float, over)),
-        chance=tuple(map(float, share)),
+        coefficient=tuple(map(float, over)),
+        probability=tuple(map(float, share)),
         low=tuple(map(float, np.clip(middle - half, 0.0, 1.0))),
         high=tuple(map(float, np.clip(middle + half, 0.0, 1.0))),
     )
@@ -43,7 +43,7 @@ def effects(table: SampleTable, name: str, words: Sequence[str], indices: bool) 
     paths = list(table.units)
     indices_of = _sobol(values, len(paths)) if indices and there.all() else {}
     several = there.sum() > 2 and np.ptp(values[there]) > 0.0
-    all_of_them = [
+    effects = [
         Effect(
             path=path,
             correlation=_correlation(table.drawn(path), values, there, path in words) if several else None,
@@ -51,11 +51,12 @@ def effects(table: SampleTable, name: str, words: Sequence[str], indices: bool) 
         )
         for place, path in enumerate(paths)
     ]
-    return tuple(
-        sorted(
-            all_of_them, key=lambda effect: -abs(effect.total if effect.total is not None else effect.correlation or 0)
-        )
-    )
+    return tuple(sorted(effects, key=_strength, reverse=True))
+
+
+def _strength(effect: Effect) -> float:
+    """Return the size of the total index of an effect or, without an index, of its correlation."""
+    return abs(effect.total_order if effect.total_order is not None else effect.correlation or 0.0)
 
 
 def _correlation(drawn: Sequence[Any], values: np.ndarray, there: np.ndarray, words: bool) -> float | None:
@@ -88,8 +89,8 @@ def _sobol(values: np.ndarray, dimensions: int) -> dict[int, dict[str, Any]]:
     (first_low, total_low), (first_high, total_high) = np.quantile(again, (0.025, 0.975), axis=0)
     return {
         k: {
-            "first": float(first[k]), "first_ci95": (float(first_low[k]), float(first_high[k])),
-            "total": float(total[k]), "total_ci95": (float(total_low[k]), float(total_high[k])),
+            "first_order": float(first[k]), "first_order_ci95": (float(first_low[k]), float(first_high[k])),
+            "total_order": float(total[k]), "total_order_ci95": (float(total_low[k]), float(total_high[k])),
         }
         for k in range(dimensions)
     }  # fmt: skip

@@ -39,9 +39,9 @@ class Study:
 
     def refuse_parts_without_answer(self) -> None:
         """Raise NoAnswerError, with the reasons, if a requested part has no answer in any sample."""
-        if not self.answer.without:
+        if not self.answer.parts_without_answer:
             return
-        names = " and ".join(self.answer.without)
+        names = " and ".join(self.answer.parts_without_answer)
         reasons = "; ".join(f"{failed.samples} of them: {failed.reason}" for failed in self.answer.failures)
         raise NoAnswerError(f"{names}: none of {self.answer.samples} samples has an answer; {reasons}")
 
@@ -167,7 +167,7 @@ def statistics_of(config: Config, table: SampleTable, only: Sequence[str]) -> St
         samples=len(table.rows),
         failed=table.failed,
         failures=tuple(Failure(reason=first[kind], samples=count) for kind, count in counts.most_common()),
-        without=tuple(name for name in only if not any(name in row.answered for row in table.rows)),
+        parts_without_answer=tuple(name for name in only if not any(name in row.answered for row in table.rows)),
         results=tuple(
             Result(
                 name=name,
@@ -178,7 +178,7 @@ def statistics_of(config: Config, table: SampleTable, only: Sequence[str]) -> St
             )
             for name in names
         ),
-        fails=failure(table),
+        failure_probability=failure(table),
         fragility=tuple(fragility(config, table)),
     )
 
@@ -209,9 +209,9 @@ def draw_all(section: Section, table: SampleTable, answer: StudyAnswer, store: S
     """
     title = section.heading
     store.remove(["figures/study_*.png"])
-    if answer.fails is not None:
+    if answer.failure_probability is not None:
         kc = table.column("kc")
-        store.save("figures/study_fails.png", figures.fails(kc[np.isfinite(kc)], answer.fails, title))
+        store.save("figures/study_fails.png", figures.fails(kc[np.isfinite(kc)], answer.failure_probability, title))
     if any(effect.correlation is not None for result in answer.results for effect in result.effects):
         store.save("figures/study_effects.png", figures.effects(answer.results, title))
     if answer.fragility:

@@ -47,25 +47,25 @@ def test_a_sound_answer_is_not_doubted():
 
 def test_undecided_path_is_doubtful_and_says_why():
     (warning,) = of_verdict("undecided", "no step", "refine")
-    assert "no step" in warning.what
+    assert "no step" in warning.observation
     assert warning.remedy == "refine"
     assert is_doubtful([warning])
 
 
 def test_less_dilation_cannot_bear_more():
     (warning,) = of_dilation(result(0.167), result(0.145))
-    assert "0.167" in warning.what
+    assert "0.167" in warning.observation
     assert "0.145" in warning.remedy
     assert list(of_dilation(result(0.145), result(0.145))) == []
     assert list(of_dilation(result(0.167), result(0.145, direction="uphill"))) == []
 
 
 def test_strict_bounds_judge_answers_of_their_own_flow_and_every_smaller_dilation():
-    assert "19 %" in next(of_bounds(0.167, 0.123, 0.140, same_flow=False)).what
+    assert "19 %" in next(of_bounds(0.167, 0.123, 0.140, same_flow=False)).observation
     assert list(of_bounds(0.100, 0.123, 0.140, same_flow=False)) == [], (
         "less dilation may bear less than the lower bound"
     )
-    assert "lower bound" in next(of_bounds(0.100, 0.123, 0.140, same_flow=True)).what
+    assert "lower bound" in next(of_bounds(0.100, 0.123, 0.140, same_flow=True)).observation
     assert list(of_bounds(0.141, 0.123, 0.140, same_flow=True)) == []
     assert list(of_bounds(0.141, None, None, same_flow=True)) == []
 
@@ -73,13 +73,13 @@ def test_strict_bounds_judge_answers_of_their_own_flow_and_every_smaller_dilatio
 def test_changes_by_more_than_3_percent_are_told():
     values = list(of_others(0.299, [ComparedKh("cells of half the size", 0.267), ComparedKh("another step", 0.298)]))
     assert len(values) == 1
-    assert "-11 %" in values[0].what
+    assert "-11 %" in values[0].observation
 
 
 def test_a_change_on_another_mesh_is_held_against_that_mesh():
     other = ComparedKh("quadratic element, on the first mesh of 1041 cells", 0.1242, decisive=False, kc_without=0.1139)
     (computed,) = of_others(0.1096, [other])
-    assert "0.124 instead of 0.114, +9 %" in computed.what
+    assert "0.124 instead of 0.114, +9 %" in computed.observation
 
 
 @pytest.mark.parametrize(("side", "column"), [("left", 0.0), ("right", 20.0)])
@@ -101,8 +101,8 @@ def test_narrow_cells_are_told_with_their_place():
     flat = grid(np.array([0.0, 1.0]), np.array([0.0, 1.0]), move=lambda x, y: (x + 5.0 * y, y))
     assert corner_angles(flat.points, flat.cells).min() == pytest.approx(np.degrees(np.arctan(1.0 / 5.0)))
     (warning,) = of_cells(flat)
-    assert "1 of 1 cells" in warning.what
-    assert "11.3°" in warning.what
+    assert "1 of 1 cells" in warning.observation
+    assert "11.3°" in warning.observation
     for method, recommended in (("mapped", True), ("free", False)):
         (warning,) = of_cells(replace(flat, method=method))
         assert ('mesh.method = "free"' in warning.remedy) == recommended

@@ -188,7 +188,7 @@ def messages_by_bounds(run: Config, **more: Any) -> list[str]:
     other = OtherCriticalKh(kc=0.2844, kc_upper=0.2844, verdict="plateau", reason="", direction="downhill", at_sides=())
     answer = fem(run, 0.237).model_copy(update={"flow": "davis", "associated": other, **more.pop("fem", {})})
     strict = bounds(run, 0.2799, 0.2815, more.pop("direction", "downhill")).model_copy(update=more)
-    return [f"{warning.what} {warning.remedy}" for warning in results(run, fem=answer, bounds=strict).warnings]
+    return [f"{warning.observation} {warning.remedy}" for warning in results(run, fem=answer, bounds=strict).warnings]
 
 
 def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run: Config) -> None:
@@ -257,7 +257,7 @@ def test_a_factor_of_safety_above_its_strict_upper_bound_is_told(run: Config) ->
     answer = fem(run).model_copy(update={"safety_factors": (factor,)})
     strict = bounds(run, 0.22, 0.26).model_copy(update={"safety": (part,)})
     [warning] = results(run, fem=answer, bounds=strict).warnings
-    assert warning.what.startswith(
+    assert warning.observation.startswith(
         "The factor of safety at Kh = 0 with ψ = φ of 1.150 lies 6 % above the strict upper bound"
     )
     assert warning.contradiction

@@ -18,13 +18,13 @@ def test_order_and_limit_are_found(order: float, limit: float, slope: float) -> 
     result = fit(SIZES, [limit + slope * size**order for size in SIZES])
     assert result.order == pytest.approx(order, rel=1e-4)
     assert result.limit == pytest.approx(limit, abs=1e-5)
-    assert result.left == pytest.approx(abs(slope) * SIZES[-1] ** order / limit, rel=1e-3)
+    assert result.remaining_error == pytest.approx(abs(slope) * SIZES[-1] ** order / limit, rel=1e-3)
 
 
 def test_values_that_jump_about_have_no_order_and_are_no_better_than_they_jump() -> None:
     result = fit(SIZES, [3.0, 3.4, 3.1])
     assert result.order is None
-    assert result.left > 0.05
+    assert result.remaining_error > 0.05
     assert not result.converged(0.05)
     assert result.verdict(0.05).startswith("not converged")
 
@@ -41,4 +41,4 @@ def test_scatter_of_packings_counts() -> None:
 
 def test_what_does_not_change_has_converged() -> None:
     assert fit(SIZES, [2.0, 2.0, 2.0]).converged(0.0)
-    assert math.isinf(fit(SIZES, [0.0, 0.0, 0.0], error=0.1).left)
+    assert math.isinf(fit(SIZES, [0.0, 0.0, 0.0], error=0.1).remaining_error)

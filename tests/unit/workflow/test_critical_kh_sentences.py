@@ -94,8 +94,8 @@ def test_what_stands_beside_the_critical_kh(run: Config) -> None:
         kc=0.173, kc_upper=0.18, verdict="plateau", reason="", direction="uphill", at_sides=("left",)
     )
     face = ShallowFailurePart(stratum="upper", start_x_m=20.0, end_x_m=44.0, angle_deg=26.0, kh=0.05)
-    warning = ResultWarning(what="A finer mesh gives 0.20.", remedy="refine it", contradiction=True)
-    known = ResultWarning(what="The base is near.", remedy="go deeper", contradiction=False)
+    warning = ResultWarning(observation="A finer mesh gives 0.20.", remedy="refine it", contradiction=True)
+    known = ResultWarning(observation="The base is near.", remedy="go deeper", contradiction=False)
     more = {
         "flow": "davis",
         "opposite": other,

@@ -199,7 +199,7 @@ def test_the_block_is_driven_as_the_slides() -> None:
         with_shaking(LEVEE).slide.kh_period,
     )
     fixed = block_drive(with_shaking(LEVEE, kh=0.1))
-    assert (fixed.slide(0.09, 0.1), fixed.slide(0.11, 0.1), fixed.words) == (math.inf, 0.0, "held")
+    assert (fixed.slide(0.09, 0.1), fixed.slide(0.11, 0.1), fixed.words) == (math.inf, 0.0, "constant")
     assert block_drive(analysed({**bored(), "sliding_block": {"seconds": 4.0}})).seconds == 4.0
     # nothing below yield, and far less than a push of one way that lasts as long
     assert both_ways.slide(0.2, 0.16) == 0.0
@@ -248,7 +248,7 @@ def test_a_peak_that_contradicts_magnitude_and_distance_is_told() -> None:
     """Fukushima & Tanaka (1990) expect 143 gal of M 7.4 at 60 km, one standard deviation 88 to 231; 250 were given."""
     text = with_shaking(LEVEE).earthquake.contradiction()
     assert "[earthquake] is 245 gal, as given, where 143 gal are expected of M 7.4 at 60 km (88 to 231 gal;" in text
-    assert "relations that need the distance take it as given" in text
+    assert "relations that need the distance use the given distance" in text
     assert with_shaking({**LEVEE, "peak_acceleration": "200 gal"}).earthquake.contradiction() == ""
     assert with_shaking({**LEVEE, "peak_acceleration": "60 gal"}).earthquake.contradiction() != ""
     assert with_shaking({key: LEVEE[key] for key in ("magnitude", "distance")}).earthquake.contradiction() == ""

@@ -109,8 +109,8 @@ def answer() -> FacesAnswer:
     zones = (StrongZonePart(start=40.0, end=66.0, depth=0.9),)
     left = FaceStrength(
         structure="embankment at x = 69 m", towards="left",
-        critical=FaceValue(value=0.1478, davis=0.1017, lower=0.14, upper=0.149, slip_surface=WHOLE, held=zones),
-        safety=FaceValue(value=1.648, davis=1.548, slip_surface=WHOLE, held=zones),
+        critical=FaceValue(value=0.1478, davis=0.1017, lower=0.14, upper=0.149, slip_surface=WHOLE, strong_zones=zones),
+        safety=FaceValue(value=1.648, davis=1.548, slip_surface=WHOLE, strong_zones=zones),
     )  # fmt: skip
     right = FaceStrength(
         structure="embankment at x = 69 m", towards="right",
@@ -214,7 +214,7 @@ def test_a_face_that_fails_first_has_the_bounds_of_the_section() -> None:
     """Without strong zones the section is the face's own ground: the command printed no bounds for such a face."""
     config = levee()
     assert answer().faces[1].critical is not None
-    assert not answer().faces[1].critical.held
+    assert not answer().faces[1].critical.strong_zones
     of_section = bounds(config, 0.036, 0.038)
     part = of_section.directions[0].model_copy(update={"direction": "uphill", "lower": 0.249, "upper": 0.255})
     of_section = of_section.model_copy(update={"directions": (*of_section.directions, part)})

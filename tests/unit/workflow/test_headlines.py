@@ -31,7 +31,7 @@ def test_a_factor_of_safety_is_in_the_headline_only_with_its_error() -> None:
     messages = headlines(results(run, fem=answer, bounds=bounds(run, 0.2293, 0.2349)), Texts())[1]
     assert messages.value == "8.84"
     assert messages.interval == "computed on one mesh, whose critical Kh has an error of at most 3 % by strict bounds"
-    meshes = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"rest": 0.01}),)})
+    meshes = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"remaining_error": 0.01}),)})
     assert headlines(results(run, fem=meshes), Texts())[1].interval == "8.75 to 8.84 by the sequence of meshes"
 
 
@@ -62,7 +62,14 @@ def test_a_finer_mesh_cannot_give_less_than_the_strict_lower_bound(lower: float,
     """Elements 1.564, a lower bound of 1.562, and yet "a finer mesh may give 1.9 % less"."""
     run = analysed(slope())
     factor = FactorOfSafety(
-        kh=0.0, factor=1.424, upper=1.424, verdict="plateau", reason="", curve=(), shallow_failure=None, rest=0.02
+        kh=0.0,
+        factor=1.424,
+        upper=1.424,
+        verdict="plateau",
+        reason="",
+        curve=(),
+        shallow_failure=None,
+        remaining_error=0.02,
     )
     answer = fem(run, 0.2).model_copy(update={"safety_factors": (factor,)})
     part = SafetyPart(kh=0.0, lower=lower, upper=1.44, cells=100)

@@ -85,7 +85,7 @@ def test_the_picture_of_the_first_page_leaves_room_for_its_warnings(
 ) -> None:
     """Two of nine warnings of the river bank, and its signature, stood alone on page 2."""
     outcome = results(s13, fem=fem(s13))
-    parts = tuple(WarningPart(weight=2, what=f"Number {k}.", remedy="Look.") for k in range(warnings))
+    parts = tuple(WarningPart(weight=2, observation=f"Number {k}.", remedy="Look.") for k in range(warnings))
     text = page(outcome, summary(outcome, 0.0).model_copy(update={"warnings": parts}))
     assert f".first figure img {{ max-height: {height}mm; }}" in text
 
@@ -160,7 +160,7 @@ def test_cases_that_slide_alike_are_shown_once(s13: Config) -> None:
 
 def test_the_slides_of_a_case_stand_beside_its_stability(s13: Config) -> None:
     """Templates call functions with arguments that no other check sees."""
-    stratum = LiquefiedStratum(name="4 Asd", cohesion_kPa=15.6, friction_deg=0.0, over_effective=0.2)
+    stratum = LiquefiedStratum(name="4 Asd", cohesion_kPa=15.6, friction_deg=0.0, residual_strength_ratio=0.2)
     stands = [
         LiquefiedCase(
             cases=cases, names=(), strata=(stratum,), stands="stands", reason="of a test", notes=(), kc=0.09,
@@ -225,7 +225,7 @@ def test_a_summary_with_warnings_as_sentences_is_still_read(s13: Config) -> None
         "doubtful": ["The base is near."]
     }
     read = Summary.model_validate(old)
-    assert [(warning.weight, warning.what) for warning in read.warnings] == [(2, "The base is near.")]
+    assert [(warning.weight, warning.observation) for warning in read.warnings] == [(2, "The base is near.")]
     assert read.in_short == today.in_short
 
 
@@ -239,7 +239,7 @@ def test_a_run_is_told_in_twelve_lines(s13: Config) -> None:
     assert len(run_lines(many)) <= 9
     assert run_lines(many)[-1].endswith("more warnings are in the report.")
     known = WarningPart(
-        weight=2, what="The ground is a reconstruction.", remedy="Confirm the depths of the layers by borings."
+        weight=2, observation="The ground is a reconstruction.", remedy="Confirm the depths of the layers by borings."
     )
     japanese = run_lines(many.model_copy(update={"warnings": (known,) * 20}), Texts("ja"))
     assert "- 地盤は推定による復元である。 各層の深さをボーリングで確認する。" in japanese

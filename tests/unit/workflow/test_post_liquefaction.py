@@ -15,7 +15,9 @@ from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, Liquefied
 
 def after_liquefaction(number: int, strength: float, factor: float) -> LiquefiedCase:
     """A case that leaves "upper" a strength (kPa) with a factor of safety, known within 2 %."""
-    stratum = LiquefiedStratum(name="upper", cohesion_kPa=strength, friction_deg=0.0, over_effective=strength / 40.0)
+    stratum = LiquefiedStratum(
+        name="upper", cohesion_kPa=strength, friction_deg=0.0, residual_strength_ratio=strength / 40.0
+    )
     flows = factor < 1.0
     return LiquefiedCase(
         cases=(number,), names=(f"case with {strength:g} kPa",), strata=(stratum,),
@@ -42,7 +44,7 @@ def test_the_strength_with_which_it_just_stands() -> None:
         enough = just_enough(cases)
         assert enough is not None
         assert (enough.qualifier, enough.strata[0].cohesion_kPa) == (how, pytest.approx(expected))
-        assert enough.strata[0].over_effective == pytest.approx(expected / 40.0)
+        assert enough.strata[0].residual_strength_ratio == pytest.approx(expected / 40.0)
     computed = just_enough((flows, weaker), (flows.strata[0].scaled(1.5),))
     assert computed is not None
     assert (computed.qualifier, computed.strata[0].cohesion_kPa) == ("about", pytest.approx(6.0))

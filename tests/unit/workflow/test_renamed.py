@@ -11,7 +11,8 @@ from tests.support import SECTIONS
 from tests.support.command_line import run
 from workflow.cli.invocation import Invocation
 from workflow.config import Config, renamed
-from workflow.config.renamed import Renamed, current, current_answer, notices, rewritten
+from workflow.config.renamed import ANSWER_KEYS, Renamed, current, current_answer, notices, rewritten
+from workflow.results.answer import Answer, Part
 
 OLD = """# sides = "roller" is an old word
 name = "roller"
@@ -95,6 +96,19 @@ def test_answers_of_old_folders_are_read() -> None:
         "settings": {"sides": "free-field", "kh": [0.1]}, "name": "tied", "shallow_failures": [],
         "cases": [{"sides": "periodic"}],
     }  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "sibling"), ANSWER_KEYS)
+def test_an_old_key_is_renamed_only_in_the_table_that_has_it(old: str, new: str, sibling: str) -> None:
+    assert new in current_answer({old: 1, sibling: 2} if sibling else {old: 1})
+    assert current_answer({old: 1, "Silt": 2}) == ({old: 1, "Silt": 2} if sibling else {new: 1, "Silt": 2})
+    parts = [part.model_fields for part in (*parts_of(Part), *parts_of(Answer))]
+    assert any(new in fields and (not sibling or sibling in fields) for fields in parts) or new == "warning"
+    assert not any(old in fields and sibling in fields for fields in parts)
+
+
+def parts_of(part: type[Part]) -> list[type[Part]]:
+    return [each for child in part.__subclasses__() for each in (child, *parts_of(child))]
 
 
 def test_old_words_in_file_and_on_the_command_line_are_read_with_a_notice(tmp_path: Path) -> None:

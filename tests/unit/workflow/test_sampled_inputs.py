@@ -194,11 +194,11 @@ def test_a_part_without_any_answer_is_told_with_its_reason_once() -> None:
         for k in range(3)
     ]
     answer = answer_of(rows, ("fem", "slide"))
-    assert answer.without == ("slide",)
+    assert answer.parts_without_answer == ("slide",)
     assert [(failure.samples, failure.reason) for failure in answer.failures] == [
         (3, "slide: the discs fail at 0.1234")
     ]
     with pytest.raises(NoAnswerError, match="slide: none of 3 samples has an answer; 3 of them: slide: the discs fail"):
         Study(SampleTable({"strata.upper.cohesion": "kPa"}, rows), answer).refuse_parts_without_answer()
     answer = answer_of([*rows, SampleRow(drawn, Numbers(numbers={}), "", ("fem", "slide"))], ("fem", "slide"))
-    assert answer.without == ()
+    assert answer.parts_without_answer == ()

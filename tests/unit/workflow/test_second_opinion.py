@@ -51,7 +51,7 @@ def test_they_agree_within_a_factor_of_1_5_and_within_centimetres(monkeypatch: p
 def test_a_contradiction_names_the_model_that_was_nearer_to_known_slides() -> None:
     (warning,) = contradicting({1: opinion(3.0, 0.1)})
     assert warning.weight == 1
-    assert warning.what == (
+    assert warning.observation == (
         "Discs slide 3.0 m and material points 0.10 m, which differ by more than the intervals of 3 m and 0.05 to 0.2 "
         "m (case 1)."
     )

@@ -60,7 +60,7 @@ def test_a_thousand_infinite_slopes_have_the_exact_distribution(method: str, fur
     over = np.quantile(kc, np.linspace(0.02, 0.98, 25))
     curve = probability("kc < Kh", over, kc[:, None] < over)
     truth = np.array([exact(kh) for kh in over])
-    assert np.abs(np.array(curve.chance) - truth).max() < furthest
+    assert np.abs(np.array(curve.probability) - truth).max() < furthest
     assert np.all((np.array(curve.low) <= truth) & (truth <= np.array(curve.high)))
 
 
@@ -76,12 +76,12 @@ def test_sobol_indices_of_the_ishigami_function() -> None:
         effect.path: effect
         for effect in effects(SampleTable({"x1": "", "x2": "", "x3": ""}, rows), "y", (), indices=True)
     }
-    assert [result[x].first for x in ("x1", "x2", "x3")] == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
-    assert [result[x].total for x in ("x1", "x2", "x3")] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.01)
+    assert [result[x].first_order for x in ("x1", "x2", "x3")] == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
+    assert [result[x].total_order for x in ("x1", "x2", "x3")] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.01)
     for item in result.values():
-        assert item.total_ci95 is not None
-        assert item.total is not None
-        assert item.total_ci95[0] < item.total < item.total_ci95[1]
+        assert item.total_order_ci95 is not None
+        assert item.total_order is not None
+        assert item.total_order_ci95[0] < item.total_order < item.total_order_ci95[1]
 
 
 def table_of(values: list[float | None], **drawn: list[object]) -> SampleTable:
@@ -129,8 +129,8 @@ def test_curves_of_the_block_reach_the_shaking_of_the_section_file() -> None:
     table = cast(SampleTable, SimpleNamespace(names=(), column=lambda name: np.array([0.014, 0.015])))
     curves = list(fragility(config, table))
     assert len(curves) == len(config.study.exceeds)
-    assert all(each.over[-1] == pytest.approx(config.slide.kh) for each in curves)
-    assert curves[0].chance[-1] > 0.5
+    assert all(each.coefficient[-1] == pytest.approx(config.slide.kh) for each in curves)
+    assert curves[0].probability[-1] > 0.5
 
 
 def test_the_fit_over_kh_finds_the_fragility_that_samples_were_drawn_from() -> None:
@@ -142,9 +142,9 @@ def test_the_fit_over_kh_finds_the_fragility_that_samples_were_drawn_from() -> N
     assert result == (pytest.approx(theta, rel=0.03), pytest.approx(beta, rel=0.08))
     count = curve("discs", levels[:200], happens[:200])
     assert count is not None
-    truth = stats.norm.cdf(np.log(np.array(count.over) / theta) / beta)
+    truth = stats.norm.cdf(np.log(np.array(count.coefficient) / theta) / beta)
     assert np.mean((np.array(count.low) <= truth) & (truth <= np.array(count.high))) > 0.9
-    assert np.all(np.diff(count.chance) >= 0.0)
+    assert np.all(np.diff(count.probability) >= 0.0)
     assert curve("discs", levels, np.zeros(4000, bool)) is None
     assert curve("discs", levels, np.ones(4000, bool)) is None
 

@@ -78,7 +78,7 @@ def test_what_tests_stand_for() -> None:
     assert result.tests[0].reason == "above the water table"
     assert loose.share == pytest.approx((6.0 - 1.75) / (6.0 + 5.0))
     assert (dense.share, dense.liquefies) == (0.0, False)
-    assert (loose.judged, loose.tests - loose.judged, loose.reason) == (3, 1, "above the water table")
+    assert (loose.assessed, loose.tests - loose.assessed, loose.reason) == (3, 1, "above the water table")
     assert result.potentials["B-2"] == 0.0
     assert result.potentials["B-1"] > 5.0
 
@@ -99,15 +99,15 @@ def test_clay_is_not_judged_by_its_blow_counts() -> None:
     data = bored()
     data["strata"][0] |= {"cohesion": "20 kPa", "friction_angle": 0, "liquefies_in": []}
     clay = assessment(analysed(data))
-    assert (clay.strata[0].judged, clay.strata[0].liquefies) == (0, False)
+    assert (clay.strata[0].assessed, clay.strata[0].liquefies) == (0, False)
     assert "clay by its strength" in clay.strata[0].reason
     assert clay.potentials["B-1"] == 0.0
     for sample in data["triggering"]["borings"][0]["spt"]:
         sample["plasticity"] = 3.0
-    assert assessment(analysed(data)).strata[0].judged > 0
+    assert assessment(analysed(data)).strata[0].assessed > 0
     data = bored()
     data["strata"][0] |= {"cohesion": "20 kPa", "friction_angle": 0}  # it stays "triggered"
-    assert assessment(analysed(data)).strata[0].judged > 0
+    assert assessment(analysed(data)).strata[0].assessed > 0
 
 
 def test_what_is_not_known_is_named() -> None:

@@ -129,7 +129,7 @@ def test_criteria_are_satisfied_or_not_or_not_decided() -> None:
     config = levee(criteria=limits)
     cases = slid(sunk(config, 0.5, far=0.2))
     result = verdicts(results(config, slices=by_slices(config), cases=cases))
-    messages = {(part.criterion, part.of.split(", ", 1)[1]): part.verdict for part in result}
+    messages = {(part.criterion, part.subject.split(", ", 1)[1]): part.verdict for part in result}
     assert messages["factor of safety", "towards the left, by slices"] == "satisfied"
     assert messages["critical Kh", "towards the left, by slices"] == "not decided"  # 0.144 by Bishop, 0.154 by Spencer
     assert messages["critical Kh", "towards the right, by slices"] == "satisfied"
@@ -161,7 +161,7 @@ def test_a_face_that_slides_without_shaking_keeps_no_displacement() -> None:
     stands = by_slices(config)
     falls = stands.faces[0].model_copy(update={"critical": circle("left", -0.02)})
     messages = verdicts(results(config, slices=stands.model_copy(update={"faces": (falls, stands.faces[1])})))
-    (part,) = [item for item in messages if item.of.startswith(f"{falls.structure}, towards the left")]
+    (part,) = [item for item in messages if item.subject.startswith(f"{falls.structure}, towards the left")]
     assert (part.verdict, part.reason) == ("not decided", "it slides without any shaking")
 
 
@@ -190,7 +190,7 @@ def test_a_structure_that_slides_to_the_left_is_displaced() -> None:
     (case,) = slid(sunk(config, 0.5)).sets["calibrated"].values()
     moved = case.model_copy(update={"slide_along": ((56.0, 0.1), (60.0, -1.2), (86.0, 0.2))})
     judged = verdicts(results(config, cases=slid(moved)))
-    (part,) = [item for item in judged if "discs" in item.of]
+    (part,) = [item for item in judged if "discs" in item.subject]
     assert (part.verdict, part.low) == ("not satisfied", pytest.approx(1.2))
 
 
@@ -224,7 +224,7 @@ def _strata() -> list[dict[str, Any]]:
 def test_what_still_moves_or_was_not_computed_is_not_decided() -> None:
     config = levee(criteria={"crest_settlement": {"limit": "0.4 m"}, "freeboard": {"limit": "1 m"}})
     moving = verdicts(results(config, cases=slid(sunk(config, 0.1, settled=False))))
-    messages = [(part.verdict, part.reason) for part in moving if "case 1" in part.of]
+    messages = [(part.verdict, part.reason) for part in moving if "case 1" in part.subject]
     assert messages == [("not decided", "the slide is not at rest")] * 2
     too_far = verdicts(results(config, cases=slid(sunk(config, 0.5, settled=False))))
     assert too_far[0].verdict == "not satisfied"
@@ -244,9 +244,9 @@ def test_a_criterion_counts_the_elements_of_a_face_and_their_upper_bound(upper: 
         faces=(FaceStrength(structure="embankment at x = 69 m", towards="left", critical=None, safety=value),),
     )
     parts = verdicts(results(config, slices=slices, faces=strengths))
-    [part] = [part for part in parts if part.of.endswith("by finite elements")]
-    assert part.of == "embankment at x = 69 m, towards the left, by finite elements"
+    [part] = [part for part in parts if part.subject.endswith("by finite elements")]
+    assert part.subject == "embankment at x = 69 m, towards the left, by finite elements"
     assert (part.low, part.high) == (upper or 1.31, upper or 1.31)
     assert part.verdict == verdict
-    other = [part for part in parts if part.of.endswith("by slices")]
+    other = [part for part in parts if part.subject.endswith("by slices")]
     assert {part.verdict for part in other} == {"satisfied"}

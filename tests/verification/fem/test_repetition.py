@@ -67,7 +67,7 @@ def test_the_path_of_equilibria_comes_there_too() -> None:
     kc, factor = closed_form(5e3, 20.0)
     critical_result = critical_coefficient(ground, mesh, path, MPI.COMM_SELF)
     assert critical_result.kc == pytest.approx(kc, rel=0.03)
-    assert not any("side" in warning.what for warning in warnings_of(critical_result, mesh))
+    assert not any("side" in warning.observation for warning in warnings_of(critical_result, mesh))
     assert safety_factor(ground, mesh, path, 0.0, MPI.COMM_SELF).factor == pytest.approx(factor, rel=0.03)
 
 

@@ -59,7 +59,7 @@ def test_ground_that_its_strength_holds_down_has_an_answer_and_a_warning() -> No
     assessment = assess(ground, meshing, generate(ground, meshing), one_mesh, MPI.COMM_SELF, lambda *_: None)
     assert assessment.critical.kc > 0.0
     assert any(
-        warning.contradiction and "factor against uplift 0.73" in warning.what for warning in assessment.warnings
+        warning.contradiction and "factor against uplift 0.73" in warning.observation for warning in assessment.warnings
     )
 
 

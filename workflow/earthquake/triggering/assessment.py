@@ -74,7 +74,7 @@ class StratumResult:
     ----------
     name : name of the stratum
     tests : number of tests in the stratum
-    judged : number of tests with an F_L
+    assessed : number of tests with an F_L
     share : share of the area of the tests in which F_L is below 1; None without tests
     lowest : smallest F_L; None if no test was assessed
     reason : why the stratum, or some of its tests, were not assessed
@@ -83,7 +83,7 @@ class StratumResult:
 
     name: str
     tests: int
-    judged: int
+    assessed: int
     share: float | None
     lowest: float | None
     liquefies: bool
