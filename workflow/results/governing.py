@@ -117,7 +117,7 @@ def _with_bounds(results: Results, face: FaceStrength) -> FaceStrength:
             }
         )
         for quantity, (lower, upper) in ends.items()
-        if (value := getattr(face, quantity)) is not None and not value.held
+        if (value := getattr(face, quantity)) is not None and not value.strong_zones
     }
     return face.model_copy(update=bounded)
 
