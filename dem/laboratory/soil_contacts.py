@@ -250,8 +250,8 @@ def _on_strength(
 def _on_stiffness(stiffness: float, real: float, stress: float) -> list[str]:
     if abs(stiffness / real - 1.0) <= 1e-9:
         return []
-    comparison = "stiffer" if stiffness > real else "softer"
+    comparison, limit = ("stiffer", "at least") if stiffness > real else ("softer", "at most")
     return [
-        f"the discs are {comparison} than the soil: their contact stiffness kn is {stiffness / stress:.0f} times the "
-        f"vertical effective stress of the layer, which is {stiffness / real:.2f} times the kn that corresponds to E"
+        f"the discs are {comparison} than the soil, since their contact stiffness kn is {limit} "
+        f"{stiffness / stress:.0f} times the vertical effective stress of the layer"
     ]

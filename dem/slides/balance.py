@@ -223,8 +223,8 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
     listed = ", ".join(f"{name} ({thick:.2g} m)" for name, thick in thin.items())
     return [
         *notes,
-        f"strata {listed} liquefy and are thinner than two discs: discs of this size underestimate the slide of the "
-        f"ground behind a bank or quay wall; check with discs of {radius}",
+        f"strata {listed} liquefy and are less than two disc diameters thick in the model: discs of this size "
+        f"underestimate the slide of the ground behind a bank or quay wall; check with discs of {radius}",
     ]
 
 

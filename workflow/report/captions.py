@@ -77,7 +77,13 @@ CAPTIONS = (
     Caption(r"fem_curve", "fem", "Continuum: Kh and displacement of every converged step as Kh rises."),
     Caption(r"fem_safety", "fem", "Continuum: slip surface with the strength divided by the factor of safety."),
     Caption(r"fem_.*", "fem", "Continuum."),
-    Caption(r"bounds_.*", "bounds", "Limit analysis: mechanism, stress field and mesh of the strict bounds."),
+    Caption(r"bounds_mechanism", "bounds", "Limit analysis: mechanism of the strict upper bound."),
+    Caption(
+        r"bounds_stress",
+        "bounds",
+        "Limit analysis: mobilised strength in the stress field of the strict lower bound.",
+    ),
+    Caption(r"bounds_.*", "bounds", "Limit analysis: triangles of the strict bounds."),
     Caption(r"slip_circles", "bounds", "Limit equilibrium: the critical slip circles by Bishop's simplified method."),
     Caption(r"case(\d+)", "slide", "Case {0}, calibrated discs.", True),
     Caption(r"mpm_case(\d+)", "slide", "Case {0}, material points."),
@@ -97,19 +103,9 @@ CAPTIONS = (
         "Influence of each parameter on the critical Kh of the discs, and trials of the calibration.",
     ),
     Caption(r"dem_model", "dem", "The discs by layer, at rest under their weight. Dark: fixed boundary discs."),
-    Caption(
-        r"dem_before_kh_(.*)",
-        "dem",
-        "Discs before calibration, Kh = {0}: displacement; for discs of the paper also their pore springs, breakable "
-        "springs that stand for pore water.",
-    ),
+    Caption(r"dem_before_kh_(.*)", "dem", "Discs before calibration, Kh = {0}: displacement."),
     Caption(r"dem_paper_kh_(.*)", "dem", "The discs of the paper, Kh = {0}: displacement and pore springs."),
-    Caption(
-        r"dem_after_kh_(.*)",
-        "dem",
-        "Calibrated discs, Kh = {0}: displacement; for discs of the paper also their pore springs, breakable springs "
-        "that stand for pore water.",
-    ),
+    Caption(r"dem_after_kh_(.*)", "dem", "Calibrated discs, Kh = {0}: displacement."),
     Caption(r"dem_.*", "dem", "The discs."),
     Caption(r"displacements", "comparison", "Displacements by all methods.", True),
     Caption(

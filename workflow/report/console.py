@@ -48,6 +48,7 @@ from workflow.results.stability import LiquefiedAnswer, ResidualAnswer
 from workflow.results.stored_mesh import stored_mesh
 from workflow.results.summary import Summary
 from workflow.results.triggering import TriggeringAnswer
+from workflow.results.verdicts import NOTE_WEIGHT
 from workflow.run.store import Store
 from workflow.texts.report_texts import Texts
 
@@ -350,11 +351,13 @@ def run_lines(answer: Summary, texts: Texts | None = None) -> list[str]:
     failed = [f"the stage {stage} has no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]
     lines += failed[:1]
     warnings = [
-        " ".join(_.sentence(text) for text in (part.observation, part.remedy) if text) for part in answer.warnings
+        " ".join(_.sentence(text) for text in (part.observation, part.remedy) if text)
+        for part in answer.warnings
+        if part.weight < NOTE_WEIGHT
     ]
     shown = warnings[: max(MOST_LINES - len(lines) - 1, 0)]
     lines += [f"- {line}" for line in shown]
     if len(warnings) > len(shown):
-        rest = len(warnings) - len(shown)
-        lines.append(_.sentence(f"{rest} more {'warning is' if rest == 1 else 'warnings are'} in the report."))
+        number = len(warnings) - len(shown)
+        lines.append(_.sentence(f"{number} more {'warning is' if number == 1 else 'warnings are'} in the report."))
     return lines

@@ -45,13 +45,13 @@ from workflow.results.governing import estimates_of, faces_with_bounds
 from workflow.results.lengths import metres
 from workflow.results.results import Results
 from workflow.results.summary import Summary
-from workflow.results.verdicts import WarningPart
+from workflow.results.verdicts import NOTE_WEIGHT, WarningPart
 from workflow.run.log import machine, versions
 from workflow.run.progress import duration
 from workflow.texts.report_texts import Texts
 
 MOST_TESTS = 60  # in a table
-MOST_WARNINGS, NOTE_WEIGHT = 9, 3  # on the first page; the weight of what stands among the checks
+MOST_WARNINGS = 9  # on the first page
 WARNINGS_PER_TABLE = 2  # warnings whose room a table of faces or crests takes
 LAYERS = "figures/section.png"
 VARIED = ("Mesh", "Element", "Step", "Dilation", "Side condition", "Random packing")  # rows of the sensitivity

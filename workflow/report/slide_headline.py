@@ -168,8 +168,8 @@ def _numerical(slides: MethodSlides, error: SlideError, _: Texts) -> str:
 def _uncertain(error: SlideError, method: str, _: Texts) -> str:
     """Return the error of a method whose error is too large for an interval."""
     return _(
-        "uncertain by a factor of {factor}: {within} of {cases} known slides were predicted within it by {method}, "
-        "half of them within a factor of {middle}",
+        "uncertain by a factor of {factor}: {within} of {cases} known slides were predicted within this factor by "
+        "{method}, half of them within a factor of {middle}",
         factor=f"{error.factor:g}",
         within=error.within,
         cases=error.cases,

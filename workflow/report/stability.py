@@ -174,7 +174,9 @@ def _discs(results: Results, _: Texts) -> Iterator[StabilityRow]:
     """Yield the rows of the discs and of the FEM model with the boundary conditions of the discs."""
     counterpart, calibration, discs = results.dem_counterpart, results.calibration, results.dem
     if counterpart is not None:
-        most = _("to {kc}", kc=coefficient(counterpart.kc_upper)) if _more(counterpart.kc_upper, counterpart.kc) else ""
+        most = (
+            _("up to {kc}", kc=coefficient(counterpart.kc_upper)) if _more(counterpart.kc_upper, counterpart.kc) else ""
+        )
         conditions = _(
             "boundary conditions of the disc box: {terms}",
             terms=f"{_(SIDES[counterpart.sides])}, {_(FLOW[counterpart.flow])}",

@@ -10,6 +10,7 @@ from workflow.results.answer import Part
 
 Criterion = Literal["factor of safety", "critical Kh", "displacement", "crest settlement", "freeboard"]
 Weight = Literal[1, 2, 3]
+NOTE_WEIGHT = 3  # of warnings that stand among the checks, not on the first page
 
 
 class WarningPart(Part):

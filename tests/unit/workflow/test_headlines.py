@@ -87,7 +87,7 @@ def test_a_finer_mesh_cannot_give_less_than_the_strict_lower_bound(lower: float,
     ("middle", "message"),
     [
         (1.6, "0.3 to 3 m by the error of material points: they predicted 20 of 28 known slides within a factor of 3"),
-        (9.0, "uncertain by a factor of 5: 20 of 30 known slides were predicted within it by discs, half of them "),
+        (9.0, "uncertain by a factor of 5: 20 of 30 known slides were predicted within this factor by discs, "),
     ],
 )
 def test_the_interval_of_a_slide_is_that_of_the_method_nearer_to_known_slides(
