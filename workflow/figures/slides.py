@@ -220,7 +220,7 @@ def _colour(case: int) -> str:
 
 
 def profiles(config: Config, cases: Mapping[int, Profile], seeds: int) -> Sheet:
-    """Draw the surface of every case over all packings: its median, and the band of 5 to 95 %, as smooth as discs
+    """Draw the surface of every case over all packings: its median, and the range of the packings, as smooth as discs
     resolve it.
 
     config: config of the run; cases: profiles by number of the case; seeds: number of packings.
@@ -248,7 +248,7 @@ def profiles(config: Config, cases: Mapping[int, Profile], seeds: int) -> Sheet:
     handles = [
         Line2D([], [], color=INK, linewidth=0.8, linestyle=(0, (4, 2)), label="before"),
         Line2D([], [], color=CONTINUUM, linewidth=1.2, label="after, median"),
-        Line2D([], [], color=CONTINUUM, linewidth=6.0, alpha=0.25, label="after, 5 to 95 % of the packings"),
+        Line2D([], [], color=CONTINUUM, linewidth=6.0, alpha=0.25, label="after, range of the packings"),
     ]
     sheet.legend(handles, 3)
     return sheet

@@ -92,7 +92,7 @@ CAPTIONS = (
     Caption(
         r"profiles",
         "slide",
-        "The ground surface before and after the slide on all random packings: median, and 5 to 95 %.",
+        "The ground surface before and after the slide on all random packings: median, and range of the packings.",
         True,
     ),
     Caption(r"case(\d+)_table2", "slide", "Case {0}, discs with the springs of the paper's Table 2."),

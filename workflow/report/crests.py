@@ -44,7 +44,7 @@ def crest_parts(
 
 
 def _over_packings(value: float | None, profile: Profile | None, crest: Crest) -> Settlements | None:
-    """Return the settlement of a slide, and the settlements of the surfaces at 5 and 95 % of packings."""
+    """Return the settlement of a slide, and the settlements of the surfaces at both ends of the range of packings."""
     if value is None:
         return None
     ends = [value]

@@ -181,7 +181,7 @@ def _displacements(results: Results) -> Iterator[Interval]:
 
 
 def _packing_ratios(results: Results, case: int) -> tuple[float, float]:
-    """Return the ratios of the 5 and 95 % quantiles of the largest slide over packings to the slide of the packing of
+    """Return the ratios of both ends of the range of the largest slide over packings to the slide of the packing of
     this run."""
     random = results.cases.random.cases.get(case) if results.cases is not None and results.cases.random else None
     largest = results.case_set()[1][case].slide_max_m

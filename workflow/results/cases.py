@@ -16,6 +16,9 @@ Answered = TypeVar("Answered", bound=Part)
 Points = Sequence[Sequence[float]]
 SURFACE_POINTS = 30  # points of a surface with a disc or a cell for each; a line of fewer points has corners that count
 FEWEST_VALUES = 3  # values with a confidence interval: that of two is a dozen times as wide as they are apart
+QUANTILE_VALUES = 20  # packings from which a 5 % quantile is more than an extrapolation of the smallest value
+LOW_END = f"smallest value, or from {QUANTILE_VALUES} packings on the 5 % quantile,"
+HIGH_END = f"largest value, or from {QUANTILE_VALUES} packings on the 95 % quantile,"
 
 
 def _student(freedoms: int) -> float:
@@ -154,6 +157,12 @@ class CaseAnswer(MovedSurface, CaseNumbers):
         return CaseNumbers(**{name: getattr(self, name) for name in CaseNumbers.model_fields})
 
 
+def _range(values: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Return the lower end, the median and the upper end of the values (n, ...) of n packings."""
+    shares = (0.05, 0.5, 0.95) if len(values) >= QUANTILE_VALUES else (0.0, 0.5, 1.0)
+    return np.asarray(np.quantile(values, shares, axis=0))
+
+
 class Spread(Part):
     """Holds a number on several random packings: mean, standard deviation and confidence interval. Mean, deviation and
     interval are None if there are too few packings; the confidence interval needs at least three.
@@ -163,8 +172,8 @@ class Spread(Part):
     spread: float | None = Field(description="standard deviation over the packings")
     values: tuple[float, ...] = Field(description="the value of every packing")
     median: float | None = None
-    low: float | None = Field(default=None, description="estimated 5 % quantile over all packings")
-    high: float | None = Field(default=None, description="estimated 95 % quantile over all packings")
+    low: float | None = Field(default=None, description=f"{LOW_END} of the packings")
+    high: float | None = Field(default=None, description=f"{HIGH_END} of the packings")
     mean_ci95: tuple[float, float] | None = Field(
         default=None, description="95 % confidence interval of the mean over all packings, by Student's distribution"
     )
@@ -178,7 +187,7 @@ class Spread(Part):
         spread = float(np.std(values, ddof=1)) if several else None
         enough = spread is not None and len(values) >= FEWEST_VALUES
         half = _student(len(values) - 1) * spread / np.sqrt(len(values)) if enough and spread is not None else None
-        low, median, high = (float(value) for value in np.quantile(values, (0.05, 0.5, 0.95)))
+        low, median, high = (float(value) for value in _range(values))
         return cls(
             mean=mean,
             spread=spread,
@@ -203,11 +212,9 @@ class Profile(Part):
     x: tuple[float, ...]
     before: tuple[float, ...] = Field(description="elevations before the slide, median over all packings")
     after: tuple[float, ...]
-    after_low: tuple[float, ...] = Field(
-        description="elevations after the slide, estimated 5 % quantile over all packings"
-    )
+    after_low: tuple[float, ...] = Field(description=f"elevations after the slide: {LOW_END} of the packings at each x")
     after_high: tuple[float, ...] = Field(
-        description="elevations after the slide, estimated 95 % quantile over all packings"
+        description=f"elevations after the slide: {HIGH_END} of the packings at each x"
     )
 
     @classmethod
@@ -216,7 +223,7 @@ class Profile(Part):
         ends = [(line[0][0], line[-1][0]) for pair in surfaces for line in pair]
         x = np.linspace(max(left for left, _ in ends), min(right for _, right in ends), points)
         before, after = (np.array([np.interp(x, *np.array(pair[k]).T) for pair in surfaces]) for k in (0, 1))
-        low, middle, high = np.quantile(after, (0.05, 0.5, 0.95), axis=0)
+        low, middle, high = _range(after)
         rows = (x, np.median(before, axis=0), middle, low, high)
         return cls(**{name: tuple(map(float, row)) for name, row in zip(cls.model_fields, rows, strict=True)})
 

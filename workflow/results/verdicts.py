@@ -43,9 +43,9 @@ class CrestPart(Part):
         description="settlement of the highest ground as wide as the crest, with reconsolidation"
     )
     settlement_low_m: float = Field(
-        description="estimated 5 % quantile of the settlement over all packings; equal to it without packings"
+        description="lower end of the range of the settlement over all packings; equal to it without packings"
     )
-    settlement_high_m: float = Field(description="estimated 95 % quantile of the settlement over all packings")
+    settlement_high_m: float = Field(description="upper end of the range of the settlement over all packings")
     reconsolidation_m: float | None = Field(
         description="settlement by reconsolidation of the liquefied ground below the crest; null if it is not known"
     )

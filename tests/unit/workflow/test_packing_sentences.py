@@ -88,8 +88,16 @@ def test_the_surface_over_packings_has_a_band() -> None:
     assert profile.x == (1.0, 50.0, 99.0)
     assert profile.before == (10.0,) * 3
     assert profile.after == (8.0,) * 3
-    assert profile.after_low == pytest.approx((6.2,) * 3)
-    assert profile.after_high == pytest.approx((9.8,) * 3)
+    assert profile.after_low == pytest.approx((6.0,) * 3)
+    assert profile.after_high == pytest.approx((10.0,) * 3)
+    many = Profile.of([(flat, line) for line in sunk for _ in range(5)], points=3)
+    assert many.after_low == pytest.approx((6.0,) * 3)
+
+
+def test_a_quantile_of_three_packings_is_their_smallest_value() -> None:
+    few, many = Spread.of([1.0, 2.0, 3.0]), Spread.of([float(k) for k in range(1, 22)])
+    assert (few.low, few.median, few.high) == (1.0, 2.0, 3.0)
+    assert (many.low, many.high) == (2.0, 20.0)
 
 
 def test_packings_by_their_seeds_or_by_their_number() -> None:
