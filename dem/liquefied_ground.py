@@ -34,8 +34,9 @@ MOST_STEPS = 4  # between two looks: half a period of the fastest contacts, beyo
 ADJUSTMENT_RATE = 40.0
 LARGEST_DEFICIT = 0.5  # of the requested strength: bonds also resist rotation without strain
 LARGEST_CHANGE = 0.1  # from one neighbour list to the next
-# Of the strength asked for: discs with few neighbours tell little. Beside rough ground that does not liquefy,
-# pressure along lines of centres bears a third of the shear stress, and all of it about single discs.
+# Factor on the requested strength: the measured strength of discs with few neighbours is inaccurate. Next to rough
+# ground that does not liquefy, pressure along lines of centres carries a third of the shear stress, and around single
+# discs all of it.
 LEAST_FACTOR, MOST_FACTOR = 0.1, 2.0
 LEAST_STRENGTH = 1.0  # Pa
 NO_SLIP_SHARE, FULL_SLIP_SHARE = (

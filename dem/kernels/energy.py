@@ -26,7 +26,7 @@ LATE_DASHPOT, LATE_SLIDING, LATE_CRACKS, LATE_ROLLING, LATE_BOUNDARY = range(6, 
 PORE_WATER, LIQUEFIED_BONDS = 11, 12
 ENERGIES = 13
 
-# Where a chunk's forces on partners, and their rim forces, come to lie: over velocities no longer needed.
+# Rows of a chunk's forces on partners and forces on their circumference, in place of velocities no longer needed.
 PARTNER_X, PARTNER_Z, PARTNER_R = field.VX, field.VZ, field.VR
 
 

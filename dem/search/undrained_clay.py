@@ -2,8 +2,8 @@
 
 Contacts with cohesion hold clay while discs are filled in. But once the contacts break, a packing of discs keeps some
 friction, and parts of the packing dilate. Clay at rest therefore takes the laws of liquefied ground
-(`dem.liquefied_ground`): pore pressure by volume bears its weight, and bonds have the strength s_u. With contacts, the
-run-out of released clay columns was 2.0, 0.63 and 0.90 times that of a continuum for γH/s_u of 5, 10 and 20; and a
+(`dem.liquefied_ground`): pore pressure by volume carries its weight, and bonds have the strength s_u. With contacts,
+the run-out of released clay columns was 2.0, 0.63 and 0.90 times that of a continuum for γH/s_u of 5, 10 and 20; and a
 cutting in clay whose critical Kh is 0.129 to 0.134 by strict bounds failed at 0.12 to 0.24, by packing. With the laws
 of liquefied ground the same cutting fails at 0.15 to 0.16. Stresses are in Pa.
 """

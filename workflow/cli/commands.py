@@ -377,8 +377,8 @@ app.registered_commands.sort(key=lambda command: [*Panel].index(Panel(command.ri
 def _up_to(
     stage: str, invocation: "Invocation", force: bool, verbosity: Verbosity, also: Sequence[str] = (), **more: Any
 ) -> "tuple[Job, Choice, Verbosity, list[str]]":
-    """Return what `execute` gets to run a stage and the stages in ``also``, after the stages that they need and that
-    have not run yet; print the warnings on the settings."""
+    """Return the arguments of `execute` for a stage and the stages in ``also``, and for the stages that they need and
+    that have not run yet. Print the warnings on the settings."""
     from workflow.run.plan import Choice
 
     job = invocation.job(**more)

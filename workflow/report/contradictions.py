@@ -27,7 +27,7 @@ REPORTED_FALL = 0.25
 # largest slide (m) up to which this is not reported.
 END_SLIDE_SHARES, LEAST_END = (0.1, 0.8), 2.0
 LEVEL_ENDS = 1e-3  # of the relief: ends that differ by less, as they settle, are level
-NEAR_KC = 0.95  # of the critical Kh, at which a push has come to it
+NEAR_KC = 0.95  # of the critical Kh: a displacement-controlled path that reaches this Kh counts as critical
 
 
 def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:

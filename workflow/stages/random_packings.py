@@ -154,7 +154,7 @@ def calibrated_packing(packing: PackingTask, tell: Tell) -> Packed:
 
 
 def _in_words(case: str, tell: Tell) -> Tell:
-    """Return a listener to the progress of the slide of a case, which tells it in words."""
+    """Return a listener to the progress of the slide of a case, which reports the progress in words."""
 
     def heard(message: tuple[float, float, float, float]) -> None:
         seconds, slide, *_others = message

@@ -1,6 +1,7 @@
 """Defines distributions of one number, each given by its quantile function."""
 
 import math
+from collections.abc import Mapping
 from statistics import NormalDist
 from typing import Any, Literal, Self
 
@@ -49,6 +50,13 @@ class Distribution(Model):
     def is_words(self) -> bool:
         """Return whether drawn values have no order: a list with an entry that is no number."""
         return self.list is not None and not all(_is_number(value) for value in self.list)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _is_table(cls, data: Any) -> Any:
+        if not isinstance(data, Mapping | cls):
+            raise ValueError('expected a distribution, such as { normal = ["10 kPa", "2 kPa"] }')
+        return data
 
     @model_validator(mode="after")
     def _one_of_them(self) -> Self:

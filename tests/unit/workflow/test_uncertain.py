@@ -206,6 +206,7 @@ def test_paths_lead_into_the_file_although_water_cuts_its_strata() -> None:
         ),
         ({"Sand": {"cohesion": {"mean": "2 kPa", "deviation": "1 kPa"}}}, '"Sand.cohesion" = { ... }, such as'),
         ({"strata.*.cohesion": {"mean": "2 kPa"}}, "mean: unknown key; expected one of normal, lognormal, uniform"),
+        ({"strata.*.cohesion": 3}, 'expected a distribution, such as { normal = ["10 kPa", "2 kPa"] }'),
     ],
 )
 def test_paths_without_quotation_marks_and_unknown_kinds_are_told(table: dict[str, Any], message: str) -> None:
