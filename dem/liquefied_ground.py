@@ -8,7 +8,7 @@ import numpy as np
 
 from dem.chunked_map import Ranges, pairs_near, serial
 from dem.kernels import liquefied_pairs as bond
-from dem.kernels.liquefied_bonds import FITTED_STRENGTH, STRAINING_SHARE
+from dem.kernels.liquefied_bonds import BOND_LIMIT, STRAINING_SHARE
 from dem.kernels.liquefied_lists import densities
 from dem.kernels.liquefied_stress import measured_shear
 from dem.kernels.neighbours import Near, known_pairs
@@ -32,7 +32,7 @@ BALANCED_INTERVAL = 0.6
 MOST_STEPS = 4  # between two looks: half a period of the fastest contacts, beyond which these resonate
 # Rate (per unit of strain) at which the strength of bonds follows the deficit of stress: 1/e within a strain of 1/40.
 ADJUSTMENT_RATE = 40.0
-LARGEST_DEFICIT = 0.5  # of the requested strength: bonds also resist rotation without strain
+LARGEST_DEFICIT = 0.5  # of the requested strength
 LARGEST_CHANGE = 0.1  # from one neighbour list to the next
 # Factor on the requested strength: the measured strength of discs with few neighbours is inaccurate. Next to rough
 # ground that does not liquefy, pressure along lines of centres carries a third of the shear stress, and around single
@@ -190,7 +190,7 @@ def longest_look(model: DiscState) -> tuple[float, int]:
     wet = model.liquefied[which]
     steepest = (1.0 - wet[:, bond.KNEE_STRENGTH]) / (1.0 - wet[:, bond.KNEE_STRAIN])
     strain = np.where(wet[:, bond.KNEE_STRAIN] > 0.0, STRAINING_SHARE, 1.0) * wet[:, bond.STRAIN]
-    bonds = 2.4 * np.pi * FITTED_STRENGTH * steepest * wet[:, bond.STRENGTH] / strain
+    bonds = 4.8 * BOND_LIMIT * steepest * wet[:, bond.STRENGTH] / strain
     square = 2.0 * (bonds + 3.0 * wet[:, bond.STIFFNESS]) * wet[:, bond.AREA] / (model.mass[which] * model.reach**2)
     highest = int(np.argmax(square))
     return float(LONGEST_INTERVAL / np.sqrt(square[highest])), int(which[highest])

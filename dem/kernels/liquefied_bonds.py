@@ -14,12 +14,15 @@ from dem.kernels.liquefied_pairs import (
     ACROSS_SPEED,
     ALONG,
     ALONG_SPEED,
+    APPLIED_COUPLE,
     AREA_1,
     AREA_2,
+    ARM,
     BOND,
     BOND_SUM,
     COUNTER_ACROSS,
     COUNTER_ALONG,
+    COUPLE,
     CREEP_TIME,
     DASH_ACROSS,
     DASH_ALONG,
@@ -40,22 +43,30 @@ from dem.kernels.liquefied_pairs import (
     MAXWELL_ACROSS,
     MAXWELL_ALONG,
     MEMORY_BLOCK,
+    MOMENT_1,
+    MOMENT_2,
     NX,
     NZ,
+    PAIR_COUPLE,
     PAIR_PRESSURE,
+    PAIR_SPIN,
+    PART_1,
+    PART_2,
     PRESSURE_TERM,
     SHARE,
     SLIP,
     SLOPE,
     SMALLEST_DIVISOR,
+    SPIN,
     STAND_IN_SHARE,
     STRAIN,
     STRAIN_SUM,
-    STRATUM,
     STRETCH,
+    TO_LEVER,
     TO_RATE,
     WORKING_BLOCK,
     Liquefied,
+    strength_weights,
 )
 from dem.kernels.losses import both
 from dem.kernels.prefetch import wide_vectors
@@ -66,31 +77,12 @@ MAXWELL_TIME = 0.1
 MAXWELL_STIFFNESS_RATIO = 0.5  # stiffness of this spring over that of the bond
 EXTRA_STRENGTH = 0.4  # of the strength, of a bond that has not slipped yet; at least 1/0.77 - 1
 EXTRA_STRENGTH_STRAIN = 0.03  # shear strain beyond the limit in which the extra strength falls to 1/e
-FITTED_STRENGTH = 1.0 / 0.91  # discs slip along surfaces whose strength is below the mean of all directions
+FITTED_STRENGTH = 1.0 / 0.97  # discs slip along surfaces whose strength is below the mean of all directions
+BOND_LIMIT = 2.0 * FITTED_STRENGTH  # of a bond, over the sum of the bond terms of its discs and the kernel
 # Share of a bond between liquefied and other ground that strains. Half of such a bond lies in the other ground, but
 # neighbouring bonds share in its larger stiffness: crusts on layers of one to eight rows of discs move 0.9 to 1.0 times
 # as far as in closed form (1.5 to 1.0 with a share of 1).
 STRAINING_SHARE = 0.75
-
-
-@device_function(forceinline=True)
-def strength_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
-    """Return the weights of the strengths of both discs in the strength of their bond: 1 for each disc if both are of
-    one stratum, else 2 for the weaker disc.
-
-    While a disc liquefies, its contacts with clay, which already has bonds, fade before the residual strength of the
-    disc has built up. Until the residual strength has built up, the bond has the strength of the clay, multiplied by
-    the share of the disc that has not liquefied.
-    """
-    if discs[i, SHARE] == 0.0:
-        return 0.0, 2.0
-    if discs[j, SHARE] == 0.0:
-        return 2.0, 0.0
-    if discs[i, STRATUM] == discs[j, STRATUM]:
-        return 1.0, 1.0
-    if discs[i, BOND] * discs[j, SHARE] < discs[j, BOND] * discs[i, SHARE]:
-        return 2.0, 2.0 * max(1.0 - discs[i, SHARE] / discs[j, SHARE], 0.0)
-    return 2.0 * max(1.0 - discs[j, SHARE] / discs[i, SHARE], 0.0), 2.0
 
 
 @device_function(forceinline=True)
@@ -130,6 +122,10 @@ def fetch_strength(block: int, wet: Liquefied) -> None:
         w[q + STRAIN_SUM] = straining * (a * discs[i, STRAIN] + b * discs[j, STRAIN])
         w[q + KNEE_STRENGTH_SUM] = a * discs[i, KNEE_STRENGTH] + b * discs[j, KNEE_STRENGTH]
         w[q + KNEE_STRAIN_SUM] = ends
+        first, second = w[q + PART_1], w[q + PART_2]
+        w[q + PAIR_SPIN] = first * discs[i, SPIN] + second * discs[j, SPIN]
+        couple_i = discs[i, APPLIED_COUPLE] if first > 0.0 else 0.0
+        w[q + PAIR_COUPLE] = couple_i + (discs[j, APPLIED_COUPLE] if second > 0.0 else 0.0)
         w[q + CREEP_TIME], soft = SOFT_CREEP_TIME, i if discs[i, KNEE_STRAIN] > 0.0 else j
         if (discs[i, KNEE_STRAIN] > 0.0) != (discs[j, KNEE_STRAIN] > 0.0):
             single = discs[soft, BOND], STRAINING_SHARE * discs[soft, STRAIN]
@@ -152,6 +148,7 @@ def press_lanes(
     w, memory, reach = wet.working, wet.memory, wet.reach
     slid, damped, work = 0.0, 0.0, 0.0
     part = 0.5 / wet.steps_between_looks
+    rate = 0.5 / damping_time  # one over the time between two evaluations (1/s)
     for lane in range(LANES):
         q = np.uint64(block) * WORKING_BLOCK + np.uint64(lane)
         r = np.uint64(block) * MEMORY_BLOCK + np.uint64(lane)
@@ -159,11 +156,13 @@ def press_lanes(
         here = 1.0 if apart < reach else 0.0
         inside = apart if apart < reach else reach
         pressure_force = -w[q + PAIR_PRESSURE] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
-        strength = 0.5 * math.pi * FITTED_STRENGTH * w[q + BOND_SUM] * bond_kernel(inside, reach)
+        kernel = here * bond_kernel(inside, reach)
+        strength = BOND_LIMIT * w[q + BOND_SUM] * kernel
         soft_to = 0.5 * w[q + KNEE_STRAIN_SUM]
         room = 0.5 * w[q + STRAIN_SUM] * inside + SMALLEST_DIVISOR * reach  # way (m) at which the bond slips
         soft, steep = slopes(0.5 * w[q + KNEE_STRENGTH_SUM], soft_to)
-        stretch, slip = w[q + STRETCH], w[q + SLIP]
+        turned, couple = inside * w[q + PAIR_SPIN], kernel * w[q + PAIR_COUPLE]
+        stretch, slip = w[q + STRETCH], w[q + SLIP] - turned
         fresh = memory[r + EXTRA_SHARE]
         more = 1.0 + EXTRA_STRENGTH * fresh
         strength, room = more * strength, more * room
@@ -197,14 +196,16 @@ def press_lanes(
         delay = (damping_time + w[q + CREEP_TIME] * soft) * inverse
         new_along, new_across = mobilised_share * new_along, mobilised_share * new_across
         soon_along, soon_across = mobilised(
-            new_along + late_along + w[q + ALONG_SPEED] * delay, new_across + late_across + w[q + ACROSS_SPEED] * delay
+            new_along + late_along + w[q + ALONG_SPEED] * delay,
+            new_across + late_across + (w[q + ACROSS_SPEED] - turned * rate) * delay,
         )
         pull, drag = strength * soon_along, strength * soon_across
         dash_along, dash_across = pull - strength * new_along, drag - strength * new_across
         taken_along, taken_across = here * memory[r + COUNTER_ALONG], here * memory[r + COUNTER_ACROSS]
-        pull, drag = pull + taken_along, drag + taken_across
+        moment = drag * inside
+        pull, drag = pull + taken_along, drag + taken_across - couple
         if with_losses:
-            work = both(work, work_here - (taken_along * stretch + taken_across * slip))
+            work = both(work, work_here - (taken_along * stretch + taken_across * w[q + SLIP]))
         # beyond the reach strength has gone to nothing, and is forgotten
         memory[r + ALONG], memory[r + ACROSS] = here_along, here_across
         memory[r + MAXWELL_ALONG], memory[r + MAXWELL_ACROSS] = here * late_along, here * late_across
@@ -214,6 +215,7 @@ def press_lanes(
         nx, nz, normal = w[q + NX], w[q + NZ], pressure_force - pull
         fx, fz = normal * nx + drag * nz, normal * nz - drag * nx
         w[q + FORCE_X1], w[q + FORCE_X2], w[q + FORCE_Z1], w[q + FORCE_Z2] = -fx, fx, -fz, fz
+        w[q + MOMENT_1], w[q + MOMENT_2] = w[q + PART_1] * moment, w[q + PART_2] * moment
     return slid, damped, work
 
 
@@ -237,9 +239,11 @@ def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
     discs, w = wet.discs, wet.working
     for k in range(begin, end):
         i = np.int64(wet.paired[k])
-        fx, fz = 0.0, 0.0
+        fx, fz, moment = 0.0, 0.0, 0.0
         for m in range(wet.members[i], wet.members[i + 1]):
             q = np.uint64(wet.member[m])
             fx += w[q]
             fz += w[q + TO_RATE]
+            moment += w[q + TO_LEVER]
         discs[i, FORCE_X], discs[i, FORCE_Z] = fx, fz
+        discs[i, COUPLE] = moment / discs[i, ARM] if discs[i, SHARE] > 0.0 else 0.0

@@ -10,10 +10,17 @@ W(r_ij), the disc itself included, with the kernel C2 of Wendland (1995) as W. T
    water took over when the ground liquefied, and a term of its compression. The two discs of a pair repel each other
    along the line of centres with -V_i V_j (u_i/rho_i^2 + u_j/rho_j^2) dW/dr (Monaghan 1992), which resists pressure but
    not shear.
-2. Residual strength. An elastic-plastic bond between the centres resists both components of their relative motion; its
-resultant is at most c_ij = (pi/2) f (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i = sum_j w r, f = `FITTED_STRENGTH`. With this
-limit sum_j c_ij r_ij does not depend on the packing, and ground that slips has the shear stress s. The stiffness of the
-bond is c_ij/(gamma r).
+2. Residual strength. An elastic-plastic bond between the centres resists both components of their relative motion, less
+the rotation of the ground about them; its resultant is at most c_ij = 2 f (s_i V_i/S_i + s_j V_j/S_j) w(r), S_i =
+sum_j w r, f = `FITTED_STRENGTH`. With this limit sum_j c_ij r_ij does not depend on the packing, and ground that slips
+has the shear stress s, in simple and in pure shear. The stiffness of the bond is c_ij/(gamma r).
+   The ground about a disc rotates by omega_i = sum_j w d_ij / S_i, with the motion d_ij of the partner across the line
+of centres; the slip of a bond is d_ij - r (omega_i + omega_j) / 2. Ground that rotates as a block is not resisted. The
+forces follow by virtual work: each pair has in addition the force -w (m_i + m_j) across the line of centres, with m_i =
+sum_j r t_ij / (2 S_i) and the forces t_ij of the bonds across. The moments of all forces about a disc are in balance,
+and the shear stress is symmetric. The m_i are those of the last evaluation but one: their work is booked as a loss.
+   Without this the ground would resist rotation at the rate omega with the power pi/2 s omega per area: a slope of clay
+on a weak seam moved 1.0 m for 1.5 m, since the wedge behind its crest did not fall.
    Ground with a strain potential is soft at first: the force-displacement law is a straight line up to the potential,
    with a dashpot in parallel, and a steep one from there to the limit (`kernels.bond_law`). A part of a bond between
    liquefied and other ground lies in the other ground, which does not strain: the displacements of such a bond are
@@ -48,11 +55,13 @@ from dem.kernels.prefetch import wide_vectors
 # which it is reached. At the last evaluation of the pairs: place (m), density (-), pressure term u/rho^2 (Pa) and its
 # part by viscosity, bond term V/S (1/m), force (N). Strength at the strain potential over the residual strength, and
 # strain potential over the strain at which the residual strength is reached (-); both 0 without a strain potential.
-# Number of the stratum.
+# Number of the stratum. Sum S of the levers (m), rotation of the ground since the evaluation before (rad), moment m of
+# the bonds over S (N), and the one that acts until the next evaluation (N).
 SHARE, AREA, PRESSURE, DENSITY, STIFFNESS, VISCOSITY, STRENGTH, STRAIN = range(8)
 AT_X, AT_Z, PRESENT_DENSITY, PRESSURE_TERM, DRAG, BOND, FORCE_X, FORCE_Z = range(8, 16)
 KNEE_STRENGTH, KNEE_STRAIN, STRATUM = 16, 17, 18
-FIELDS = 19
+ARM, SPIN, COUPLE, APPLIED_COUPLE = 19, 20, 21, 22
+FIELDS = 23
 RECORD_Z, RECORD_VX, RECORD_VZ = (np.uint64(k) for k in (1, 2, 3))  # fields of the shared record of a disc
 
 # Pairs lie in blocks of 64 lanes, as contacts do; a field of a block is 64 doubles in a row. History variables of a
@@ -73,19 +82,21 @@ MEMORY_BLOCK = np.uint64(MEMORY * LANES)  # doubles in the history variables of 
 # the last evaluation (m); areas times the pressures that stand in for a partner that has liquefied less (N m), areas
 # (m2), slope of the kernel. The first seven are overwritten by direction, speeds along and across (m/s), stretch and
 # slip (m), distance (m). Then contributions to the sums of the first and of the second disc: density, its rate, lever
-# (m), which are overwritten by sums of pressure, strength and strain, then by forces. Last the time of the dashpot of
-# soft ground (s).
-WORKING = 17
+# (m), motion across (m), which are overwritten by sums of pressure, strength and strain, rotation and moment, then by
+# forces and moments. Last the time of the dashpot of soft ground (s), and the share of the first disc in the rotation.
+WORKING = 23
 (
     DX, DZ, UX, UZ, OLD_X, OLD_Z, STAND_IN_PRESSURE, AREA_1, AREA_2, SLOPE, WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1,
-    LEVER_2, CREEP_TIME,
+    LEVER_2, TURN_1, TURN_2, ARM_1, ARM_2, CREEP_TIME, PART_1, PART_2,
 ) = (np.uint64(k * LANES) for k in range(WORKING))  # fmt: skip
 NX, NZ, ALONG_SPEED, ACROSS_SPEED, STRETCH, SLIP, DISTANCE = DX, DZ, UX, UZ, OLD_X, OLD_Z, STAND_IN_PRESSURE
 PAIR_PRESSURE, BOND_SUM, STRAIN_SUM, STAND_IN_SHARE = WIDTH_1, WIDTH_2, RATE_1, RATE_2
-KNEE_STRENGTH_SUM, KNEE_STRAIN_SUM = LEVER_1, LEVER_2
+KNEE_STRENGTH_SUM, KNEE_STRAIN_SUM, PAIR_SPIN, PAIR_COUPLE = LEVER_1, LEVER_2, TURN_1, TURN_2
+MOMENT_1, MOMENT_2 = LEVER_1, LEVER_2
 FORCE_X1, FORCE_X2, FORCE_Z1, FORCE_Z2 = WIDTH_1, WIDTH_2, RATE_1, RATE_2
 WORKING_BLOCK = np.uint64(WORKING * LANES)  # doubles in the work arrays of a block
-TO_RATE, TO_LEVER = RATE_1 - WIDTH_1, LEVER_1 - WIDTH_1  # from the density of a contribution, or from its first force
+# from the density of a contribution, or from its first force
+TO_RATE, TO_LEVER, TO_TURN, TO_ARM = (row - WIDTH_1 for row in (RATE_1, LEVER_1, TURN_1, ARM_1))
 
 ABSENT_SQUARE = 1e6  # square of the distance in lanes without a pair, over the square of the reach
 
@@ -125,6 +136,38 @@ class Liquefied(NamedTuple):
     steps_between_looks: int
 
 
+@device_function(forceinline=True)
+def strength_weights(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
+    """Return the weights of the strengths of both discs in the strength of their bond: 1 for each disc if both are of
+    one stratum, else 2 for the weaker disc.
+
+    While a disc liquefies, its contacts with clay, which already has bonds, fade before the residual strength of the
+    disc has built up. Until the residual strength has built up, the bond has the strength of the clay, multiplied by
+    the share of the disc that has not liquefied.
+    """
+    if discs[i, SHARE] == 0.0:
+        return 0.0, 2.0
+    if discs[j, SHARE] == 0.0:
+        return 2.0, 0.0
+    if discs[i, STRATUM] == discs[j, STRATUM]:
+        return 1.0, 1.0
+    if discs[i, BOND] * discs[j, SHARE] < discs[j, BOND] * discs[i, SHARE]:
+        return 2.0, 2.0 * max(1.0 - discs[i, SHARE] / discs[j, SHARE], 0.0)
+    return 2.0 * max(1.0 - discs[j, SHARE] / discs[i, SHARE], 0.0), 2.0
+
+
+@device_function(forceinline=True)
+def rotation_parts(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
+    """Return the shares of both discs in the rotation about which their bond slips, by the strengths that count in it.
+
+    Beside a weak stratum a strong one does not rotate with the slip of the weak one: bonds of two strata slip about the
+    rotation of the weaker disc, and have no part in the rotation of the stronger one.
+    """
+    a, b = strength_weights(discs, i, j)
+    total = a + b
+    return (a / total, b / total) if total > 0.0 else (0.0, 0.0)
+
+
 @device_function(nogil=True, _nrt=False)
 def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, later: float, with_losses: bool) -> None:
     """Compute the relative positions after `later` seconds, and the velocities, of the discs of a block of pairs.
@@ -146,6 +189,7 @@ def fetch_motion(block: int, wet: Liquefied, shared: np.ndarray, later: float, w
         w[q + OLD_Z] = discs[j, AT_Z] - discs[i, AT_Z]
         area_i, area_j = discs[i, AREA], discs[j, AREA]
         w[q + AREA_1], w[q + AREA_2] = area_i, area_j
+        w[q + PART_1], w[q + PART_2] = rotation_parts(discs, i, j)
         if with_losses:
             more_i, more_j = stand_in_shares(discs[i, SHARE], discs[j, SHARE])
             w[q + STAND_IN_PRESSURE] = (
@@ -183,13 +227,18 @@ def look_at_pairs(block: int, wet: Liquefied, period: Period, with_losses: bool)
             way = ((dx - ox) * ox + (dz - oz) * oz) / (before + SMALLEST_DIVISOR * reach)
             work = both(work, pressure_force * way)
         speed = ux * nx + uz * nz
-        lever = bond_kernel(inside, reach) * inside
+        share = bond_kernel(inside, reach)
+        slip = 2.0 * (ox * dz - oz * dx) / (apart + before)
+        lever = share * inside
+        first, second = (1.0 if w[q + PART_1] > 0.0 else 0.0), (1.0 if w[q + PART_2] > 0.0 else 0.0)
         w[q + NX], w[q + NZ], w[q + ALONG_SPEED], w[q + ACROSS_SPEED] = nx, nz, speed, uz * nx - ux * nz
-        w[q + STRETCH], w[q + SLIP] = apart - before, 2.0 * (ox * dz - oz * dx) / (apart + before)
+        w[q + STRETCH], w[q + SLIP] = apart - before, slip
         w[q + DISTANCE], w[q + SLOPE] = apart, slope
         w[q + WIDTH_1], w[q + WIDTH_2] = area_j * width, area_i * width
         w[q + RATE_1], w[q + RATE_2] = area_j * slope * speed, area_i * slope * speed
         w[q + LEVER_1], w[q + LEVER_2] = lever, lever
+        w[q + TURN_1], w[q + TURN_2] = first * share * slip, second * share * slip
+        w[q + ARM_1], w[q + ARM_2] = first * lever, second * lever
     return (1.0 - 0.5 / wet.steps_between_looks) * work
 
 
@@ -210,12 +259,15 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, late
         share, area = discs[i, SHARE], discs[i, AREA]
         if share == 0.0:
             continue
-        density, rate, levers = area * self_kernel, 0.0, SMALLEST_DIVISOR * reach
+        density, rate, levers, turn = area * self_kernel, 0.0, SMALLEST_DIVISOR * reach, 0.0
+        arm = SMALLEST_DIVISOR * reach
         for m in range(wet.members[i], wet.members[i + 1]):
             q = np.uint64(wet.member[m])
             density += w[q]
             rate += w[q + TO_RATE]
             levers += w[q + TO_LEVER]
+            turn += w[q + TO_TURN]
+            arm += w[q + TO_ARM]
         still = water_pressure(share, discs[i, PRESSURE], discs[i, STIFFNESS], density / discs[i, DENSITY] - 1.0)
         whole = still + share * discs[i, VISCOSITY] * rate
         whole = whole if whole > 0.0 else 0.0
@@ -223,8 +275,10 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, late
         if with_losses:
             viscous_mean = discs[i, DRAG] + 0.5 / wet.steps_between_looks * (drag - discs[i, DRAG])
             lost += area * viscous_mean * (density - discs[i, PRESENT_DENSITY])
+            lost += (discs[i, COUPLE] - discs[i, APPLIED_COUPLE]) * turn
         discs[i, PRESENT_DENSITY] = density
         discs[i, PRESSURE_TERM] = whole / (density * density)
         discs[i, DRAG] = drag
         discs[i, BOND] = share * discs[i, STRENGTH] * area / levers
+        discs[i, ARM], discs[i, SPIN], discs[i, APPLIED_COUPLE] = arm, turn / arm, discs[i, COUPLE]
     return lost

@@ -14,7 +14,7 @@ from numba import njit
 
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.bond_law import force_share
-from dem.kernels.liquefied_bonds import EXTRA_STRENGTH, FITTED_STRENGTH, bond_lines, strength_weights
+from dem.kernels.liquefied_bonds import BOND_LIMIT, EXTRA_STRENGTH, bond_lines
 from dem.kernels.liquefied_laws import bond_kernel, density_kernel, stand_in_shares
 from dem.kernels.period import Period, image
 
@@ -77,8 +77,8 @@ def _sums(
         more_i, more_j = stand_in_shares(discs[i, bond.SHARE], discs[j, bond.SHARE])
         pressure = (1.0 + more_i) * discs[i, bond.PRESSURE_TERM] + (1.0 + more_j) * discs[j, bond.PRESSURE_TERM]
         pressure_force = -pressure * discs[i, bond.AREA] * discs[j, bond.AREA] * slope
-        a, b = strength_weights(discs, i, j)
-        limit = 0.5 * math.pi * FITTED_STRENGTH * (a * discs[i, bond.BOND] + b * discs[j, bond.BOND])
+        a, b = bond.strength_weights(discs, i, j)
+        limit = BOND_LIMIT * (a * discs[i, bond.BOND] + b * discs[j, bond.BOND])
         limit *= bond_kernel(apart, reach)
         limit *= 1.0 + EXTRA_STRENGTH * memory[c, bond.EXTRA_SHARE_AT]
         along, across = memory[c, ALONG_AT], memory[c, ACROSS_AT]
@@ -117,14 +117,14 @@ def _sums(
 def _shear_of(mean: np.ndarray) -> tuple[float, float]:
     """Return the measured shear stress (Pa) and shear strain, from a stress and a displacement gradient.
 
-    Work on rotation is included, since bonds resist rotation as well.
+    Only the symmetric part of the stress counts: the forces that balance the moments of bonds are not summed here.
     """
     xx, xz, zx, zz = mean[G_XX], mean[G_XZ], mean[G_ZX], mean[G_ZZ]
     strain = math.sqrt((xx - zz) * (xx - zz) + (xz + zx) * (xz + zx))
     if strain == 0.0:
         return 0.0, 0.0
     half = 0.5 * (mean[S_XX] - mean[S_ZZ]) * (xx - zz)
-    return (half + mean[S_XZ] * xz + mean[S_ZX] * zx) / strain, strain
+    return (half + 0.5 * (mean[S_XZ] + mean[S_ZX]) * (xz + zx)) / strain, strain
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -16,7 +16,7 @@ import numpy as np
 
 from dem.model import DiscModel
 
-BAND = 2.0  # mean diameters above the edge
+BAND = 3.0  # mean diameters above the edge
 # Of its strength that ground keeps: thin ground in front of a toe does not only slip on its edge, but is compressed.
 LEAST_SHARE = 0.8
 AROUND = 1.0  # mean diameters to either side, in which the lowest disc of a layer marks its edge

@@ -23,7 +23,7 @@ NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go thro
 NO_STRENGTH = 1e-6  # Pa
 ROUNDING = 1e-12  # smallest relative change of a strength
 # Shear modulus of elastic bonds in simple shear over the strength at their limit, over the strain of a bond there.
-ELASTIC = 0.25 * np.pi * FITTED_STRENGTH
+ELASTIC = 0.5 * FITTED_STRENGTH
 
 
 def liquefied(
