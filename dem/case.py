@@ -40,7 +40,7 @@ class Case(Model):
         gt=0.0,
         le=1.0,
         description="factor on the contact springs, such as 0.02; for soil discs the factor on the shear "
-        "modulus, so that residual strength is reached at a shear strain of 0.4 to 2 %",
+        "modulus, so that residual strength is reached at a shear strain of 0.8 to 4 %",
     )
     damping: float | None = Field(
         default=None,

@@ -19,8 +19,9 @@ FADING_STEPS = 20  # steps in which springs and bonds change as ground liquefies
 REACH = 2.0  # mean diameters: with 1.6 the pressure alone would hold a hundredth of itself as shear
 WATER_STIFFNESS = 30.0  # stiffness of the pore water over the mean overburden
 BULK_VISCOSITY = 0.3  # viscosity of volume over density, speed of sound in the water, and reach
-SMALLEST_STRAIN = 0.004  # at which residual strength is reached at the earliest: stiffer bonds require shorter steps
-LARGEST_STRAIN = 0.02  # at which it is reached at the latest, well before 5 %
+# Strain of a bond, half the shear strain of the ground, at which residual strength is reached: at the earliest, since
+# stiffer bonds require shorter steps, and at the latest, before the ground has sheared by 5 %.
+SMALLEST_STRAIN, LARGEST_STRAIN = 0.004, 0.02
 SHEAR_MODULUS = 0.23  # of patches of soil discs, over kn: their E is 0.6 kn, with a Poisson's ratio of 0.3
 LOOSE_DENSITY, LOOSEST_DENSITY = (
     0.95,
@@ -55,7 +56,7 @@ class Onset(NamedTuple):
     area (n,) : area of every disc with its voids, whether it liquefies or not (m2)
     pressure (n,) : effective overburden that pore water takes over (Pa)
     strength (n,) : residual strength (Pa)
-    strain (n,) : shear strain at which the residual strength is reached
+    strain (n,) : strain of bonds, half the shear strain, at which the residual strength is reached
     knee, soft_to (n,) : knee of the bilinear law at the strain potential: share of the residual strength (``knee``),
         and share of the strain at which the steep line begins (``soft_to``); 0 without a strain potential
     peak : whether bonds have a larger limit until they have slipped, which is needed for discs that lose their contacts
@@ -97,10 +98,10 @@ def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
 def match_strength(state: DiscState) -> None:
     """Adjust the strength of bonds, so that strained ground has its prescribed strength with a new list of pairs.
 
-    Without the adjustment of bonds the strength would be 0.8 to 1.5 times the prescribed strength, depending on the
-    arrangement of the discs: the pressure between discs that move past each other contributes shear stress, and bonds
-    resist more in simple than in pure shear. Bonds along a straight row of fixed discs are not adjusted: discs slip
-    along such a row at less than the stress between the discs beside it, and `FITTED_STRENGTH` is for this case.
+    Without the adjustment the strength would depend on the arrangement of the discs, since the pressure between discs
+    that move past each other contributes shear stress. Bonds along a straight row of fixed discs are not adjusted:
+    discs slip along such a row at less than the stress between the discs beside it, and `FITTED_STRENGTH` is for this
+    case.
     """
     if not len(state.liquefied):
         return

@@ -2,7 +2,7 @@
 
 Discs shear in a band some diameters wide, which lies above the edge where the ground below is strong. The shear stress
 by Kh and by the slope is proportional to the overburden, so that a band above the edge resists more than slip on the
-edge itself would: with a constant strength 1.03 to 1.13 times. Within the width of the band discs therefore have at
+edge itself would. Within the width of the band discs therefore have at
 most
 
     s(z) = s_e p(z) / p_e,

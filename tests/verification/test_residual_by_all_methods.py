@@ -13,6 +13,7 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.settings import DemSettings
+from dem.slides.edge_strength import BAND
 from dem.slides.liquefied_strength import onset
 from fem.continuum.liquefied_ground import liquefied_section
 from fem.mpm.ground import ground_of
@@ -122,7 +123,7 @@ def test_residual_strength_or_what_friction_and_cohesion_leave(case: Case, count
     )
     model, strength = of_discs(ground, case)
     alone = of_discs(ground, Case(residual=0.1))[1] / 0.1  # their own σ'v
-    away_from_edge = model.z > model.z[~model.fixed].min() + 3.0 * RADIUS
+    away_from_edge = model.z > model.z[~model.fixed].min() + (2.0 * BAND - 1.0) * RADIUS
     here = (model.layer == 1) & ~model.fixed & (model.x < 8.0) & away_from_edge
     by_discs = (counts.residual + counts.friction * TAN) * alone + counts.strength / 1e3 + counts.cohesion * 4.0
     assert strength[here] == pytest.approx(by_discs[here])

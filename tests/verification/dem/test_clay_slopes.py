@@ -119,4 +119,4 @@ def test_sand_that_liquefies_on_clay_does_not_slip_while_it_does() -> None:
     at_rest = deposit(section, DemSettings(elements=350))
     settings, case = SlideSettings(kh=0.1, duration=7.0), Case(residual_strength=13e3)
     slide = Slider(at_rest.settled, at_rest.ground, [1], case, settings).run()
-    assert max(row.slide_max_m for row in slide.rows) < 0.07
+    assert max(row.slide_max_m for row in slide.rows) < 0.08

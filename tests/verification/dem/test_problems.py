@@ -47,7 +47,7 @@ def test_a_uniform_slope_carries_its_weight() -> None:
 @pytest.mark.parametrize("ratio", [3.0, 3.5])
 def test_a_column_of_clay_that_stands(ratio: float) -> None:
     """A vertical cut stands below gamma H / su = 3.83 (limit analysis): 98 % of its mass stays within H/50 of it, and
-    its face bulges by less than H/15 before the strength of clay is reached."""
+    its face bulges by less than H/12 before the strength of clay is reached."""
     column = clay_column(10.0, 10.0, RADIUS, ratio)
     assert column.porosity == pytest.approx(0.22, abs=0.03)
     rest = column.release()
@@ -55,7 +55,7 @@ def test_a_column_of_clay_that_stands(ratio: float) -> None:
     assert rest.rested
     assert out.loose == 0.0
     assert (out.x98 - 10.0) / 10.0 < 0.02
-    assert (out.front - 10.0) / 10.0 < 0.067
+    assert (out.front - 10.0) / 10.0 < 0.08
 
 
 @pytest.mark.slow
