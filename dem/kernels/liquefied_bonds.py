@@ -161,8 +161,8 @@ def press_lanes(
         soft_to = 0.5 * w[q + KNEE_STRAIN_SUM]
         room = 0.5 * w[q + STRAIN_SUM] * inside + SMALLEST_DIVISOR * reach  # way (m) at which the bond slips
         soft, steep = slopes(0.5 * w[q + KNEE_STRENGTH_SUM], soft_to)
-        turned, couple = inside * w[q + PAIR_SPIN], kernel * w[q + PAIR_COUPLE]
-        stretch, slip = w[q + STRETCH], w[q + SLIP] - turned
+        rotation, couple = inside * w[q + PAIR_SPIN], kernel * w[q + PAIR_COUPLE]
+        stretch, slip = w[q + STRETCH], w[q + SLIP] - rotation
         fresh = memory[r + EXTRA_SHARE]
         more = 1.0 + EXTRA_STRENGTH * fresh
         strength, room = more * strength, more * room
@@ -197,7 +197,7 @@ def press_lanes(
         new_along, new_across = mobilised_share * new_along, mobilised_share * new_across
         soon_along, soon_across = mobilised(
             new_along + late_along + w[q + ALONG_SPEED] * delay,
-            new_across + late_across + (w[q + ACROSS_SPEED] - turned * rate) * delay,
+            new_across + late_across + (w[q + ACROSS_SPEED] - rotation * rate) * delay,
         )
         pull, drag = strength * soon_along, strength * soon_across
         dash_along, dash_across = pull - strength * new_along, drag - strength * new_across
