@@ -116,7 +116,7 @@ class Engine:
         stable = largest_step(model)
         if self.dt == "auto":
             if not np.isfinite(stable.seconds):
-                raise StepTooLargeError("no two discs can touch, so there is no stable time step: give dt in s")
+                raise StepTooLargeError("no two discs can touch, so that no contact limits the time step: give dt in s")
             return AUTO_SHARE * stable.seconds
         self._refuse(model, self.dt, stable)
         return self.dt

@@ -273,9 +273,10 @@ def try_kh(
 
     Kh rises by `KH_PER_PERIOD` in a period of the ground, and is then constant, with kinetic damping as in `settle`:
     dashpots of contacts hardly damp the vibration of the whole ground, which is not the subject of the test. The discs
-    stand if both ratios are below their limits. The discs fail if the displacement since `before` exceeds `growth`
-    times the elastic one and grew at every record of the last period, and neither ratio is below its limit. Otherwise
-    the trial is undecided: after `patience` periods, or when a DemError stopped the discs. settings: settings of the
+    stand if the unbalanced force ratio and the kinetic energy ratio are below their limits. The discs fail if both
+    ratios are above their limits and the displacement since `before` exceeds `growth` times the elastic one and grew at
+    every record of the last period. Otherwise the trial is undecided: after `patience` periods, or when a DemError
+    stopped the discs. settings: settings of the
     discs; rise: start and end of Kh, and the elastic displacement per Kh (m); threads: threads of the engine.
     """
     from_kh, kh, flexibility = rise

@@ -205,7 +205,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
     """Yield sentences on every case with its numbers, for the terminal."""
     for case in answer.cases:
         yield outcome(case)
-        strengths = [f"{shown_name(s.name)} {s.cohesion_kPa:.3g} kPa" for s in case.strata]
+        strengths = [f"{s.cohesion_kPa:.3g} kPa in {shown_name(s.name)}" for s in case.strata]
         yield f"    The residual strength is {listed(list(dict.fromkeys(strengths)))}."
         if case.factor is not None or case.factor_lower is not None:
             yield f"    The factor of safety at Kh = 0, between sides held horizontally, is {factors(case)}."

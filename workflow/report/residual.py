@@ -37,7 +37,7 @@ def residual_details(steps: PeakAndResidual) -> Iterator[str]:
     """Yield sentences on the strengths, the factors of safety of the verdict, and missing results."""
     # Parts of a stratum that zones, cracks or water divide are named once.
     strata = [
-        f"{shown_name(whole_soil(each.name))} {each.cohesion_kPa:.3g} kPa and {each.friction_deg:.3g}°"
+        f"c = {each.cohesion_kPa:.3g} kPa, φ = {each.friction_deg:.3g}° in {shown_name(whole_soil(each.name))}"
         for each in steps.strata
     ]
     yield f"The residual strength is {listed(list(dict.fromkeys(strata)))}."

@@ -19,7 +19,9 @@ def test_a_stratum_that_zones_divide_is_named_once() -> None:
         strata=strata, peak=None, along=None, notes=(),
         everywhere=None,
     )  # fmt: skip
-    assert next(residual_details(steps)) == 'The residual strength is "Tailings" 0 kPa and 8° and "Shale" 0 kPa and 8°.'
+    assert next(residual_details(steps)) == (
+        'The residual strength is c = 0 kPa, φ = 8° in "Tailings" and c = 0 kPa, φ = 8° in "Shale".'
+    )
 
 
 @pytest.mark.parametrize("language", ["en", "ja"])
