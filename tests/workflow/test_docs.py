@@ -20,7 +20,7 @@ import typer
 
 from docs.section_keys import keys
 from meshes.section.polyline import Line
-from tests.support import TOP
+from tests.support import SECTIONS, TOP
 from tests.support.command_line import run
 from tests.support.docs import DOCS, PACKAGES, blocks, commands, pages, program
 from workflow.cli import app
@@ -109,6 +109,8 @@ def _base(page: Path) -> dict[str, Any]:
     """The section to which a page's examples of single tables are added."""
     if page.stem.startswith("levee"):
         return tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8"))
+    if shipped := re.search(r"noshiro init --from (\w+)", page.read_text(encoding="utf-8")):
+        return tomllib.loads((SECTIONS / f"{shipped[1]}.toml").read_text(encoding="utf-8"))
     base = tomllib.loads(blocks("toml", (DOCS / "how-to/section.md").read_text(encoding="utf-8"))[0])
     base["strata"][0]["liquefies_in"] = [1, 2]  # of the cases that every example has
     return base

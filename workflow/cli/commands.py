@@ -213,9 +213,7 @@ def plot(
     folder: Folder,
     field: Annotated[
         str | None,
-        typer.Option(
-            help="Field of the continuum, such as mobilised, or of the discs: pore_springs, velocity, force_chains."
-        ),
+        typer.Option(help="Field, such as mobilised; fields of discs: pore_springs, velocity, force_chains."),
     ] = None,
     at: Annotated[float | None, typer.Option(help="One seismic coefficient only, such as 0.2.")] = None,
     json: Json = False,
