@@ -1,7 +1,8 @@
 """Bisects triangles at their longest edges (Rivara 1984): divides marked cells, and as few other cells as a
 conforming mesh requires.
 
-No angle becomes smaller than half of the smallest angle of the first mesh (Rosenberg & Stenger 1975).
+No angle becomes smaller than half of the smallest angle of the first mesh (Rosenberg & Stenger 1975), if lengths are
+those of the plane. A metric that shortens lengths in one direction makes triangles that are as much longer there.
 """
 
 import numpy as np
@@ -9,10 +10,14 @@ import numpy as np
 from meshes.triangles import TriMesh
 
 
-def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
+def bisect(mesh: TriMesh, marked: np.ndarray, metric: np.ndarray | None = None) -> tuple[TriMesh, np.ndarray]:
     """Bisect the cells in ``marked`` (numbers or a mask) at their longest edges. Return the mesh, and the number of the
-    old cell that contains each new cell."""
-    longest = longest_edges(mesh)
+    old cell that contains each new cell.
+
+    An edge d has the squared length d·M d with the ``metric`` M (m, 2, 2) of the cells beside it; without a metric,
+    lengths are those of the plane."""
+    rank = _rank(mesh, metric)
+    longest = longest_edges(mesh, rank)
     cut = np.zeros(len(mesh.edges), dtype=bool)
     cut[longest[marked]] = True
     while True:  # a cell with a cut edge is first cut at its longest one
@@ -22,7 +27,7 @@ def bisect(mesh: TriMesh, marked: np.ndarray) -> tuple[TriMesh, np.ndarray]:
             break
         cut = alike
         cut[more] = True
-    return cut_edges(mesh, cut)
+    return cut_edges(mesh, cut, rank)
 
 
 def _alike(mesh: TriMesh, cut: np.ndarray) -> np.ndarray:
@@ -50,10 +55,10 @@ def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, 
     return cut_edges(mesh, _alike(mesh, cut))
 
 
-def cut_edges(mesh: TriMesh, cut: np.ndarray) -> tuple[TriMesh, np.ndarray]:
-    """Cut edges (a mask) at their middles. Every cell is first cut at its longest marked edge. Return the mesh, and the
-    number of the old cell that contains each new cell."""
-    rank = np.where(cut, _rank(mesh), -1)[mesh.cell_edges]
+def cut_edges(mesh: TriMesh, cut: np.ndarray, rank: np.ndarray | None = None) -> tuple[TriMesh, np.ndarray]:
+    """Cut edges (a mask) at their middles. Every cell is first cut at its longest marked edge, by the ``rank`` of the
+    edges if it is given. Return the mesh, and the number of the old cell that contains each new cell."""
+    rank = np.where(cut, _rank(mesh) if rank is None else rank, -1)[mesh.cell_edges]
     first = np.take_along_axis(mesh.cell_edges, np.argmax(rank, axis=1)[:, None], axis=1)[:, 0]
     middle = np.full(len(mesh.edges), -1)
     middle[cut] = len(mesh.points) + np.arange(np.count_nonzero(cut))
@@ -63,17 +68,22 @@ def cut_edges(mesh: TriMesh, cut: np.ndarray) -> tuple[TriMesh, np.ndarray]:
     return TriMesh(points, cells, mesh.stratum[parent], boundaries, mesh.repeats), parent
 
 
-def longest_edges(mesh: TriMesh) -> np.ndarray:
-    """Return the number of the longest edge of every cell. Among equal edges, neighbouring cells take the same edge."""
-    rank = _rank(mesh)[mesh.cell_edges]
-    return np.take_along_axis(mesh.cell_edges, np.argmax(rank, axis=1)[:, None], axis=1)[:, 0]
+def longest_edges(mesh: TriMesh, rank: np.ndarray) -> np.ndarray:
+    """Return the number of the longest edge of every cell, by the ``rank`` of all edges. Among equal edges,
+    neighbouring cells take the same edge."""
+    of_cells = rank[mesh.cell_edges]
+    return np.take_along_axis(mesh.cell_edges, np.argmax(of_cells, axis=1)[:, None], axis=1)[:, 0]
 
 
-def _rank(mesh: TriMesh) -> np.ndarray:
-    """Return the rank of every edge in the order of lengths. Rounding does not decide which of two equal edges comes
-    first."""
+def _rank(mesh: TriMesh, metric: np.ndarray | None = None) -> np.ndarray:
+    """Return the rank of every edge in the order of lengths, with a ``metric`` of the mean of the lengths in both cells
+    beside it. Rounding does not decide which of two equal edges comes first."""
     ends = mesh.points[mesh.edges]
-    length = np.sum((ends[:, 1] - ends[:, 0]) ** 2, axis=1)
+    along = ends[:, 1] - ends[:, 0]
+    length = np.sum(along**2, axis=1)
+    if metric is not None:
+        sides = np.where(mesh.edge_cells >= 0, mesh.edge_cells, mesh.edge_cells[:, :1])
+        length = np.einsum("ea,esab,eb->e", along, metric[sides], along) / 2.0
     order = np.lexsort((-np.arange(len(length)), np.round(np.log(length), 9)))
     place = np.empty(len(length), dtype=np.int64)
     place[order] = np.arange(len(length))

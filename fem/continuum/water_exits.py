@@ -10,7 +10,8 @@ point is given an apparent cohesion; a failure larger than that cuts through the
 from collections.abc import Sequence
 from itertools import pairwise
 
-from fem.continuum.shallow_failure import ShallowFailure, apparent_cohesion
+from fem.continuum.shallow_failure import ShallowFailure, apparent_cohesion, shallow_failures
+from fem.settings import FemSettings
 from meshes.section.cutting import BELOW_WATER
 from meshes.section.section import Section
 
@@ -39,3 +40,14 @@ def water_exits(section: Section, faces: Sequence[ShallowFailure], depth: float)
             needed = apparent_cohesion(face, soil, soil.friction_angle, depth)
             cohesion[left.end] = max(needed, cohesion.get(left.end, 0.0))
     return cohesion
+
+
+def exits_of_directions(section: Section, fem: FemSettings) -> tuple[dict[float, float], dict[float, float]]:
+    """Return the exits of water with their apparent cohesion (Pa), by x (m): those on faces that the seismic force of
+    the settings pushes down, and those on faces inclined against it, where the few triangles at the exit may have no
+    stress in equilibrium with the weight at any Kh."""
+    exits, opposite = (
+        water_exits(section, shallow_failures(section, fem.changed(direction=direction)), fem.least_depth)
+        for direction in (fem.direction, "uphill" if fem.direction == "downhill" else "downhill")
+    )
+    return exits, opposite

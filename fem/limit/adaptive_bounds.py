@@ -8,6 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from fem.limit.band_metric import band_metric
 from fem.limit.bound_checks import StressCheck, VelocityCheck, check_stress, check_velocity, corner_rates, dissipation
 from fem.limit.bracket import BoundSide, Bracket, Limits, Mechanism, MeshBounds, StressField
 from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_problem, units_of
@@ -69,7 +70,8 @@ class BoundSearch:
         remaining_work = max(self._limits.seconds - self.work - others, 0.0)
         share = share_of_lower_bound(*self._seen[1:]) if self._seen is not None else 0.5
         with one_more_thread() as executor:
-            above = executor.submit(partial(proven_upper_bound, problem, (1.0 - share) * remaining_work))
+            before = self._seen[2] if self._seen is not None else None
+            above = executor.submit(partial(proven_upper_bound, problem, (1.0 - share) * remaining_work, before=before))
             low, low_notes, stress = proven_lower_bound(problem, share * remaining_work)
             high, high_notes, mechanism = above.result()
         missing: tuple[tuple[BoundSide, bool], ...] = (
@@ -132,7 +134,7 @@ def proven_lower_bound(
 
 
 def proven_upper_bound(
-    problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None
+    problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None, before: UpperBound | None = None
 ) -> tuple[UpperBound, list[str], Mechanism | None]:
     """Find a strict upper bound. Returns the mechanism of the solver, the reason if there is no bound, and, if the
     mechanism passes the check, the mechanism with its bound.
@@ -141,7 +143,8 @@ def proven_upper_bound(
     ``start`` is the iterate at which it begins.
 
     Ground of φ > 45° in a corner between held sides cannot strain, and the solver may find no mechanism there: this
-    ground is then held as a rigid body.
+    ground is then held as a rigid body, at once if it was held for the bound ``before``, on another mesh or for ground
+    of another strength.
     """
 
     place = start
@@ -156,13 +159,17 @@ def proven_upper_bound(
 
     locked_cells = problem.friction > LARGEST_LOCKED_FRICTION
     partly_steep = bool(locked_cells.any() and not locked_cells.all())
-    bound, check, notes = _first_checked("upper bound", attempt, most_work, 1 if partly_steep else ATTEMPTS)
+    work_before, notes, check = 0.0, list[str](), None
+    if not (partly_steep and before is not None and before.steep_is_rigid):
+        bound, check, notes = _first_checked("upper bound", attempt, most_work, 1 if partly_steep else ATTEMPTS)
+        work_before = bound.solution.work
     if check is None and partly_steep:
-        work_before, attempt_with_rigid = bound.solution.work, partial(attempt, rigid=locked_cells)
+        attempt_with_rigid = partial(attempt, rigid=locked_cells)
         bound, check, more_notes = _first_checked(
             "upper bound, steep ground held", attempt_with_rigid, most_work - work_before
         )
-        bound = replace(bound, solution=replace(bound.solution, work=work_before + bound.solution.work))
+        work = work_before + bound.solution.work
+        bound = replace(bound, solution=replace(bound.solution, work=work), steep_is_rigid=True)
         notes += more_notes
     return bound, notes, Mechanism(problem, check.multiplier, bound.velocity, check) if check else None
 
@@ -260,19 +267,23 @@ def singular_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
 
 
 def finer_mesh(problem: LimitProblem, low: LowerBound, high: UpperBound, growth: float) -> TriMesh:
-    """Return the mesh of a problem with about ``growth`` times as many cells, refined where its bounds differ."""
+    """Return the mesh of a problem with about ``growth`` times as many cells, refined where its bounds differ, into
+    triangles that are long along the shear bands."""
     indicator = refinement_indicator(problem, low, high)
     mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
-    return refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator))
+    metric = band_metric(problem, high)[parent]
+    return refined(mesh, indicator[parent] / np.bincount(parent)[parent], growth * len(indicator), metric)
 
 
-def refined(mesh: TriMesh, indicator: np.ndarray, wanted: float) -> TriMesh:
-    """Return the mesh with about ``wanted`` cells, bisected where the ``indicator`` (m,) is largest."""
+def refined(mesh: TriMesh, indicator: np.ndarray, wanted: float, metric: np.ndarray) -> TriMesh:
+    """Return the mesh with about ``wanted`` cells, bisected where the ``indicator`` (m,) is largest, at the edges that
+    are longest by the ``metric`` (m, 2, 2)."""
     while len(mesh.cells) < 0.95 * wanted:
         order = np.argsort(-indicator, kind="stable")
         count_by_share = int(np.searchsorted(np.cumsum(indicator[order]), BULK_SHARE * indicator.sum())) + 1
         largest_count = max(1, int((wanted - len(mesh.cells)) / 1.5))
-        mesh, parent = bisect(mesh, order[: min(count_by_share, largest_count)])
+        mesh, parent = bisect(mesh, order[: min(count_by_share, largest_count)], metric)
+        metric = metric[parent]
         halves = np.bincount(parent)[parent]
         indicator = indicator[parent] * np.where(halves > 1, 2.0 * HALF_CELL_INDICATOR / halves, 1.0)
     return mesh

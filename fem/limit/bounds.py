@@ -20,7 +20,7 @@ from fem.continuum.shallow_failure import (
     strengthened,
 )
 from fem.continuum.strength import davis_factors, flow_of, is_dilating_fully, strengths, tensile_strengths
-from fem.continuum.water_exits import water_exits
+from fem.continuum.water_exits import exits_of_directions
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
 from fem.limit.bracket import Limits
@@ -133,12 +133,13 @@ class DirectionGround:
         ``first_mesh``.
         """
         faces, faces_at_rest = shallow_failures(section, fem), failing_at_rest(section, fem)
-        strengthened_section = strengthened(section, faces + faces_at_rest, fem)
+        exits, opposite = exits_of_directions(section, fem)
+        sound = with_cohesion_around(section, opposite, fem.least_depth)
+        strengthened_section = strengthened(sound, faces + faces_at_rest, fem)
         most_work = LARGEST_COARSE_SHARE * seconds
         upper, work = _coarse_upper_bound(strengthened_section, fem, most_work) if faces else (-np.inf, 0.0)
         govern = [face for face in faces if face.kh < upper]
-        exits = water_exits(section, faces, fem.least_depth)
-        bare, places = with_cohesion_around(section, exits, fem.least_depth), tuple(exits)
+        bare, places = with_cohesion_around(section, exits | opposite, fem.least_depth), (*exits, *opposite)
         if not govern and not faces_at_rest:
             return cls(fem, max_cells, (), np.inf, bare, bare, places, work)
         ground = strengthened_section if govern else strengthened(bare, faces_at_rest, fem)
@@ -172,7 +173,7 @@ def kh_bounds(
     fem : FemSettings
         Sides, directions and vertical coefficient.
     settings : BoundsSettings
-        Required gap, largest number of triangles and largest computing work.
+        Required gap, largest numbers of triangles and computing work.
     observer : callable, optional
         Called with the bounds on every mesh.
 
@@ -236,13 +237,12 @@ def kh_bounds(
     governed = bool(govern or wet)
     shallow = as_given if governed and as_given < min([bounds.upper, *(face.kh for face in govern)]) else None
     exits = () if governed else tuple(sorted({x for ground in grounds.values() for x in ground.water_exits}))
-    analysed = as_analysed(grounds[bounds.directions[0].direction].section, fem)
     return KhBounds(
         **vars(bounds),
         shallow_failures=govern,
         shallow=shallow,
         water_exits=exits,
-        section=analysed,
+        section=as_analysed(grounds[bounds.directions[0].direction].section, fem),
         substitute=substitute,
         work=settings.seconds - allowed + spent,
     )

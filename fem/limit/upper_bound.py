@@ -47,12 +47,14 @@ class UpperBound:
     shortfall (m, 3) : required less actual distance of every corner to the limit of the flow rule, as a velocity:
         volumetric rate less sin φ times the shear rate, times the root of a third of the area
     solution : the solution of the cone program
+    steep_is_rigid : whether ground of φ > 45° was held as a rigid body, since the solver found no mechanism otherwise
     """
 
     multiplier: float
     velocity: np.ndarray
     shortfall: np.ndarray
     solution: cone_program.Solution
+    steep_is_rigid: bool = False
 
 
 def upper_bound(

@@ -26,6 +26,9 @@ LARGEST_EXCESS = 1.0
 # Excess of a lower bound of Kh up to which, and of the upper bound from which, the lower bound may be independent of
 # the factor. It is, if the logarithm of the share of loads that the ground resists is at least the last number.
 FLAT_LOWER_EXCESS, FLAT_UPPER_EXCESS, FLAT_LOAD_EXCESS = 1e-4, 0.01, 0.005
+# Largest ratio of the bounds of the share of loads with which this share decides. Friction resists a share without
+# limit: of a dam of sand on coarse triangles the bounds were 0.1 and 15 where the dam stood with 0.95 of that factor.
+LARGEST_LOAD_RATIO = 4.0
 
 
 class WeakenedGround:
@@ -65,6 +68,7 @@ class WeakenedGround:
         self.failures: dict[BoundSide, int] = {"lower": 0, "upper": 0}  # of the solver, one after the other
         self.no_equilibrium_from = math.inf  # from this factor on no stress on this mesh balances the loads
         self.last_of_both: tuple[LimitProblem, LowerBound, UpperBound] | None = None  # the last trial of both bounds
+        self.last_upper: UpperBound | None = None
 
     @property
     def gap(self) -> float:
@@ -99,13 +103,16 @@ class WeakenedGround:
         of_lower, of_upper = (share, 1.0 - share) if lower and upper else (1.0, 1.0)
         left = self.work.left
         with one_more_thread(lower and upper) as executor:
-            above = partial(proven_upper_bound, problem, of_upper * left, self.starting_point("upper", factor))
+            above = partial(
+                proven_upper_bound, problem, of_upper * left, self.starting_point("upper", factor), self.last_upper
+            )
             future = executor.submit(above) if upper else None
             if lower:
                 low, _, stress = proven_lower_bound(problem, of_lower * left, self.starting_point("lower", factor))
                 self.count("lower", factor, low.solution, stress is None)
             if future is not None:
                 high, _, mechanism = future.result()
+                self.last_upper = high
                 self.count("upper", factor, high.solution, mechanism is None)
         unmoved = high is not None and high.solution.none == "no mechanism"
         trial = BoundsTrial(
@@ -178,7 +185,8 @@ class WeakenedGround:
             return trial
         self.multiplier_kind, seen = "loads", self.last_of_both
         loaded = self.measure(trial.factor)
-        if loaded.lower is None or (not trial.no_equilibrium and self.excess(loaded.lower) < FLAT_LOAD_EXCESS):
+        is_flat = loaded.lower is not None and self.excess(loaded.lower) < FLAT_LOAD_EXCESS
+        if not self.decides(loaded) or (not trial.no_equilibrium and is_flat):
             self.multiplier_kind, self.last_of_both = "kh", seen
             if trial.no_equilibrium:
                 self.no_equilibrium_from = trial.factor
@@ -188,8 +196,15 @@ class WeakenedGround:
 
     @property
     def has_no_share_of_loads(self) -> bool:
-        """Return whether the share of all loads had no lower bound in an earlier trial."""
-        return any(trial.multiplier_kind == "loads" and trial.lower is None for trial in self.trials)
+        """Return whether the bounds of the share of all loads decided nothing in an earlier trial."""
+        return any(trial.multiplier_kind == "loads" and not self.decides(trial) for trial in self.trials)
+
+    @staticmethod
+    def decides(loaded: BoundsTrial) -> bool:
+        """Return whether the bounds of the share of all loads are close enough to decide."""
+        if loaded.lower is None or loaded.upper is None:
+            return False
+        return loaded.lower > 0.0 and loaded.upper <= LARGEST_LOAD_RATIO * loaded.lower
 
     def is_flat(self, trial: BoundsTrial) -> bool:
         """Return whether the lower bound of Kh is the given Kh, although the upper bound lies far above it."""

@@ -202,6 +202,16 @@ class BoundsAnswer(BracketPart, Answer):
     settings: BoundsSettings
 
     @property
+    def has_interval(self) -> bool:
+        """Return whether there are both bounds of any quantity: of a critical Kh, with the seismic force in one
+        direction at least, or of a factor of safety."""
+        substitute = self.substitute.directions if self.substitute is not None else ()
+        ends = [(self.lower, self.upper)]
+        ends += [(part.lower, part.upper) for part in (*self.directions, *substitute)]
+        ends += [(part.lower, part.upper) for part in self.safety]
+        return any(lower is not None and upper is not None for lower, upper in ends)
+
+    @property
     def strengthened_faces(self) -> bool:
         """Return whether the bounds are of ground whose bare faces were given a cohesion."""
         return bool(self.shallow_failures) or self.shallow is not None

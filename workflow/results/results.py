@@ -91,7 +91,7 @@ class Results:
             missing,
             fem=left("fem", FemAnswer),
             variants=left("variants", VariantsAnswer),
-            bounds=None if bounds is None or bounds.verdict == "no bracket" else bounds,
+            bounds=bounds if bounds is not None and bounds.has_interval else None,
             dem=left("calibrate", DiscsAnswer),
             calibration=left("calibrate", CalibrationAnswer),
             dem_counterpart=left("calibrate", DemCounterpart),

@@ -5,7 +5,7 @@ import pytest
 
 from fem.continuum.load_ends import POINT_SUFFIX, soil_of_strip, with_cohesion_around
 from fem.continuum.shallow_failure import faces_at, shallow_failures
-from fem.continuum.water_exits import water_exits
+from fem.continuum.water_exits import exits_of_directions, water_exits
 from fem.limit.bounds import LEAST_KH, kh_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
@@ -62,4 +62,26 @@ def test_the_bounds_close_although_water_comes_out_of_bare_sand() -> None:
     assert bounds.water_exits == pytest.approx((POND,))
     assert bounds.ended == "gap"
     assert bounds.upper - bounds.lower < 0.06 * LEAST_KH
+    assert bounds.lower > 0.0
+
+
+def test_water_that_comes_out_of_the_other_face_leaves_a_lower_bound() -> None:
+    """A dam of sand: with the force downslope no stress was in equilibrium at the edge of its pond, at any size of the
+    triangles, and all bounds were lost with this one."""
+    shell = soil("Shell", **{"cohesion": 0, "friction_angle": "36 deg", "bottom": {"elevation": 0.0}})
+    ground = soil("Ground", cohesion="20 kPa", friction_angle="30 deg")
+    dam = Section.parse(
+        {
+            "name": "dam",
+            "surface": [[0.0, 0.0], [12.0, 0.0], [32.0, 10.0], [36.0, 10.0], [56.0, 0.0], [70.0, 0.0]],
+            "base": {"elevation": -4.0},
+            "water": {"table": [[0.0, 8.0], [28.0, 8.0], [36.0, 4.0], [54.0, 1.0], [70.0, 1.0]]},
+            "strata": [shell, ground],
+        }
+    )
+    exits, opposite = exits_of_directions(dam, FEM)
+    assert (list(exits), list(opposite)) == ([pytest.approx(54.0)], [pytest.approx(28.0)])
+    other = exits_of_directions(dam, FEM.changed(direction="uphill"))
+    assert other == (opposite, exits)
+    bounds = kh_bounds(dam, FEM, BoundsSettings(gap=0.5, max_cells=1500, davis=False))
     assert bounds.lower > 0.0

@@ -36,7 +36,9 @@ def test_any_section_stays_conforming_wherever_it_is_bisected(section, seed):
     assert_conforming(mesh, section)
     for _ in range(3):
         before = mesh
-        mesh, parent = bisect(mesh, random.random(len(mesh.cells)) < 0.2)
+        sides = random.normal(size=(len(mesh.cells), 2, 2))
+        metric = sides @ sides.transpose(0, 2, 1) + 0.1 * np.eye(2) if random.random() < 0.5 else None
+        mesh, parent = bisect(mesh, random.random(len(mesh.cells)) < 0.2, metric)
         assert_conforming(mesh, section)
         np.testing.assert_allclose(np.bincount(parent, weights=mesh.areas), before.areas, rtol=1e-9)
 

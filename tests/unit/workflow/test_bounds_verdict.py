@@ -7,6 +7,9 @@ import pytest
 from fem.limit.bracket import EndReason, MeshBounds, OpenEnd
 from fem.limit.directions import DirectionBounds, SmallerKhBounds
 from fem.settings import BoundsSettings
+from tests.support.answers import bounds
+from tests.support.sections import analysed, slope
+from workflow.results.bounds import BoundsAnswer, BracketPart, SafetyPart
 from workflow.stages.bounds import _verdict, bracket_part, in_words
 
 
@@ -94,3 +97,21 @@ def test_where_one_direction_lacks_a_bound_the_other_one_is_reported():
     verdict, reason = _verdict(smaller, BoundsSettings())
     assert verdict == "no bracket"
     assert reason.endswith("With the seismic force downslope there are both bounds: 0.0484 <= Kh <= 0.0501.")
+
+
+def test_bounds_of_one_quantity_count_where_another_has_none() -> None:
+    """A dam had no lower bound of Kh in one direction: its bounds in the other one, and of its factor of safety, were
+    thrown away, and "a finer mesh may give 11.8 % less" stood there."""
+    run = analysed(slope())
+    known = bounds(run, 0.1, 0.11)
+    none = known.model_copy(update={
+        "lower": None, "directions": (known.directions[0].model_copy(update={"lower": None}),), "verdict": "no bracket"
+    })  # fmt: skip
+    assert not none.has_interval
+    assert none.model_copy(update={"directions": known.directions}).has_interval
+    assert none.model_copy(update={"safety": (SafetyPart(kh=0.0, lower=1.3, upper=1.4, cells=100),)}).has_interval
+    assert none.model_copy(update={"substitute": bracket(known)}).has_interval
+
+
+def bracket(answer: BoundsAnswer) -> BracketPart:
+    return BracketPart.model_validate({name: getattr(answer, name) for name in BracketPart.model_fields})
