@@ -45,12 +45,12 @@ def test_strength_decides_whether_it_stands(folder: Path) -> None:
     """On an infinite slope of 5 % a strength of 0.02 σ' flows, for the shear stress is 0.05 of the total weight, and
     one of 0.2 σ' stands. Between held sides that of 0.02 σ' would be enough, but the section's own let it slide out."""
     nothing, little, much = json.loads((folder / "fem/liquefied.json").read_text())["cases"]
-    assert (nothing["cases"], nothing["stands"], nothing["factor"]) == ([1, 4], "flows", None)
+    assert (nothing["cases"], nothing["verdict"], nothing["factor"]) == ([1, 4], "flows", None)
     assert "there is no factor of safety" in " ".join(nothing["notes"])
-    assert little["stands"] == "flows"
+    assert little["verdict"] == "flows"
     assert little["reason"].startswith("a mechanism that leaves the section at a side")
     assert (little["factor_lower"], little["factor_upper"]) == (None, None)
-    assert (much["names"], much["stands"]) == (["much"], "stands")
+    assert (much["names"], much["verdict"]) == (["much"], "stands")
     assert much["factor_lower"] > 1.0
     assert 0.9 * much["kc_lower"] < much["kc"] < 1.1 * much["kc_upper"]
 

@@ -8,7 +8,7 @@ import pytest
 import tomli_w
 
 from tests.support import command_line
-from workflow.results.stability import AlongSurface, Bearing, Stands
+from workflow.results.stability import AlongSurface, Bearing, BearingVerdict
 from workflow.stages.residual import verdict_of
 
 CLAY = {"youngs_modulus": "30 MPa", "poissons_ratio": 0.45, "density": "18 kN/m^3", "friction_angle": "0 deg"}
@@ -106,10 +106,10 @@ def test_ground_without_residual_strength_is_told_so(tmp_path: Path, capsys: pyt
     ],
 )
 def test_the_verdict_counts_peak_strength_and_the_slip_surface(
-    factor: float | None, along: float | None, stands: Stands, verdict: str
+    factor: float | None, along: float | None, stands: BearingVerdict, verdict: str
 ) -> None:
     everywhere = Bearing(
-        stands=stands, reason="", kc=None, kc_lower=None, kc_upper=None, factor=None, factor_lower=None,
+        verdict=stands, reason="", kc=None, kc_lower=None, kc_upper=None, factor=None, factor_lower=None,
         factor_upper=None, notes=(),
     )  # fmt: skip
     surface = None if along is None else AlongSurface(surface_m=(), peak=factor, residual=along)

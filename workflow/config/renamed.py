@@ -68,6 +68,8 @@ ANSWER_KEYS = (
     ("what", "observation", "remedy"),
     ("rest", "remaining_error", "factor"),
     ("held", "strong_zones", "slip_surface"),
+    ("stands", "verdict", "factor_lower"),
+    ("given", "argument", "task"),
     ("by", "method", "reconsolidation_m"),
     ("of", "subject", "criterion"),
     ("over_effective", "residual_strength_ratio", "cohesion_kPa"),

@@ -298,8 +298,8 @@ def conclusions(results: Results, _: Texts) -> Iterator[str]:
 def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
     """Yield a sentence on whether the continuum still stands after liquefaction, without shaking."""
     cases = results.liquefied.cases if results.liquefied is not None else ()
-    flows = [number for case in cases if case.stands == "flows" for number in case.cases]
-    stands = [number for case in cases if case.stands == "stands" for number in case.cases]
+    flows = [number for case in cases if case.verdict == "flows" for number in case.cases]
+    stands = [number for case in cases if case.verdict == "stands" for number in case.cases]
     if flows:
         yield _(
             "After liquefaction the section does not stand, even without shaking, in {cases}.", cases=of_cases(flows)

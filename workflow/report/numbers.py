@@ -106,12 +106,12 @@ def numerical_error(estimate: Accuracy | None, kc: float) -> str:
             'same flow rule; variants.which = ["mesh"] computes it.'
         )
     error = f"{rounded_up(estimate.error(kc)):g}"
-    if not estimate.sure:
+    if not estimate.reliable:
         return (
             f"The sequence of meshes has not converged: the numerical error may be {error}, with the critical Kh "
             f"anywhere from {range_of([estimate.low, estimate.high])}."
         )
-    return f"The numerical error of the critical Kh is below {error}, {estimate.by}."
+    return f"The numerical error of the critical Kh is below {error}, {estimate.source}."
 
 
 def range_sentence(answer: FemAnswer, error: Accuracy) -> str:

@@ -23,7 +23,7 @@ def in_short(results: Results) -> Iterator[str]:
         return
     for case in answer.cases:
         yield outcome(case)
-        yield from (_by_weight if case.stands == "flows" else _slides_though_it_stands)(results, case)
+        yield from (_by_weight if case.verdict == "flows" else _slides_though_it_stands)(results, case)
     enough = just_enough(answer.cases, answer.required)
     if enough is not None:
         yield f"{enough.words}."
@@ -33,7 +33,7 @@ def in_short(results: Results) -> Iterator[str]:
 def outcome(case: LiquefiedCase) -> str:
     """Return whether the ground stands without shaking, with its critical Kh, and the reason."""
     after = f"After liquefaction, in {_case_words(case)}, the continuum"
-    if case.stands == "flows":
+    if case.verdict == "flows":
         return f"{after} does not stand without shaking: {case.reason}."
     most = case.kc if case.kc_upper is None or case.kc is None else min(case.kc, case.kc_upper)
     acting = " acting upslope" if case.direction == "uphill" else ""  # where that gives the smaller critical Kh
@@ -181,8 +181,8 @@ def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:
     relief = _relief(results)
     if not measured or max(measured) >= FLOW_SHARE * relief:
         return
-    flow = [case for case in answer.cases if case.stands == "flows" and case.factor_upper is not None]
-    stand = [case for case in answer.cases if case.stands == "stands"]
+    flow = [case for case in answer.cases if case.verdict == "flows" and case.factor_upper is not None]
+    stand = [case for case in answer.cases if case.verdict == "stands"]
     far = (
         f"At most {max(measured):.3g} m were measured, on {relief:.3g} m of height, where a flow failure would have "
         "moved further"

@@ -32,19 +32,19 @@ class Accuracy:
     Attributes
     ----------
     low, high : ends of the interval (-)
-    by : source of the interval
-    sure : whether the sequence of meshes has converged, or strict bounds limit the interval
+    source : source of the interval
+    reliable : whether the sequence of meshes has converged, or strict bounds limit the interval
     """
 
     low: float
     high: float
-    by: str
-    sure: bool
+    source: str
+    reliable: bool
 
     @property
     def method(self) -> str:
         """Return the method of the interval, in few words."""
-        return self.by.partition(",")[0]
+        return self.source.partition(",")[0]
 
     def error(self, kc: float) -> float:
         """Return the possible error of ``kc`` (-)."""
@@ -58,7 +58,7 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
         return meshes
     low, high = strict
     bounds = proven_by(results.bounds is not None and results.bounds.strengthened)
-    if meshes is None or not meshes.sure or meshes.low > high or meshes.high < low:
+    if meshes is None or not meshes.reliable or meshes.low > high or meshes.high < low:
         return Accuracy(low, high, bounds, True)
     return Accuracy(max(low, meshes.low), min(high, meshes.high), f"{bounds} and {meshes.method[3:]}", True)
 

@@ -92,7 +92,7 @@ def estimates_of(results: Results) -> list[Estimate]:
     """Return all estimates of displacement, with the critical Kh that counts; estimates of lateral spreads state
     whether they apply to ground that flows."""
     cases = results.liquefied.cases if results.liquefied is not None else ()
-    factors = [case.factor for case in cases if case.stands == "flows" and case.factor is not None]
+    factors = [case.factor for case in cases if case.verdict == "flows" and case.factor is not None]
     governing, config = governing_kh(results), results.config
     kc = None if governing is None else governing.value
     return with_flow_failure(estimates(config.section, config, kc, results.slip_surface), factors)

@@ -10,13 +10,13 @@ from fem.continuum.loads import Direction
 from fem.settings import Sides
 from workflow.results.answer import Answer, Line, Part, SectionLabel
 
-Stands = Literal["stands", "flows"]
+BearingVerdict = Literal["stands", "flows"]
 
 
 class Bearing(Part):
     """Holds whether the ground stands, its factor of safety and its critical Kh."""
 
-    stands: Stands = Field(
+    verdict: BearingVerdict = Field(
         description=(
             "whether the ground stands without shaking: by strict bounds if they decide it, else by finite elements"
         )

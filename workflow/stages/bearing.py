@@ -11,7 +11,7 @@ from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError, NoAnswerError
 from meshes.section.section import Section
 from workflow.config import Config
-from workflow.results.stability import Bearing, Stands
+from workflow.results.stability import Bearing, BearingVerdict
 
 if TYPE_CHECKING:
     from fem.limit.directions import SmallerKhBounds
@@ -69,13 +69,13 @@ def bearing_of(section: Section, config: Config, mesh: "QuadMesh", no_strength: 
     if lower is not None and lower > 1.0:
         bracket, unstable = _between_own_sides(section, fem, bounds_settings, notes)
     notes += _on_bounds(fem, kc, strict, bracket)
-    stands, reason = _stands(kc, lower, upper)
+    verdict, reason = _stands(kc, lower, upper)
     if unstable:
-        stands, reason = "flows", f"a mechanism that leaves the section at a side, which fem.sides permits: {unstable}"
+        verdict, reason = "flows", f"a mechanism that leaves the section at a side, which fem.sides permits: {unstable}"
         notes.append(f"between sides held horizontally a lower bound proves a factor of safety above {lower:.2f}")
         factor = lower = upper = None
     return Bearing(
-        stands=stands,
+        verdict=verdict,
         reason=reason,
         kc=kc,
         direction=critical.direction if critical is not None and kc is not None else None,
@@ -199,7 +199,7 @@ def _note(what: str, error: NoAnswerError | InputError) -> str:
     return f"{what}: {'; '.join(error.problems) if isinstance(error, InputError) else error}"
 
 
-def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple[Stands, str]:
+def _stands(kc: float | None, lower: float | None, upper: float | None) -> tuple[BearingVerdict, str]:
     """Return whether the ground stands without shaking: by strict bounds if they decide it, else by finite elements."""
     if upper is not None and upper < 1.0:
         return "flows", f"an upper bound proves a factor of safety below {upper:.2f}"

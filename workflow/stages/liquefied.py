@@ -45,7 +45,7 @@ def _required(job: Job, mesh: "QuadMesh", answers: list[LiquefiedCase]) -> tuple
 
     config = job.config
     flow = flow_of(config.section.strata, config.fem.flow)
-    if any(case.stands == "stands" or case.factor is None for case in answers) or not answers:
+    if any(case.verdict == "stands" or case.factor is None for case in answers) or not answers:
         return ()
     strongest = max(answers, key=lambda case: case.factor or 0.0)
     remains = remaining(config)[strongest.cases[0]]

@@ -109,7 +109,7 @@ def verdict_of(factor: float | None, along: AlongSurface | None, everywhere: "Be
     """Return the verdict from the factors of safety with peak strength, with residual strength along the slip surface
     of peak strength, and with residual strength everywhere.
     """
-    if everywhere.stands == "stands":
+    if everywhere.verdict == "stands":
         return "stands"
     if factor is None:
         return "undecided"

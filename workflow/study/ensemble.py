@@ -122,7 +122,7 @@ class Ensemble:
                 raise
             except Exception as error:
                 reason = str(error) if isinstance(error, LostError) else f"{type(error).__name__}: {error}"
-                outcome = Outcome(task=task.name, given={}, reason=reason, lasting=False)
+                outcome = Outcome(task=task.name, argument={}, reason=reason, lasting=False)
             if outcome is None:
                 continue
             del missing[task.fingerprint]
@@ -160,7 +160,7 @@ def _outcome(task: Task[Input, Result]) -> Outcome:
             raise KeyboardInterrupt from error
         reason, lasting = f"{type(error).__name__}: {error}", False
     return Outcome(
-        task=task.name, given=task.argument.model_dump(mode="json"), answer=answer, reason=reason,
+        task=task.name, argument=task.argument.model_dump(mode="json"), answer=answer, reason=reason,
         seconds=round(time.perf_counter() - start, 3), host=socket.gethostname(), lasting=lasting,
     )  # fmt: skip
 

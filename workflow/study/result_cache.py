@@ -2,16 +2,18 @@
 
 import errno
 import fcntl
+import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 
 from meshes.errors import InputError
 from meshes.files import whole_file
+from workflow.config.renamed import current_answer
 
 FOLDER = "tasks"
 
@@ -21,12 +23,12 @@ class Outcome(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    task: str = Field(description="the function")
-    given: dict[str, Any] = Field(description="its input")
-    answer: dict[str, Any] | None = Field(default=None, description="None where it failed")
-    reason: str = Field(default="", description="why it failed")
-    seconds: float = Field(default=0.0, description="that it took")
-    host: str = Field(default="", description="that it ran on")
+    task: str = Field(description="name of the function")
+    argument: dict[str, Any] = Field(description="input of the function")
+    answer: dict[str, Any] | None = Field(default=None, description="None if the task failed")
+    reason: str = Field(default="", description="reason of the failure")
+    seconds: float = Field(default=0.0, description="computing time (s)")
+    host: str = Field(default="", description="machine that computed the task")
     lasting: bool = Field(default=True, description="whether the task would have the same outcome again")
 
 
@@ -48,8 +50,8 @@ class ResultCache:
     def read(self, fingerprint: str) -> Outcome | None:
         """Return the outcome of a task; None if it has not ended, or if the file is not an outcome of this program."""
         try:
-            return Outcome.model_validate_json(self.path(fingerprint).read_bytes())
-        except (OSError, ValidationError):
+            return Outcome.model_validate(current_answer(json.loads(self.path(fingerprint).read_bytes())))
+        except (OSError, ValueError):
             return None
 
     def write(self, fingerprint: str, outcome: Outcome) -> None:

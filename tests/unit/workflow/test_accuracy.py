@@ -40,7 +40,7 @@ def test_a_sequence_that_does_not_converge_has_a_wider_interval() -> None:
         sequence(0.100, 0.090, 0.094, limit=0.098),
     )
     coarse, falls_faster, rises = (result for each in sequences if (result := of_meshes(each)) is not None)
-    assert (coarse.sure, falls_faster.sure, rises.sure) == (False, False, False)
+    assert (coarse.reliable, falls_faster.reliable, rises.reliable) == (False, False, False)
     assert (coarse.low, coarse.high) == pytest.approx((0.0388 - 2 * 0.0161, 0.0388))
     assert (falls_faster.low, falls_faster.high) == pytest.approx((0.085 - 2 * 0.01, 0.085))
     assert (rises.low, rises.high) == pytest.approx((0.094 - 2 * 0.004, 0.098 + 2 * 0.004))

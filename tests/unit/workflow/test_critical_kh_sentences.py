@@ -190,6 +190,6 @@ def test_console_tells_where_the_ground_slips_and_that_the_other_direction_has_o
     assert "about 0.40" in rows
     finer = answer.model_copy(update={"opposite": other.model_copy(update={"meshes": 2})})
     assert "0.400" in [row.value for row in stability_rows(results(run, fem=finer), Texts())]
-    interval = Accuracy(0.2638, 0.2655, "by strict bounds", sure=True)
+    interval = Accuracy(0.2638, 0.2655, "by strict bounds", reliable=True)
     assert range_sentence(answer, interval) == "The range by strict bounds is 0.264 to 0.266."
     assert "0.266, 0.7 % above this range, whose upper end" in range_sentence(answer, replace(interval, high=0.2640))

@@ -75,7 +75,7 @@ def test_a_worker_that_dies_costs_its_task_a_second_try_and_no_third(tmp_path: P
 def test_a_half_written_or_foreign_file_is_no_answer(tmp_path: Path) -> None:
     task = totals(1)[0]
     result_cache = ResultCache(tmp_path)
-    result_cache.write(task.fingerprint, Outcome(task=task.name, given={}, answer={"value": 7.0}))
+    result_cache.write(task.fingerprint, Outcome(task=task.name, argument={}, answer={"value": 7.0}))
     assert Ensemble(tmp_path, 1).rows([task]) == [TaskOutcome(Number(value=7.0))]
     result_cache.path(task.fingerprint).write_text('{"task": "tests.supp')
     assert Ensemble(tmp_path, 1).rows([task])[0].answer == Number(value=0.2)

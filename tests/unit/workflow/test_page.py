@@ -163,7 +163,7 @@ def test_the_slides_of_a_case_stand_beside_its_stability(s13: Config) -> None:
     stratum = LiquefiedStratum(name="4 Asd", cohesion_kPa=15.6, friction_deg=0.0, residual_strength_ratio=0.2)
     stands = [
         LiquefiedCase(
-            cases=cases, names=(), strata=(stratum,), stands="stands", reason="of a test", notes=(), kc=0.09,
+            cases=cases, names=(), strata=(stratum,), verdict="stands", reason="of a test", notes=(), kc=0.09,
             kc_lower=0.085, kc_upper=0.095, factor=4.7, factor_lower=4.6, factor_upper=4.8,
         )
         for cases in ((1, 3), (2,))

@@ -21,7 +21,7 @@ def after_liquefaction(number: int, strength: float, factor: float) -> Liquefied
     flows = factor < 1.0
     return LiquefiedCase(
         cases=(number,), names=(f"case with {strength:g} kPa",), strata=(stratum,),
-        stands="flows" if flows else "stands", reason="of a test", notes=(),
+        verdict="flows" if flows else "stands", reason="of a test", notes=(),
         kc=None if flows else 0.05, kc_lower=None, kc_upper=None,
         factor=factor, factor_lower=0.99 * factor, factor_upper=1.01 * factor,
     )  # fmt: skip
