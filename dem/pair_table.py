@@ -141,7 +141,8 @@ def _columns(layers: Sequence[LayerSprings]) -> np.ndarray:
 
 
 def _share_left(faded: Sequence[float]) -> np.ndarray:
-    """Return the remaining share of the contacts between n layers and with the boundary (n + 1, n + 1).
+    """Return the share of contact stiffness that liquefaction leaves, between n layers and with the boundary
+    (n + 1, n + 1).
 
     faded: lost share by layer. For a contact between two layers the larger lost share counts.
     """

@@ -77,12 +77,14 @@ def pressed_through(model: DiscModel) -> int:
 
 
 def energy_tolerance(step_share: float) -> float:
-    """Return the share of the exchanged energy that may be unaccounted for with a time step over the one asked for."""
+    """Return the share of the exchanged energy that may be unaccounted for. The share is larger if the time step was
+    shortened to `LEAST_STEP` of the requested one or less.
+    """
     return IMBALANCE_TOLERANCE if step_share <= LEAST_STEP else BALANCE
 
 
 def on_energy(energies: EnergyBalance) -> list[str]:
-    """Return a note on energy that is unaccounted for; empty if it is less than a hundredth of what was exchanged."""
+    """Return a note on energy that is unaccounted for; empty if it is less than a hundredth of the exchanged energy."""
     share = abs(energies.gap) / energies.turnover if energies.turnover > 0.0 else 0.0
     if share <= REPORTED_IMBALANCE:
         return []

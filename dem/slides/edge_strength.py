@@ -1,4 +1,4 @@
-"""Lowers the residual strength just above the lower edge of a liquefied layer to what lets it slip at that edge.
+"""Lowers the residual strength just above the lower edge of a liquefied layer, so that the layer slips at this edge.
 
 Discs shear in a band some diameters wide, which lies above the edge where the ground below is strong. The shear stress
 by Kh and by the slope is proportional to the overburden, so that a band above the edge resists more than slip on the

@@ -107,9 +107,9 @@ def _strength_by_case(model: DiscModel, ground: Ground, strata: Sequence[int], c
 def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
     """Return the state of soil discs at the onset of liquefaction: overburden, and residual strength by the case.
 
-    Near the lower edge of a layer the strength lets it slip at this edge (`edge_shares`). It is reached at a shear
-    strain s/G, with the shear modulus G by the case, but at most `LARGEST_STRAIN`; ground with a strain potential
-    reaches it only beyond that potential (`meshes.section.strain_potential`). model: model of the discs; ground: the
+    Near the lower edge of a layer the strength is reduced, so that the layer slips at this edge (`edge_shares`). The
+    strength s is reached at a shear strain s/G, with the shear modulus G by the case, but at most `LARGEST_STRAIN`;
+    ground with a strain potential reaches s only beyond this potential (`meshes.section.strain_potential`). model: model of the discs; ground: the
     ground in which the discs lie; strata: numbers of those that liquefy; case: stiffness and strength after
     liquefaction.
     """
