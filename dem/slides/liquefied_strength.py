@@ -109,9 +109,9 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
 
     Near the lower edge of a layer the strength is reduced, so that the layer slips at this edge (`edge_shares`). The
     strength s is reached at a shear strain s/G, with the shear modulus G by the case, but at most `LARGEST_STRAIN`;
-    ground with a strain potential reaches s only beyond this potential (`meshes.section.strain_potential`). model: model of the discs; ground: the
-    ground in which the discs lie; strata: numbers of those that liquefy; case: stiffness and strength after
-    liquefaction.
+    ground with a strain potential reaches s only beyond this potential (`meshes.section.strain_potential`). model:
+    model of the discs; ground: the ground in which the discs lie; strata: numbers of those that liquefy; case:
+    stiffness and strength after liquefaction.
     """
     pressure, strength, increase, remains = _strength_by_case(model, ground, strata, case)
     area, discs = area_with_voids(model), np.isin(model.layer, strata) & ~model.fixed

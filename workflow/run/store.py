@@ -38,7 +38,7 @@ class OtherVersionError(InputError):
 
 
 class Savable(Protocol):
-    """Holds what writes itself to a file, such as a picture."""
+    """Is the interface of objects that write themselves to a file, such as pictures."""
 
     def save(self, path: Path) -> None:
         """Write the file."""
