@@ -17,7 +17,7 @@ from workflow.report.post_liquefaction import in_short
 from workflow.report.tables import factor
 from workflow.results.accuracy import Accuracy, accuracy
 from workflow.results.cases import CaseAnswer, CaseNumbers
-from workflow.results.continuum import FemAnswer
+from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.governing import estimates_of, governing_kh
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointCase
@@ -96,13 +96,22 @@ def _assumed(results: Results, fem: FemAnswer, error: Accuracy | None) -> Iterat
     }
     if not others:
         return
-    phrases = {variant: f"kc = {coefficient(kc)} with {variant.change}" for variant, kc in others.items()}
+    sentences = {variant: _with_change(variant, kc) for variant, kc in others.items()}
     if error is None:
-        yield f"With other assumptions: {listed(list(phrases.values()))}."
+        yield from sentences.values()
         return
-    matter = [text for variant, text in phrases.items() if abs(others[variant] - fem.kc) > error.error(fem.kc)]
-    how = "more than the numerical error" if matter else "no more than the numerical error"
-    yield f"The assumptions matter {how}: {listed(matter or list(phrases.values()))}."
+    matter = [text for variant, text in sentences.items() if abs(others[variant] - fem.kc) > error.error(fem.kc)]
+    yield f"The assumptions matter {'more' if matter else 'no more'} than the numerical error."
+    yield from matter or sentences.values()
+
+
+def _with_change(variant: Variant, kc: float) -> str:
+    """Return a sentence on the critical Kh with a changed assumption, which is scaled if the change was computed on a
+    coarser mesh."""
+    change, _, conditions = variant.change.partition(", ")
+    if variant.kc_without is None or not conditions:
+        return f"With {variant.change} the critical Kh is {coefficient(kc)}."
+    return f"With {change} the critical Kh is {coefficient(kc)}, by the ratio of two results ({conditions})."
 
 
 def _most(results: Results, fem: FemAnswer) -> float:

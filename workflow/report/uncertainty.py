@@ -7,6 +7,7 @@ from workflow.report.console import meshes_sentences
 from workflow.report.flow_rule import critical_with_flow
 from workflow.report.numbers import coefficient
 from workflow.report.summary_text import fail_alike
+from workflow.report.warnings import assumed_input
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.continuum import FemAnswer, Variant
 from workflow.results.discs import DiscsAnswer
@@ -18,8 +19,10 @@ ROUNDED_SHARE = 0.005  # a share of Kh that is none in whole per cent
 
 def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
     """Yield the sources of uncertainty as pairs of a heading and sentences."""
-    if results.config.notices:
-        yield "Ground and mesh", " ".join(f"{text[0].upper()}{text[1:]}." for text in results.config.notices)
+    assumed = assumed_input(results)  # which stands among the warnings
+    notices = [text for text in results.config.notices if text not in assumed]
+    if notices:
+        yield "Ground and mesh", " ".join(f"{text[0].upper()}{text[1:]}." for text in notices)
     if results.older:
         yield (
             "Version of the program",

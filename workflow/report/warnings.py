@@ -62,8 +62,8 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
         yield from sides_warning(fem, results.config.section, results.variants.variants if results.variants else ())
     if results.config.section.reconstruction:
         yield 2, "the ground is a reconstruction: confirm the depths of the layers by borings"
-    if results.mpm is not None or results.case_set()[1]:
-        yield from ((2, text) for text in _assumed_input(results))
+    for text in assumed_input(results):
+        yield 2, text.replace(": ", ", ", 1) if text.count(": ") > 1 else text  # the first colon follows a key
     for find in (_calibration, _target_range, _fails_between_fixed_sides, _residual_strength, _at_the_limit):
         yield from ((2, text) for text in find(results))
     yield from contradictions(results)
@@ -76,12 +76,12 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
             yield 3, 'the discs are in rows, which must climb over each other to slide: take dem.packing = "random"'
 
 
-def _assumed_input(results: Results) -> Iterator[str]:
-    """Yield the warnings about assumed input of the slides, such as an assumed residual strength."""
-    for line in notice_lines(results.config.notices_of_slides):
-        if line.startswith("Warning: "):
-            text = line.removeprefix("Warning: ").rstrip(".")
-            yield text.replace(": ", ", ", 1) if text.count(": ") > 1 else text  # the first colon follows a key
+def assumed_input(results: Results) -> list[str]:
+    """Return the notices about assumed input of the slides, such as an assumed residual strength, that are warnings."""
+    if results.mpm is None and not results.case_set()[1]:
+        return []
+    lines = [line for line in notice_lines(results.config.notices_of_slides) if line.startswith("Warning: ")]
+    return [line.removeprefix("Warning: ").rstrip(".") for line in lines]
 
 
 def _of_cases(results: Results) -> Iterator[str]:
@@ -170,8 +170,8 @@ def _target_range(results: Results) -> Iterator[str]:
     if counterpart is not None and results.dem is not None and counterpart.kc_upper > OPEN_KH_RATIO * counterpart.kc:
         yield (
             f"the finite elements with the boundary conditions of the discs ({counterpart.terms}) fail between Kh = "
-            f"{coefficient(counterpart.kc)} and {coefficient(counterpart.kc_upper)}: discs that fail within this range "
-            "are taken as calibrated"
+            f"{coefficient(counterpart.kc)} and {coefficient(counterpart.kc_upper)}, so that discs that fail within "
+            "this range are taken as calibrated"
         )
 
 

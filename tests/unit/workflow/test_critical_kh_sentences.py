@@ -60,8 +60,8 @@ def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
     assert headlines(result, Texts())[0].interval == "0.229 to 0.235 by strict bounds"
     assert "The numerical error of the critical Kh is below 0.006, by strict bounds." in messages
     assert (
-        "The assumptions matter more than the numerical error: kc = 0.338 with sides fixed instead of free-field."
-        in messages
+        "The assumptions matter more than the numerical error. With sides fixed instead of free-field the critical Kh "
+        "is 0.338." in messages
     )
     assert "instead of the given ψ" not in messages  # that one came to nothing
     [sides] = [item for item in warned(result) if item.startswith("With sides")]
@@ -74,7 +74,7 @@ def test_another_flow_that_bears_more_than_strict_bounds_allow_is_left_out(run: 
     more = variant("dilation", "the flow rule of the given ψ (equilibrium path) instead of ψ = φ", 0.30)
     less = variant("dilation", "the path with less", 0.235)
     result = results(run, fem=fem(run), variants=VariantsAnswer(variants=(more, less)), bounds=bounds(run, 0.27, 0.28))
-    assert "kc = 0.235 with the path with less." in report_text(result)
+    assert "With the path with less the critical Kh is 0.235." in report_text(result)
     assert "the given ψ instead" not in report_text(result)
 
 
@@ -85,7 +85,7 @@ def test_one_mesh_without_bounds_leaves_the_numerical_error_open(run: Config) ->
     messages = report_text(result)
     assert not warned(result)
     assert "The numerical error of the critical Kh is not known, since there is one mesh" in messages
-    assert "With other assumptions: kc = 0.233 with sides fixed instead of free-field." in messages
+    assert "With sides fixed instead of free-field the critical Kh is 0.233." in messages
 
 
 def test_what_stands_beside_the_critical_kh(run: Config) -> None:

@@ -252,3 +252,17 @@ def test_settings_that_texts_ask_for_are_settings() -> None:
         table = Config.model_fields[match[1]].annotation
         assert issubclass(table, BaseModel)
         assert match[2] in table.model_fields, match[0]
+
+
+def test_a_change_of_the_flow_rule_is_not_translated_as_a_change_of_the_sides() -> None:
+    """The two changes stood in one sentence, of which the translation made one change of both."""
+    of_flow = (
+        "With the flow rule of the given ψ (equilibrium path) instead of Davis's estimate the critical Kh is 0.228, "
+        "by the ratio of two results (both with the quadratic element)."
+    )
+    of_sides = "With sides fixed instead of free-field the critical Kh is 0.314."
+    text = Texts("ja").page(f"<p>{of_flow} {of_sides}</p>")
+    before, after = text.split("0.228")
+    assert "Davisの推定でなく" in before
+    assert "側方" not in before
+    assert "自由地盤でなく側方固定とすると限界Khは0.314" in after
