@@ -4,19 +4,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import gmsh
 import numpy as np
+from scipy.spatial import KDTree
 
 from meshes.mapped import name_groups
 from meshes.seams import Seam, along_and_above, seam_ends, seams_of
 from meshes.section.layering import Layering
 from meshes.section.section import Section
 from meshes.settings import GROWTH_REACH
-
-if TYPE_CHECKING:
-    from scipy.spatial import KDTree
 
 # gmsh's 2-D algorithms in the order of the quality they gave: frontal for quadrilaterals, frontal, Delaunay.
 ALGORITHMS = (8, 6, 5)
@@ -53,9 +50,7 @@ class Sizes:
     repeats: bool = False
 
     @cached_property
-    def _tree(self) -> "KDTree":
-        from scipy.spatial import KDTree  # for the sizes of an adapted mesh
-
+    def _tree(self) -> KDTree:
         return KDTree(self.corners.reshape(-1, 2))
 
     def at(self, stratum: str, points: np.ndarray) -> np.ndarray:

@@ -256,7 +256,7 @@ class Sheet(Drawing):
         axes.ticklabel_format(style="plain", useOffset=False)
         axes.tick_params(labelsize=8, colors=INK, length=3)
         if title:
-            axes.set_title(title, fontsize=9, loc="left", color=INK, pad=3, parse_math=False)
+            axes.set_title(title, fontsize=9, loc="left", y=1.0, color=INK, pad=3, parse_math=False)
         return axes
 
     def legend(self, handles: Sequence[Artist], columns: int, below: float = 0.0) -> None:
@@ -304,7 +304,7 @@ class Sheet(Drawing):
             title = textwrap.fill(title, CURVE_CHARACTERS)
             left, low, wide, high = axes.get_position().bounds
             axes.set_position((left, low, wide, high - 0.16 * title.count("\n") / self.figure.get_figheight()))
-            axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4, parse_math=False)
+            axes.set_title(title, fontsize=9, loc="left", y=1.0, color=INK, pad=4, parse_math=False)
         return axes
 
     def state_exaggeration(self, view: int) -> None:
@@ -313,7 +313,7 @@ class Sheet(Drawing):
         (left, right), (low, high), box = axes.get_xlim(), axes.get_ylim(), axes.get_window_extent()
         times = box.height * (right - left) / (box.width * (high - low))
         title = f"{axes.get_title(loc='left')}; heights exaggerated {times:.2g} times"
-        axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4, parse_math=False)
+        axes.set_title(title, fontsize=9, loc="left", y=1.0, color=INK, pad=4, parse_math=False)
 
 
 def _texts(artist: Artist) -> Iterator[Text]:
