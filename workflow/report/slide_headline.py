@@ -1,6 +1,6 @@
 """Writes the third number of the first page: the slide after liquefaction, or the displacement of a rigid block."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 from meshes.section.cutting import shown_name
 from workflow.earthquake.settings import EarthquakeSettings
@@ -38,7 +38,7 @@ def slide_headline(results: Results, _: Texts) -> HeadlinePart:
         slide=_span(first, _),
         method=_(NAMES[first.method]),
         count=_of_cases(first, _),
-        end=_end_words(list(first.cases.values()), _),
+        end=_end_words(first.cases, _),
     )
     for other in others:
         phrase += " " + _second_opinion(first, other, _)
@@ -122,14 +122,23 @@ def _span(slides: MethodSlides, _: Texts) -> str:
     return _("{low} to over {high}", low=low.removesuffix(" m"), high=high)
 
 
-def _end_words(cases: Sequence[CaseAnswer | PointCase], _: Texts) -> str:
-    if any(isinstance(case, CaseAnswer) and case.flows for case in cases):
-        return _("flows by its weight alone")
-    if all(at_rest(case) for case in cases):
-        return _("comes to rest")
-    if any(case.stopped_by is not None for case in cases):
-        return _("reaches a side of the model, so that it would slide farther in a longer section")
-    return _("was still moving when the computation ended")
+def _end_words(cases: Mapping[int, CaseAnswer | PointCase], _: Texts) -> str:
+    """Return how the slides end, and the cases that end so if others come to rest."""
+    flowing = [number for number, case in cases.items() if isinstance(case, CaseAnswer) and case.flows]
+    stopped = [number for number, case in cases.items() if case.stopped_by is not None]
+    moving = [number for number, case in cases.items() if not at_rest(case)]
+    for numbers, end in (
+        (flowing, _("flows by its weight alone")),
+        (stopped, _("reaches a side of the model, so that it would slide farther in a longer section")),
+        (moving, _("was still moving when the computation ended")),
+    ):
+        if len(numbers) == len(cases):
+            return end
+        if len(numbers) == 1:
+            return _("in case {number} {end}", number=numbers[0], end=end)
+        if numbers:
+            return _("in cases {number} {end}", number=_.listed(list(map(str, numbers))), end=end)
+    return _("comes to rest")
 
 
 def _of_slides(slides: MethodSlides, _: Texts) -> str:

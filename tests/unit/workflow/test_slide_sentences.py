@@ -6,7 +6,9 @@ from tests.support import dem_fixture
 from tests.support.answers import fem, liquefying_config, report_text, results, warned
 from tests.support.sections import analysed, slope
 from workflow.config import Config
+from workflow.report.slide_headline import slide_headline
 from workflow.results.cases import CaseAnswer, CasesAnswer
+from workflow.texts.report_texts import Texts
 
 
 @pytest.fixture
@@ -34,6 +36,18 @@ def test_slides_that_end_and_slides_that_do_not(run: Config) -> None:
         "For comparison, the following slides are those of discs with the springs of the paper's Table 2 as printed. "
         "In case 1 the surface slides 0.33 m" in messages
     )
+
+
+def test_the_conclusion_names_the_case_that_a_side_of_the_box_stopped(run: Config) -> None:
+    """Of slides of which one reached a side was told that all of them did."""
+    still = dem_fixture.case(0.1, 3.0)
+    stopped = still.model_copy(update={"stopped_by": "right"})
+    for stops, words in (((1, 2), "1 and 2"), ((2,), "2")):
+        sets = {"calibrated": {k: stopped if k in stops else still for k in (1, 2, 3)}}
+        answer = results(run, fem=fem(run), cases=CasesAnswer(sets=sets, random=None))
+        plural = "s" if len(stops) > 1 else ""
+        assert f"and in case{plural} {words} reaches a side of the model" in slide_headline(answer, Texts()).conclusion
+        assert f"ケース{words.replace(' and ', '、')}では" in slide_headline(answer, Texts("ja")).conclusion
 
 
 def test_a_slide_that_a_side_of_the_box_stopped_is_told_so(run: Config) -> None:
