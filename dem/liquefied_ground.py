@@ -8,7 +8,7 @@ import numpy as np
 
 from dem.chunked_map import Ranges, pairs_near, serial
 from dem.kernels import liquefied_pairs as bond
-from dem.kernels.liquefied_bonds import BOND_LIMIT, STRAINING_SHARE
+from dem.kernels.liquefied_bonds import BOND_LIMIT, FITTED_STRENGTH, STRAINING_SHARE
 from dem.kernels.liquefied_lists import densities
 from dem.kernels.liquefied_stress import measured_shear
 from dem.kernels.neighbours import Near, known_pairs
@@ -22,6 +22,7 @@ BULK_VISCOSITY = 0.3  # viscosity of volume over density, speed of sound in the 
 # Strain of a bond, half the shear strain of the ground, at which residual strength is reached: at the earliest, since
 # stiffer bonds require shorter steps, and at the latest, before the ground has sheared by 5 %.
 SMALLEST_STRAIN, LARGEST_STRAIN = 0.004, 0.02
+BOND_STRAIN_RATIO = 0.5 * FITTED_STRENGTH  # strain of a bond at its limit over strength over shear modulus s/G
 SHEAR_MODULUS = 0.23  # of patches of soil discs, over kn: their E is 0.6 kn, with a Poisson's ratio of 0.3
 LOOSE_DENSITY, LOOSEST_DENSITY = (
     0.95,

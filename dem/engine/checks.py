@@ -31,6 +31,16 @@ def check_finite(model: DiscModel) -> None:
     )
 
 
+def step_at_speed(model: DiscModel) -> tuple[float, int]:
+    """Return the time step (s) in which the fastest disc moves by `LARGEST_DISPLACEMENT`, and this disc; (inf, -1) for
+    discs at rest."""
+    speed = np.hypot(model.vx_half, model.vz_half)
+    disc = int(np.argmax(speed))
+    if speed[disc] == 0.0:
+        return np.inf, -1
+    return LARGEST_DISPLACEMENT * float(model.radius.min()) / float(speed[disc]), disc
+
+
 def check_speed(model: DiscModel, dt: float) -> None:
     """Raise SpeedError if a disc moves more than a quarter of the smallest radius in one step."""
     speed = np.hypot(model.vx_half, model.vz_half)

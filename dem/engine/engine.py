@@ -14,7 +14,15 @@ import numpy as np
 from numba import config
 
 from dem.chunked_map import threaded
-from dem.engine.checks import BALANCE, check_balance, check_escape, check_finite, check_overlap, check_speed
+from dem.engine.checks import (
+    BALANCE,
+    check_balance,
+    check_escape,
+    check_finite,
+    check_overlap,
+    check_speed,
+    step_at_speed,
+)
 from dem.engine.compliant_base import MeasurementInterval, acceleration_on_discs, felt_until
 from dem.engine.energy_balance import EnergyBalance
 from dem.engine.memory import ReusedMemory, keep_freed_arrays
@@ -49,7 +57,8 @@ class StableStep:
 
 
 def largest_step(model: DiscModel) -> StableStep:
-    """Return the largest stable time step of a model in its present state, by the bound of `stable_step`."""
+    """Return the largest stable time step of a model in its present state, by the bound of `stable_step`, by the pairs
+    of liquefied ground, and by the speed of the discs."""
     return step_finder(model)()
 
 
@@ -66,8 +75,8 @@ def step_finder(model: DiscModel) -> Callable[[], StableStep]:
     def find() -> StableStep:
         pairs = Pairs(i, j, model.kind(i, j), length)
         seconds, disc = stable_step(bodies, pairs, model.skin, lines, springs, model.repeats)
-        liquefied, which = longest_look(model)
-        return StableStep(float(seconds), int(disc)) if seconds < liquefied else StableStep(liquefied, which)
+        limits = ((float(seconds), int(disc)), longest_look(model), step_at_speed(model))
+        return StableStep(*min(limits, key=lambda limit: limit[0]))
 
     return find
 

@@ -17,6 +17,7 @@ from dem.disc_area import area_with_voids
 from dem.engine.engine import Engine, largest_step
 from dem.ground import Ground
 from dem.liquefied_ground import (
+    BOND_STRAIN_RATIO,
     FADING_STEPS,
     LARGEST_STRAIN,
     SHEAR_MODULUS,
@@ -116,10 +117,11 @@ def _largest_overburden(section: Section) -> float:
 
 
 def _state_of_clay(model: DiscModel, discs: np.ndarray, strength: np.ndarray) -> Onset:
-    """Return the pore pressure (overburden), the undrained strength s_u and the strain s_u/G at which clay reaches s_u.
+    """Return the pore pressure (overburden), the undrained strength s_u, and the strain of bonds at which clay reaches
+    s_u, at a shear strain s_u/G.
 
     discs: mask (n,) of the discs of clay; strength: s_u (n,) of the discs.
     """
     modulus = SHEAR_MODULUS * np.append([layer.kn for layer in model.springs.layers], 1.0)[model.layer]
-    strain = np.clip(strength / modulus, SMALLEST_STRAIN, LARGEST_STRAIN)
+    strain = np.clip(BOND_STRAIN_RATIO * strength / modulus, SMALLEST_STRAIN, LARGEST_STRAIN)
     return Onset(discs, area_with_voids(model), effective_overburden(model), strength, strain, peak=False)

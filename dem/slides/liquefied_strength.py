@@ -10,8 +10,15 @@ from dem.case import Case, RemainingStrength
 from dem.disc_area import area_with_voids
 from dem.ground import Ground
 from dem.kernels import liquefied_pairs as bond
-from dem.kernels.liquefied_bonds import FITTED_STRENGTH
-from dem.liquefied_ground import LARGEST_STRAIN, SHEAR_MODULUS, SMALLEST_STRAIN, Onset, change_strength, is_liquefying
+from dem.liquefied_ground import (
+    BOND_STRAIN_RATIO,
+    LARGEST_STRAIN,
+    SHEAR_MODULUS,
+    SMALLEST_STRAIN,
+    Onset,
+    change_strength,
+    is_liquefying,
+)
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
 from dem.slides.edge_strength import edge_shares
@@ -22,8 +29,6 @@ from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potentia
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NO_STRENGTH = 1e-6  # Pa
 ROUNDING = 1e-12  # smallest relative change of a strength
-# Shear modulus of elastic bonds in simple shear over the strength at their limit, over the strain of a bond there.
-ELASTIC = 0.5 * FITTED_STRENGTH
 
 
 def liquefied(
@@ -108,10 +113,10 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
     """Return the state of soil discs at the onset of liquefaction: overburden, and residual strength by the case.
 
     Near the lower edge of a layer the strength is reduced, so that the layer slips at this edge (`edge_shares`). The
-    strength s is reached at a shear strain s/G, with the shear modulus G by the case, but at most `LARGEST_STRAIN`;
-    ground with a strain potential reaches s only beyond this potential (`meshes.section.strain_potential`). model:
-    model of the discs; ground: the ground in which the discs lie; strata: numbers of those that liquefy; case:
-    stiffness and strength after liquefaction.
+    strength s is reached at a shear strain s/G, with the shear modulus G by the case, but at most at a strain
+    `LARGEST_STRAIN` of bonds; ground with a strain potential reaches s only beyond this potential
+    (`meshes.section.strain_potential`). model: model of the discs; ground: the ground in which the discs lie; strata:
+    numbers of those that liquefy; case: stiffness and strength after liquefaction.
     """
     pressure, strength, increase, remains = _strength_by_case(model, ground, strata, case)
     area, discs = area_with_voids(model), np.isin(model.layer, strata) & ~model.fixed
@@ -121,9 +126,11 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
         in_layer = model.layer == k
         modulus = case.stiffness * SHEAR_MODULUS * model.springs.layers[k].kn
         wanted = np.maximum(strength[in_layer], NO_STRENGTH)
-        strain[in_layer] = np.maximum(1.0 / (modulus / wanted + 1.0 / LARGEST_STRAIN), SMALLEST_STRAIN)
+        strain[in_layer] = np.maximum(
+            1.0 / (modulus / (BOND_STRAIN_RATIO * wanted) + 1.0 / LARGEST_STRAIN), SMALLEST_STRAIN
+        )
         if remaining.strain_potential > 0.0:
-            strain[in_layer] = ELASTIC * (remaining.strain_potential + REGAINING_STRAIN)
+            strain[in_layer] = BOND_STRAIN_RATIO * (remaining.strain_potential + REGAINING_STRAIN)
             knee[in_layer] = stress_at_potential(pressure[in_layer], wanted) / wanted
             soft_to[in_layer] = remaining.strain_potential / (remaining.strain_potential + REGAINING_STRAIN)
     return Onset(discs, area, pressure, strength, strain, knee, soft_to)

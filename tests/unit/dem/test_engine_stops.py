@@ -42,6 +42,15 @@ def test_too_large_a_step_is_refused_with_the_number() -> None:
     Engine(dt=0.99 * stable.seconds, balance=1.0).run(model, steps=10)
 
 
+def test_fast_discs_take_shorter_steps() -> None:
+    """The step in which the fastest disc moves by a quarter of the smallest radius, where that is the smallest step."""
+    model = box(6, 5)
+    at_rest = largest_step(model).seconds
+    for speed in (0.1, 10.0) * np.array(0.25 * RADIUS / at_rest):
+        model.set_velocity(speed, 0.0, where=model.z == model.z.max())
+        assert largest_step(model).seconds == pytest.approx(min(at_rest, 0.25 * RADIUS / speed))
+
+
 def test_pairs_that_parted_for_good_do_not_shrink_the_step() -> None:
     """A cracked pair stays listed for its memory, however far its discs are; it must not count as a lever so long."""
     model = box(6, 5)

@@ -28,6 +28,7 @@ from dem.kernels.liquefied_pairs import (
 from dem.kernels.liquefied_stress import measured_shear
 from dem.liquefied_ground import (
     ADJUSTMENT_RATE,
+    BOND_STRAIN_RATIO,
     LARGEST_STRAIN,
     SMALLEST_STRAIN,
     Onset,
@@ -340,8 +341,8 @@ def test_overburden_is_the_weight_above(level: tuple[DiscModel, Ground]) -> None
 
 
 def test_residual_strength_of_a_case(level: tuple[DiscModel, Ground]) -> None:
-    """A ratio of the overburden, or so many kPa, less at the lower edge; reached at s/G and 2 % in series, at 0.4 % at
-    least."""
+    """A ratio of the overburden, or so many kPa, less at the lower edge; reached at s/G and 2 % of bonds in series, at
+    0.4 % of bonds at least."""
     model, ground = level
     loose = model.layer == 1
     away = loose & (model.z > model.z[loose].min() + (2.0 * BAND - 1.0) * RADIUS)
@@ -353,7 +354,8 @@ def test_residual_strength_of_a_case(level: tuple[DiscModel, Ground]) -> None:
     firm = onset(model, ground, [1], Case(residual_strength="8 kPa", stiffness=0.05))
     assert firm.strength[away] == pytest.approx(8e3)
     modulus = 0.05 * SHEAR_MODULUS * LOOSE.kn
-    assert firm.strain[loose] == pytest.approx(1.0 / (modulus / firm.strength[loose] + 1.0 / LARGEST_STRAIN))
+    by_modulus = BOND_STRAIN_RATIO * firm.strength[loose] / modulus
+    assert firm.strain[loose] == pytest.approx(1.0 / (1.0 / by_modulus + 1.0 / LARGEST_STRAIN))
     assert ratio.area[~model.fixed] == pytest.approx(2.0 * np.sqrt(3.0) * RADIUS**2, rel=0.01)
     liquefy(model, ratio)
     assert model.liquefied[loose, STRENGTH] == pytest.approx(ratio.strength[loose])
