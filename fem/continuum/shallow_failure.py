@@ -39,7 +39,7 @@ SHORT_WATER_RATIO = 3.0
 # Difference up to which two angles (rad), or two seismic coefficients, are identical.
 ANGLE_TOLERANCE = 1e-9
 # Difference up to which two seismic coefficients count as equal, since the pressure of seeping water varies slightly.
-KH_TOLERANCE = 5e-4
+KH_TOLERANCE, KH_SHARE = 5e-4, 0.03
 
 
 @dataclass(frozen=True)
@@ -157,17 +157,14 @@ def failing_at_rest(
 
 
 def merged_faces(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
-    """Merge neighbouring faces of one stratum, dry or wet, if their Kh is equal to the digits reported; the merged face
-    has the smallest Kh.
-
-    Parameters
-    ----------
-    faces : faces as ``shallow_failures`` returns them
+    """Merge neighbouring faces of one stratum, dry or wet, if their Kh is equal to the digits reported or to 3 %; the
+    merged face has the smallest Kh. ``faces``: as ``shallow_failures`` returns them.
     """
     failures: list[ShallowFailure] = []
     for face in faces:
         last = failures[-1] if failures else None
-        if last and (last.stratum, last.end) == (face.stratum, face.start) and abs(last.kh - face.kh) < KH_TOLERANCE:
+        near = last and abs(last.kh - face.kh) < max(KH_TOLERANCE, KH_SHARE * abs(last.kh))
+        if last and near and (last.stratum, last.end) == (face.stratum, face.start):
             failures[-1] = replace(min(last, face, key=lambda piece: piece.kh), start=last.start, end=face.end)
         else:
             failures.append(face)

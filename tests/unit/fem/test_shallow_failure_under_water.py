@@ -77,6 +77,14 @@ def test_pieces_of_a_face_that_are_told_with_the_same_digits_are_told_once() -> 
     assert (last.start, last.end, last.kh) == (3.0, 4.0, 0.112)
 
 
+def test_the_edge_of_a_face_that_fails_at_almost_the_same_kh_is_not_told_beside_it() -> None:
+    """A dam with seepage: its face below the pond failed at 0.0886, 0.18 m of wet sand above the pond at 0.0892, and
+    the report had a shallow failure at 0.089 and an edge that fails at 0.089."""
+    wet = ShallowFailure("shell", 30.0, 64.0, 0.46, 0.0886)
+    [face] = merged_faces([wet, ShallowFailure("shell", 64.0, 64.18, 0.46, 0.0892)])
+    assert (face.start, face.end, face.kh) == (30.0, 64.18, 0.0886)
+
+
 def test_a_face_that_meets_the_pond_part_way_has_two_shallow_failures() -> None:
     """Buoyant below the pond, 0.2184; with water seeping out above it, 0.0223 and a factor of safety of 1.078. The
     middle of it all would tell 0.1204."""
