@@ -160,9 +160,14 @@ def stopped_by(sides: Sequence[SideEffect]) -> str | None:
 
 
 def at_the_sides(sides: Sequence[SideEffect]) -> list[str]:
-    """Return the sides that affect the slide: discs of the surface come near them, or ground piles up there."""
-    notes = []
+    """Return notes on the sides that affect the slide: discs of the surface come near them, or ground piles up there.
+
+    The side that stopped the slide has no note, since it is the reason why the slide ended.
+    """
+    notes, reason = [], stopped_by(sides)
     for side in sides:
+        if side.name == reason:
+            continue
         if side.piled:
             notes.append(
                 f"the ground has piled up by {side.rise:.2g} m at the {side.name} side: take a longer section (setting "

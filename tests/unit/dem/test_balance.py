@@ -105,8 +105,11 @@ def test_ground_that_piles_up_at_a_side_is_told(start: DiscModel, ground: Ground
     right = ~piled.fixed & (piled.x > piled.x[~piled.fixed].max() - 4.0)
     piled.z[right] += 2.5 * RADIUS
     after = both_sides(piled, start, ground)
-    assert any("piled up" in at_the_side and "right" in at_the_side for at_the_side in at_the_sides(after))
     assert (stopped_by(before), stopped_by(after)) == (None, "right")
+    assert at_the_sides(after) == [], "the side that stopped the slide is the reason of its end, and no note besides"
+    left, right = after
+    both = [left._replace(piled=True, rise=0.5 * right.rise), right]
+    assert ["piled up" in note and "left" in note for note in at_the_sides(both)] == [True]
 
 
 def test_a_narrow_column_at_the_right_side_is_no_hollow(start: DiscModel, ground: Ground) -> None:
