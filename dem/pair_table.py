@@ -64,7 +64,10 @@ def pair_table(
         raise ValueError(f"law is 'paper' or 'soil', not {law!r}")
     values = _columns(layers)
     if law == "paper" and any(s.contact_cohesion or s.rolling_friction or s.stop for s in layers):
-        raise ValueError("contact cohesion, rolling friction and stop are properties of soil discs: use law='soil'")
+        raise ValueError(
+            "contact_cohesion, rolling_friction and stop (stiffness at large overlaps) belong to soil discs: use "
+            "law='soil'"
+        )
     n = len(layers)
     pairs = _square(values, mean)
     stiffness = np.maximum(values[row.KN], [layer.boundary for layer in layers])

@@ -112,8 +112,11 @@ def place(disc: int, field: int) -> np.uint64:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def count_slots(member: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the first slot of each slice, and for every entry its number among the entries of the same disc. A slice
-    has at most as many slots as one of its discs occurs in `member`.
+    """Return the number of every entry of `member` (disc numbers) among the entries of the same disc, and the first
+    slot of each slice.
+
+    A slot has one entry for each disc of the slice, so that a slice has as many slots as its most frequent disc has
+    entries.
     """
     seen = np.zeros(slices * LANES, np.int32)
     turn = np.empty(len(member), np.int32)

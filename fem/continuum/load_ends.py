@@ -5,8 +5,8 @@ The bearing capacity of sand below a strip load comes from its weight alone, and
 (Terzaghi 1943: γ B Nγ / 2 is the mean of a pressure that falls to zero at the edge). Therefore no stress field balances
 the pressure of a surcharge that ends in a step, whatever Kh is, and there is no strict lower bound. Only a little sand
 yields at the edge of the load. As below cohesionless faces, the ground within the least depth of the end of the load is
-given an apparent cohesion, and carries the load with this cohesion. Any failure of the section cuts through this
-strengthened ground.
+given an apparent cohesion, and carries the load with this cohesion. A larger failure that passes the end of the load
+cuts through this strengthened ground.
 """
 
 from collections.abc import Mapping

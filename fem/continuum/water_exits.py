@@ -4,7 +4,8 @@ At such a point two bodies of sand meet at the surface, one with pore pressure a
 has no stress there, and the ground around the point has no length of its own: a failure of any small size is possible
 at one Kh, which neither of the two faces has (`shallow_failure`). The few triangles that meet at the point have lower
 bounds far below that Kh, however small they are. As at the ends of loads, the ground within the least depth of the
-point is given an apparent cohesion; a failure larger than that cuts through the strengthened ground.
+point is given an apparent cohesion; a larger failure that passes the point cuts through this strengthened
+ground.
 """
 
 from collections.abc import Sequence

@@ -170,6 +170,6 @@ CHECKS: tuple[tuple[str, Check], ...] = (
         rf"^The methods differ .* discs {NUMBER}(?: to {NUMBER})? m.* slides {NUMBER}(?: to {NUMBER})? m",
         _disagree,
     ),
-    (r"^(.* of the collection were predicted within a factor of [\d.]+ in \d+ of \d+ cases)", _known_slides),
+    (r"^(.* of the collection were predicted by discs within a factor of [\d.]+ in \d+ of \d+ cases)", _known_slides),
     (rf"^{CASES} this is a flow failure: without shaking the surface slides ([\d., and]+) m within 20 s", _by_weight),
 )  # fmt: skip

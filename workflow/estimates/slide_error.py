@@ -12,7 +12,7 @@ from statistics import median
 
 from dem.settings import SlideMethod
 
-METHOD_SUFFIXES: dict[SlideMethod, str] = {"discs": "", "mpm": " by material points"}
+METHOD_SUFFIXES: dict[SlideMethod, str] = {"discs": " by discs", "mpm": " by material points"}
 TABLE = "slide_errors.csv"
 FACTORS = (1.5, 2.0, 3.0, 5.0, 10.0)
 COVERED_SHARE = 2.0 / 3.0  # of the cases that the factor is to hold

@@ -119,7 +119,7 @@ def test_the_error_of_the_model_is_the_factor_that_holds_two_thirds() -> None:
     error = error_of("spreads", [1.0, 1.4, 0.5, 2.5, 0.6, 0.9])
     assert error == SlideError("spreads", 2.0, 5, 6, pytest.approx(0.5 * (1.4 + 1.0 / 0.6)))
     assert error.interval(0.5, 1.0) == (0.25, 2.0)
-    assert error.sentence() == "Spreads of the collection were predicted within a factor of 2 in 5 of 6 cases"
+    assert error.sentence() == "Spreads of the collection were predicted by discs within a factor of 2 in 5 of 6 cases"
     assert error_of("spreads", [0.0, 100.0]) == SlideError("spreads", 10.0, 0, 2, float("inf"))
 
 
@@ -147,8 +147,8 @@ def test_the_report_says_how_far_off_the_model_was_and_no_more_digits_than_that(
     near = SlideError("flow failures", 3.0, 6, 9, 2.0)
     messages = sentence(1.234, 2.345, near)
     assert messages == (
-        "Flow failures of the collection were predicted within a factor of 3 in 6 of 9 cases; with this error the "
-        "largest slide is 0.4 to 7 m."
+        "Flow failures of the collection were predicted by discs within a factor of 3 in 6 of 9 cases; with this error "
+        "the largest slide is 0.4 to 7 m."
     )
     assert sentence(0.0, 0.0, near) == ""
     far = SlideError("flow failures", 10.0, 7, 9, 2.9)
