@@ -181,8 +181,7 @@ def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
             result = _computed(task.config, task.quantity, task.side, zones)
     except (InputError, NoAnswerError) as error:
         return str(error)
-    tell("strict bounds")
-    low, high = _bounded(task, zones)
+    low, high = _bounded(task, zones, tell)
     return FaceValue(
         value=result.value,
         davis=result.davis,
@@ -210,9 +209,9 @@ def _computed(config: Config, quantity: Quantity, side: int, zones: tuple[Strong
     return safety_of_face(ground, config.mesh, config.fem)
 
 
-def _bounded(task: FaceTask, zones: tuple[StrongZone, ...]) -> tuple[float | None, float | None]:
-    """Return strict bounds with ψ = φ in ground with strong zones. Return None without strong zones: faces that fail
-    first have the bounds of the section."""
+def _bounded(task: FaceTask, zones: tuple[StrongZone, ...], tell: Tell) -> tuple[float | None, float | None]:
+    """Return strict bounds with ψ = φ in ground with strong zones, and tell when they are computed. Return None without
+    strong zones: faces that fail first have the bounds of the section."""
     from fem.limit.bounds import kh_bounds
     from fem.limit.safety_bounds import safety_bounds
 
@@ -226,9 +225,11 @@ def _bounded(task: FaceTask, zones: tuple[StrongZone, ...]) -> tuple[float | Non
     )
     try:
         if task.quantity == "critical Kh":
+            tell("strict bounds")
             of_kh = kh_bounds(ground, full, share)
             return (of_kh.lower if of_kh.stress else None), (of_kh.upper if of_kh.mechanism else None)
         if config.bounds.safety_factor:
+            tell("strict bounds")
             of_factor = safety_bounds(ground, full, share.of_factors, 0.0, smooth_sides=True)
             return of_factor.lower or None, (of_factor.upper if math.isfinite(of_factor.upper) else None)
     except NoAnswerError:

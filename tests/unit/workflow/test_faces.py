@@ -221,3 +221,16 @@ def test_a_face_that_fails_first_has_the_bounds_of_the_section() -> None:
     left, right = faces_sentences(answer(), results(config, faces=answer(), bounds=of_section))
     assert "strict bounds 0.140 to 0.149" in left
     assert "critical Kh 0.253 with ψ = φ, strict bounds 0.249 to 0.255" in right
+
+
+def test_bounds_of_a_factor_that_are_not_asked_for_are_not_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A dam was told to compute strict bounds of its factor of safety, which a run leaves out for their cost."""
+    messages: list[str] = []
+    config = levee()
+    assert not config.bounds.safety_factor
+    zone = StrongZone(40.0, 66.0, 0.9)
+    monkeypatch.setattr(faces, "_ground", lambda config, zones: config.section)
+    structure = structures_of(config.section)[0]
+    task = faces.FaceTask(config, structure, LEFT, "factor of safety", "", ())
+    assert faces._bounded(task, (zone,), messages.append) == (None, None)
+    assert messages == []
