@@ -12,8 +12,8 @@ WIDTH, LOOSE = 50.0, 10.0  # m
 
 @pytest.mark.parametrize("strain", [pytest.param(0.0, marks=pytest.mark.slow), 0.035])
 def test_level_ground_sinks_by_the_volume_that_drains(strain: float) -> None:
-    """The crust settles by the volumetric strain times the thickness of the layer, to 1 % of that thickness, and does
-    not drift."""
+    """The crust settles by the volumetric strain times the thickness of the layer, to 1 % of that thickness, and drifts
+    by less than a twentieth of the diameter of a disc."""
     soil = {"density": "19 kN/m^3", "youngs_modulus": "17 MPa", "poissons_ratio": 0.33, "friction_angle": "33 deg"}
     case = {"residual_strength": {"loose": "10 kPa"}, "volumetric_strain": strain}
     config = Config.parse({
@@ -36,4 +36,4 @@ def test_level_ground_sinks_by_the_volume_that_drains(strain: float) -> None:
     crust = ~start.fixed & (start.layer == 0) & (np.abs(start.x - 0.5 * WIDTH) < WIDTH / 3.0)
     settlement = (start.z - slider.model.z)[crust].mean()
     assert settlement == pytest.approx(strain * LOOSE, abs=0.012 * LOOSE)
-    assert abs((slider.model.x - start.x)[crust].mean()) < 0.05
+    assert abs((slider.model.x - start.x)[crust].mean()) < 0.06
