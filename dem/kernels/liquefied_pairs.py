@@ -20,7 +20,8 @@ forces follow by virtual work: each pair has in addition the force -w (m_i + m_j
 sum_j r t_ij / (2 S_i) and the forces t_ij of the bonds across. The moments of all forces about a disc are in balance,
 and the shear stress is symmetric. The m_i are those of the last evaluation but one: their work is booked as a loss.
    Without this the ground would resist rotation at the rate omega with the power pi/2 s omega per area: a slope of clay
-on a weak seam moved 1.0 m for 1.5 m, since the wedge behind its crest did not fall.
+on a weak seam moved 1.0 m for 1.7 m, since the wedge behind its crest did not fall. Bonds of two strata slip about the
+rotation of the weaker disc alone, and count in its sums alone.
    Ground with a strain potential is soft at first: the force-displacement law is a straight line up to the potential,
    with a dashpot in parallel, and a steep one from there to the limit (`kernels.bond_law`). A part of a bond between
    liquefied and other ground lies in the other ground, which does not strain: the displacements of such a bond are
@@ -55,8 +56,9 @@ from dem.kernels.prefetch import wide_vectors
 # which it is reached. At the last evaluation of the pairs: place (m), density (-), pressure term u/rho^2 (Pa) and its
 # part by viscosity, bond term V/S (1/m), force (N). Strength at the strain potential over the residual strength, and
 # strain potential over the strain at which the residual strength is reached (-); both 0 without a strain potential.
-# Number of the stratum. Sum S of the levers (m), rotation of the ground since the evaluation before (rad), moment m of
-# the bonds over S (N), and the one that acts until the next evaluation (N).
+# Number of the stratum. Sum S of the levers of the bonds in which the rotation of the disc counts (m), this rotation
+# since the evaluation before (rad), moment m of these bonds over S (N), and the one that acts until the next evaluation
+# (N).
 SHARE, AREA, PRESSURE, DENSITY, STIFFNESS, VISCOSITY, STRENGTH, STRAIN = range(8)
 AT_X, AT_Z, PRESENT_DENSITY, PRESSURE_TERM, DRAG, BOND, FORCE_X, FORCE_Z = range(8, 16)
 KNEE_STRENGTH, KNEE_STRAIN, STRATUM = 16, 17, 18
@@ -83,7 +85,7 @@ MEMORY_BLOCK = np.uint64(MEMORY * LANES)  # doubles in the history variables of 
 # (m2), slope of the kernel. The first seven are overwritten by direction, speeds along and across (m/s), stretch and
 # slip (m), distance (m). Then contributions to the sums of the first and of the second disc: density, its rate, lever
 # (m), motion across (m), which are overwritten by sums of pressure, strength and strain, rotation and moment, then by
-# forces and moments. Last the time of the dashpot of soft ground (s), and the share of the first disc in the rotation.
+# forces and moments. Last the time of the dashpot of soft ground (s), and the shares of both discs in the rotation.
 WORKING = 23
 (
     DX, DZ, UX, UZ, OLD_X, OLD_Z, STAND_IN_PRESSURE, AREA_1, AREA_2, SLOPE, WIDTH_1, WIDTH_2, RATE_1, RATE_2, LEVER_1,

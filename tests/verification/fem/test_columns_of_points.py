@@ -33,7 +33,8 @@ def test_dry_columns_run_out_as_in_a_channel(aspect: float, low: float, high: fl
 @pytest.mark.parametrize("cell", [1.5, 0.75])
 def test_a_low_dry_column_runs_out_as_in_a_channel(cell: float) -> None:
     """(L - L0)/L0 = 0.71 for a = 0.5 by another continuum, 1.2 a = 0.6 by experiments (Lube et al. 2005), where the
-    deposit is L0/40 thick, by the transfer of slides; 0.60 in cells of 1.5 m, 0.675 in half of them. APIC loses 20 % of the energy in the coarse cells: 0.45."""
+    deposit is L0/40 thick, by the transfer of slides; 0.60 in cells of 1.5 m, 0.675 in half of them. APIC loses 20 % of
+    the energy in the coarse cells: 0.45."""
     half_width = 30.0
     engine = PointColumn(half_width, 15.0, 0.0, np.radians(33.0), cell, 81.0).engine(DECAY_RATES[0])
     engine.run(4.0 * np.sqrt(half_width))
