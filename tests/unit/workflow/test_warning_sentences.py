@@ -76,8 +76,8 @@ def test_a_target_of_the_discs_that_is_not_sharp_is_told(run: Config) -> None:
     wide = like.model_copy(update={"kc_upper": 0.226, "flow": "non-associated"})
     warnings = warned(results(run, dem=dem_fixture.critical(run, 0.16), dem_counterpart=wide))
     assert (
-        "of the discs (free-field sides, non-associated flow with the given ψ) fail between Kh = 0.160 and 0.226. "
-        "Discs that fail" in warnings[0]
+        "of the discs (free-field sides, non-associated flow with the given ψ) fail between Kh = 0.160 and 0.226, "
+        "so that discs that fail" in warnings[0]
     )
 
 
