@@ -43,14 +43,13 @@ def step_at_speed(model: DiscModel) -> tuple[float, int]:
 
 def check_speed(model: DiscModel, dt: float) -> None:
     """Raise SpeedError if a disc moves more than a quarter of the smallest radius in one step."""
-    speed = np.hypot(model.vx_half, model.vz_half)
-    disc = int(np.argmax(speed))
-    least = float(model.radius.min())
-    if speed[disc] * dt > LARGEST_DISPLACEMENT * least:
+    longest, disc = step_at_speed(model)
+    if dt > longest:
+        speed = np.hypot(model.vx_half[disc], model.vz_half[disc])
         raise SpeedError(
-            f"{_name_of(model, disc)} moves at {speed[disc]:.4g} m/s, {speed[disc] * dt / least:.2g} of the smallest "
-            f"radius in one step: it could pass through another disc. Use dt <= "
-            f"{LARGEST_DISPLACEMENT * least / speed[disc]:.3g} s, or find the cause of this speed."
+            f"{_name_of(model, disc)} moves at {speed:.4g} m/s, {LARGEST_DISPLACEMENT * dt / longest:.2g} of the "
+            f"smallest radius in one step: it could pass through another disc. Use dt <= {longest:.3g} s, or find the "
+            f"cause of this speed."
         )
 
 

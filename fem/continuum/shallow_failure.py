@@ -38,7 +38,8 @@ LONG_WATER_RATIO = 10.0
 SHORT_WATER_RATIO = 3.0
 # Difference up to which two angles (rad), or two seismic coefficients, are identical.
 ANGLE_TOLERANCE = 1e-9
-# Difference up to which two seismic coefficients count as equal, since the pressure of seeping water varies slightly.
+# Difference up to which two seismic coefficients count as equal, since the pressure of seeping water varies slightly:
+# a coefficient, or a share of it if that is more.
 KH_TOLERANCE, KH_SHARE = 5e-4, 0.03
 
 

@@ -58,12 +58,9 @@ def governing_kh(results: Results) -> GoverningKh | None:
     interval = accuracy(results, fem)
     if interval is None:
         return GoverningKh(kc)
-    is_wide = interval.low < CLOSE_BOUNDS * interval.high
-    if exceeds(kc, interval.high):
-        return GoverningKh(interval.high, "upper", is_wide, interval)
-    if falls_below(kc, interval.low):
-        return GoverningKh(interval.low, "lower", is_wide, interval)
-    return GoverningKh(kc, interval=interval)
+    bound = _governing_bound(kc, interval.low, interval.high)
+    is_limit = bound is not None and interval.low < CLOSE_BOUNDS * interval.high
+    return GoverningKh(governing_value(kc, interval.low, interval.high), bound, is_limit, interval)
 
 
 def governing_factor(results: Results, factor: FactorOfSafety) -> float:
@@ -78,9 +75,16 @@ def governing_value(value: float, lower: float | None, upper: float | None) -> f
     """Return the critical Kh or factor of safety that counts: the ``value`` of the finite elements, or the strict bound
     that this value lies beyond. A mechanism proves that the ground does not resist more than the ``upper`` bound, a
     stress field in equilibrium that it does not resist less than the ``lower`` one; finite elements prove neither."""
+    ends = {None: value, "lower": lower, "upper": upper}
+    end = ends[_governing_bound(value, lower, upper)]
+    return value if end is None else end
+
+
+def _governing_bound(value: float, lower: float | None, upper: float | None) -> Literal["lower", "upper"] | None:
+    """Return the strict bound that the ``value`` of the finite elements lies beyond; None if there is none."""
     if upper is not None and exceeds(value, upper):
-        return upper
-    return lower if lower is not None and falls_below(value, lower) else value
+        return "upper"
+    return "lower" if lower is not None and falls_below(value, lower) else None
 
 
 def governing_face_value(value: FaceValue) -> float:
