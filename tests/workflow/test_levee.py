@@ -16,7 +16,7 @@ Ask = Callable[..., str]
 FILES = TOP / "tests/support/levee"
 UNCERTAIN = """
 [uncertain]
-"strata.Loose sand.friction_angle" = { normal = ["31 deg", "2 deg"], between = ["27 deg", "35 deg"] }
+"strata.Loose sand.friction_angle" = { normal = ["31 deg", "2 deg"], truncation = ["27 deg", "35 deg"] }
 "strata.Levee fill.cohesion" = { uniform = ["0 kPa", "6 kPa"] }
 "strata.Soft clay.cohesion" = { lognormal = ["40 kPa", "10 kPa"] }
 """

@@ -11,6 +11,8 @@ from typing import Any
 
 from meshes.errors import InputError
 
+MIGRATE = "noshiro migrate writes the new word into the file"
+
 
 @dataclass(frozen=True)
 class Renamed:
@@ -58,6 +60,9 @@ RENAMED = (
     Renamed("fem", "flow", values={"section": "non-associated"}),
     Renamed("slide", "judges", new_key="methods"),
 )
+# Keys of every distribution of the table [uncertain], and of every pair of its list "correlated": old key, new key.
+DISTRIBUTION_KEYS = {"between": "truncation", "chances": "probabilities", "does": "applied_as"}
+CORRELATION_KEYS = {"of": "paths"}
 # Keys of the files that a run leaves: old key, new key, and another key of the same table ("" for any table), without
 # which the old key is the name of something else, such as a stratum.
 ANSWER_KEYS = (
@@ -106,7 +111,17 @@ def current(data: Mapping[str, Any]) -> dict[str, Any]:
         for table, old, new in places:
             if isinstance(tables.get(table), Mapping):
                 tables[table] = rule.moved(tables[table], old, new)
+    if isinstance(uncertain := tables.get("uncertain"), Mapping):
+        tables["uncertain"] = {path: _current_entry(path, entry) for path, entry in uncertain.items()}
     return tables
+
+
+def _current_entry(path: str, entry: Any) -> Any:
+    """Return a distribution, or the list "correlated", with new keys."""
+    if isinstance(entry, list | tuple):
+        return [_current_entry(path, each) for each in entry]
+    keys = CORRELATION_KEYS if path == "correlated" else DISTRIBUTION_KEYS
+    return {keys.get(key, key): value for key, value in entry.items()} if isinstance(entry, Mapping) else entry
 
 
 def current_answer(data: Any) -> Any:
@@ -134,7 +149,17 @@ def notices(data: Mapping[str, Any]) -> list[str]:
         uncertain = data.get("uncertain")
         if isinstance(uncertain, Mapping) and rule.path in uncertain:
             messages += [_notice(rule, word) for word in _old_words(rule, uncertain[rule.path])]
-    return list(dict.fromkeys(messages))
+    return list(dict.fromkeys([*messages, *_notices_of_uncertain(data.get("uncertain"))]))
+
+
+def _notices_of_uncertain(uncertain: Any) -> Iterator[str]:
+    """Yield a sentence for every old key in the distributions and the correlated pairs."""
+    for path, entry in uncertain.items() if isinstance(uncertain, Mapping) else ():
+        keys = CORRELATION_KEYS if path == "correlated" else DISTRIBUTION_KEYS
+        for table in entry if isinstance(entry, list | tuple) else (entry,):
+            for old in [key for key in keys if key in table] if isinstance(table, Mapping) else ():
+                owner = "a correlated pair" if path == "correlated" else "a distribution"
+                yield f'The key "{old}" of {owner} in [uncertain] is now "{keys[old]}"; {MIGRATE}.'
 
 
 def _old_words(rule: Renamed, value: Any) -> list[str]:
@@ -148,7 +173,7 @@ def _old_words(rule: Renamed, value: Any) -> list[str]:
 def _notice(rule: Renamed, word: str) -> str:
     now = f"{rule.table}.{rule.key_now}"
     is_now = f'{rule.path} = "{word}" is now {now} = "{rule.values[word]}"' if word else f"{rule.path} is now {now}"
-    return f"{is_now}; noshiro migrate writes the new word into the file."
+    return f"{is_now}; {MIGRATE}."
 
 
 def rewritten(text: str, source: str) -> tuple[str, list[str]]:
@@ -199,5 +224,11 @@ def _replacements(text: str) -> Iterator[tuple[int, int, str]]:
             for place in re.finditer(f"([\"']){re.escape(old)}\\1", text):
                 yield place.start(), place.end(), f"{place[1]}{new}{place[1]}"
         if rule.new_key:
-            for place in re.finditer(rf"(?<![\w-]){re.escape(rule.key)}(?![\w-])", text):
-                yield place.start(), place.end(), rule.new_key
+            yield from _places(text, rule.key, rule.new_key)
+    for old, new in (DISTRIBUTION_KEYS | CORRELATION_KEYS).items():
+        yield from _places(text, old, new)
+
+
+def _places(text: str, old: str, new: str) -> Iterator[tuple[int, int, str]]:
+    for place in re.finditer(rf"(?<![\w-]){re.escape(old)}(?![\w-])", text):
+        yield place.start(), place.end(), new

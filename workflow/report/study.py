@@ -110,10 +110,11 @@ def _strongest(result: Result) -> str:
 def in_words(distribution: Distribution) -> str:
     """Return a distribution in words."""
     values = ", ".join(str(value) for value in getattr(distribution, distribution.kind))
-    phrase = f"{distribution.kind} {values}" + ("" if distribution.does == "value" else f", as a {distribution.does}")
-    return phrase + (
-        f", between {distribution.between[0]} and {distribution.between[1]}" if distribution.between else ""
-    )
+    phrase = f"{distribution.kind} {values}"
+    if distribution.applied_as != "value":
+        phrase += f", as a {distribution.applied_as}"
+    limits = distribution.truncation
+    return f"{phrase}, between {limits[0]} and {limits[1]}" if limits else phrase
 
 
 def _row(result: Result) -> list[str]:

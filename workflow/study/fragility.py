@@ -106,7 +106,7 @@ def _levels(config: Config, table: SampleTable) -> dict[str, np.ndarray]:
     record = config.slide.accelerogram
     path = SCALE if record else KH
     drawn = config.uncertain.numbers.get(path)
-    if drawn is None or drawn.does != "value" or record == AVERAGE:
+    if drawn is None or drawn.applied_as != "value" or record == AVERAGE:
         return {}
     values = np.array(table.drawn(path), dtype=float)
     if not record:

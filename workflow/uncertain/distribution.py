@@ -24,12 +24,14 @@ class Distribution(Model):
     )
     uniform: tuple[Number, Number] | None = Field(default=None, description="[least, greatest]")
     triangular: tuple[Number, Number, Number] | None = Field(default=None, description="[least, most likely, greatest]")
-    list: tuple[Any, ...] | None = Field(default=None, min_length=1, description="values, also words, of equal chance")
-    chances: tuple[float, ...] | None = Field(default=None, description="probabilities of the values of a list")
-    between: tuple[Number, Number] | None = Field(
-        default=None, description="[least, greatest] that a normal or lognormal number may have"
+    list: tuple[Any, ...] | None = Field(
+        default=None, min_length=1, description="values or words, of equal probability"
     )
-    does: Literal["value", "shift", "factor"] = Field(
+    probabilities: tuple[float, ...] | None = Field(default=None, description="probabilities of the values of a list")
+    truncation: tuple[Number, Number] | None = Field(
+        default=None, description="[least, greatest] to which a normal or lognormal distribution is truncated"
+    )
+    applied_as: Literal["value", "shift", "factor"] = Field(
         default="value",
         description='meaning of a sampled number: the "value" itself, a "shift" added to the value of the '
         'file, or a "factor" on the value of the file',
@@ -70,19 +72,20 @@ class Distribution(Model):
     def _problem(self) -> str:
         """Return the problem of the parameters; empty if they are valid."""
         if self.kind == "list":
-            if self.chances is None:
+            if self.probabilities is None:
                 return ""
-            right = len(self.chances) == len(self.list or ()) and min(self.chances) >= 0.0 and sum(self.chances) > 0.0
-            return "" if right else "chances: expected one of 0 or more for each value of the list"
-        if self.chances is not None:
-            return "chances: expected with a list only"
-        if self.between is not None and self.kind not in ("normal", "lognormal"):
-            return "between: expected with normal and lognormal only"
+            weights = self.probabilities
+            right = len(weights) == len(self.list or ()) and min(weights) >= 0.0 and sum(weights) > 0.0
+            return "" if right else "probabilities: expected one of 0 or more for each value of the list"
+        if self.probabilities is not None:
+            return "probabilities: expected with a list only"
+        if self.truncation is not None and self.kind not in ("normal", "lognormal"):
+            return "truncation: expected with normal and lognormal only"
         try:
             parameters, bounds = self._parameters(), self._bounds()
         except ValueError as error:
             return str(error)
-        if self.does == "factor" and self.unit:
+        if self.applied_as == "factor" and self.unit:
             return f"a factor has no unit, this has {self.unit}"
         if self.kind in ("normal", "lognormal") and not parameters[1] > 0.0:
             return f"{self.kind}: expected a standard deviation above 0"
@@ -92,37 +95,37 @@ class Distribution(Model):
             list_(parameters) != sorted(parameters) or parameters[0] == parameters[-1]
         ):
             return f"{self.kind}: expected rising numbers"
-        return "" if bounds[0] < bounds[1] else "between: expected rising numbers"
+        return "" if bounds[0] < bounds[1] else "truncation: expected rising numbers"
 
     def _parameters(self) -> tuple[float, ...]:
         return tuple(in_unit(value, self.unit) for value in getattr(self, self.kind))
 
     def _bounds(self) -> tuple[float, float]:
-        if self.between is None:
+        if self.truncation is None:
             return (-math.inf, math.inf)
-        return in_unit(self.between[0], self.unit), in_unit(self.between[1], self.unit)
+        return in_unit(self.truncation[0], self.unit), in_unit(self.truncation[1], self.unit)
 
-    def at(self, chance: float) -> Any:
+    def at(self, probability: float) -> Any:
         """Return the quantile of a probability (0 to 1): a number in `unit`, or an entry of the list."""
         if self.list is not None:
-            weights = self.chances or (1.0,) * len(self.list)
+            weights = self.probabilities or (1.0,) * len(self.list)
             reached = 0.0
             for value, weight in zip(self.list, weights, strict=True):
                 reached += weight / sum(weights)
-                if chance < reached:
+                if probability < reached:
                     return value
             return self.list[-1]
         p = self._parameters()
         if self.kind == "uniform":
-            return p[0] + chance * (p[1] - p[0])
+            return p[0] + probability * (p[1] - p[0])
         if self.kind == "triangular":
             turn = (p[1] - p[0]) / (p[2] - p[0])
-            if chance <= turn:
-                return p[0] + math.sqrt(chance * (p[2] - p[0]) * (p[1] - p[0]))
-            return p[2] - math.sqrt((1.0 - chance) * (p[2] - p[0]) * (p[2] - p[1]))
-        return self._normal_at(chance, *p)
+            if probability <= turn:
+                return p[0] + math.sqrt(probability * (p[2] - p[0]) * (p[1] - p[0]))
+            return p[2] - math.sqrt((1.0 - probability) * (p[2] - p[0]) * (p[2] - p[1]))
+        return self._normal_at(probability, *p)
 
-    def _normal_at(self, chance: float, mean: float, deviation: float) -> float:
+    def _normal_at(self, probability: float, mean: float, deviation: float) -> float:
         """Return the quantile of the normal or lognormal distribution, cut off at its bounds."""
         logarithmic = self.kind == "lognormal"
         if logarithmic:
@@ -135,7 +138,7 @@ class Distribution(Model):
             return (value - mean) / deviation
 
         low, high = (STANDARD.cdf(standard(value)) for value in self._bounds())
-        drawn = mean + deviation * STANDARD.inv_cdf(low + chance * (high - low))
+        drawn = mean + deviation * STANDARD.inv_cdf(low + probability * (high - low))
         return math.exp(drawn) if logarithmic else drawn
 
     def written(self, value: Any) -> Any:

@@ -11,8 +11,8 @@ from meshes.section.sentences import limit_words, model_at
 from workflow.uncertain.distribution import Distribution
 from workflow.uncertain.path import changed_value, places, value_at
 
-# The chances furthest from the median that a sample can have.
-SMALLEST_CHANCE, LARGEST_CHANCE = 2.0**-54, 1.0 - 2.0**-53
+# The smallest and the largest probability of a sample.
+EXTREMES = 2.0**-54, 1.0 - 2.0**-53
 HALVINGS = 60
 REPORTED_CUT_OFF = 1e-4  # share of a distribution that is cut off, from which it is reported
 
@@ -36,11 +36,11 @@ class AdmissibleRange:
     notice: str = ""
     problem: str = ""
 
-    def within(self, chance: float) -> float:
+    def within(self, probability: float) -> float:
         """Convert a probability (0 to 1) of the truncated distribution to the probability of the same number in the
         whole distribution.
         """
-        return self.low + chance * (self.high - self.low)
+        return self.low + probability * (self.high - self.low)
 
 
 def reach_of(
@@ -50,7 +50,7 @@ def reach_of(
     in the input ``data``.
 
     Tails of normal and lognormal distributions are truncated where the field refuses the number. If the field refuses
-    an end that the input states (uniform, triangular, list, between), this is a problem.
+    an end that the input states (uniform, triangular, list, truncation), this is a problem.
     """
     return {
         path: _reach(path, distribution, _check_of(data, path, distribution, models))
@@ -68,16 +68,16 @@ def _reach(path: str, distribution: Distribution, check: Check) -> AdmissibleRan
     at = distribution.at
     if check(at(0.5)):
         return AdmissibleRange()  # its median is reported with the whole input
-    if distribution.kind in ("uniform", "triangular") or distribution.between is not None:
-        ends = distribution.between or getattr(distribution, distribution.kind)
-        refused = [(end, check(at(chance))) for end, chance in ((ends[0], SMALLEST_CHANCE), (ends[-1], LARGEST_CHANCE))]
+    if distribution.kind in ("uniform", "triangular") or distribution.truncation is not None:
+        ends = distribution.truncation or getattr(distribution, distribution.kind)
+        refused = [(end, check(at(extreme))) for end, extreme in zip((ends[0], ends[-1]), EXTREMES, strict=True)]
         return AdmissibleRange(problem="\n".join(f"{name}: it reaches {end}: {text}" for end, text in refused if text))
-    low, high = (_furthest(lambda chance: not check(at(chance)), end) for end in (SMALLEST_CHANCE, LARGEST_CHANCE))
+    low, high = (_furthest(lambda probability: not check(at(probability)), extreme) for extreme in EXTREMES)
     messages = [
         f"{name}: {100.0 * share:.2g} % of its {distribution.kind} distribution lie {side} "
         f"{distribution.written(round(at(bound), 9) + 0.0)} and are cut off ({check(at(end))})"
         for side, bound, share, end in (
-            ("below", low, low, SMALLEST_CHANCE), ("above", high, 1.0 - high, LARGEST_CHANCE),
+            ("below", low, low, EXTREMES[0]), ("above", high, 1.0 - high, EXTREMES[1]),
         )
         if share > REPORTED_CUT_OFF
     ]  # fmt: skip

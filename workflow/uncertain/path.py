@@ -77,12 +77,12 @@ def _longest_entry(entries: Mapping[str, Any], path: str) -> str | None:
 
 def changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
     """Return the value that replaces ``before`` for a drawn number; raise ValueError if ``before`` is no number."""
-    if distribution.does == "value":
+    if distribution.applied_as == "value":
         if _is_point(before):
             return [before[0], distribution.written(value)]
         if isinstance(before, dict | list):
             raise ValueError(
-                'holds more than one number; expected the path of one number, or does = "shift" or "factor"'
+                'holds more than one number; expected the path of one number, or applied_as = "shift" or "factor"'
             )
         return distribution.written(value)
     return _changed_value(before, distribution, value)
@@ -99,7 +99,7 @@ def _changed_value(before: Any, distribution: Distribution, value: Any) -> Any:
     if before is None:
         raise ValueError("is not set in the section file; expected a number, which the distribution changes")
     number, unit = measured(before)
-    if distribution.does == "factor":
+    if distribution.applied_as == "factor":
         number *= float(value)
     else:
         number += in_unit(distribution.written(value), unit)

@@ -12,10 +12,10 @@ from scipy.stats import qmc
 from workflow.uncertain.limits import AdmissibleRange
 from workflow.uncertain.settings import SamplingMethod, StudySettings, UncertainSettings
 
-SMALLEST_CHANCE = 2.0**-54  # a probability of zero would be infinitely far from the median
+SMALLEST_PROBABILITY = 2.0**-54  # a probability of zero would be infinitely far from the median
 
 
-def chances(dimensions: int, count: int, method: SamplingMethod, seed: int) -> np.ndarray:
+def probabilities(dimensions: int, count: int, method: SamplingMethod, seed: int) -> np.ndarray:
     """Return points (n, dimensions) in the unit cube.
 
     "sobol": the first ``count`` points of a scrambled sequence (Owen 1998), which a longer study continues. "latin": a
@@ -34,7 +34,7 @@ def chances(dimensions: int, count: int, method: SamplingMethod, seed: int) -> n
             a, b = both[:, :dimensions], both[:, dimensions:]
             mixed = [np.where(np.arange(dimensions) == k, b, a) for k in range(dimensions)]
             drawn = np.concatenate([a, b, *mixed])
-    return np.clip(drawn, SMALLEST_CHANCE, 1.0 - SMALLEST_CHANCE)
+    return np.clip(drawn, SMALLEST_PROBABILITY, 1.0 - SMALLEST_PROBABILITY)
 
 
 def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
@@ -42,7 +42,7 @@ def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
     if np.array_equal(correlation, np.eye(len(correlation))):
         return points
     normal = ndtri(points) @ np.linalg.cholesky(correlation).T
-    return np.clip(np.asarray(ndtr(normal)), SMALLEST_CHANCE, 1.0 - SMALLEST_CHANCE)
+    return np.clip(np.asarray(ndtr(normal)), SMALLEST_PROBABILITY, 1.0 - SMALLEST_PROBABILITY)
 
 
 def samples(
@@ -50,12 +50,12 @@ def samples(
 ) -> list[dict[str, Any]]:
     """Return the sampled values of every sample, by the paths of the numbers, within the admissible range of each."""
     numbers = uncertain.numbers
-    points = chances(len(numbers), study.samples, study.method, study.seed)
+    points = probabilities(len(numbers), study.samples, study.method, study.seed)
     points = correlated(points, uncertain.correlation())
     return [
         {
-            path: distribution.at(reach.get(path, AdmissibleRange()).within(float(chance)))
-            for (path, distribution), chance in zip(numbers.items(), row, strict=True)
+            path: distribution.at(reach.get(path, AdmissibleRange()).within(float(probability)))
+            for (path, distribution), probability in zip(numbers.items(), row, strict=True)
         }
         for row in points
     ]

@@ -16,7 +16,7 @@ SamplingMethod = Literal["sobol", "latin", "saltelli"]
 class Correlation(Model):
     """Holds the correlation of two uncertain numbers."""
 
-    of: tuple[str, str] = Field(
+    paths: tuple[str, str] = Field(
         description="paths of the two correlated numbers, both of them in the table [uncertain]"
     )
     coefficient: float = Field(
@@ -43,7 +43,7 @@ class UncertainSettings(Model):
 
     correlated: tuple[Correlation, ...] = Field(
         default=(),
-        description="correlated pairs, { of = [path, path], coefficient = 0.5 }; other pairs are independent",
+        description="correlated pairs, { paths = [path, path], coefficient = 0.5 }; other pairs are independent",
     )
 
     @property
@@ -56,7 +56,7 @@ class UncertainSettings(Model):
         places = {path: place for place, path in enumerate(self.numbers)}
         matrix = np.eye(len(places))
         for pair in self.correlated:
-            i, j = (places[path] for path in pair.of)
+            i, j = (places[path] for path in pair.paths)
             matrix[i, j] = matrix[j, i] = pair.coefficient
         return matrix
 
@@ -81,10 +81,10 @@ class UncertainSettings(Model):
     def _fits(self) -> Self:
         problems = []
         for number, pair in enumerate(self.correlated, start=1):
-            unknown = [path for path in pair.of if path not in self.numbers]
-            problems += [f'correlated {number}, of = "{path}": expected a path of this table' for path in unknown]
-            if pair.of[0] == pair.of[1]:
-                problems.append(f"correlated {number}, of: expected two different paths")
+            unknown = [path for path in pair.paths if path not in self.numbers]
+            problems += [f'correlated {number}, paths = "{path}": expected a path of this table' for path in unknown]
+            if pair.paths[0] == pair.paths[1]:
+                problems.append(f"correlated {number}, paths: expected two different paths")
         if not problems and self.correlated and np.linalg.eigvalsh(self.correlation()).min() <= 0.0:
             problems.append(
                 "correlated: no numbers can have these correlations together; expected smaller coefficients"

@@ -17,6 +17,7 @@ from workflow.config import Config, renamed
 from workflow.config.renamed import ANSWER_KEYS, Renamed, current, current_answer, notices, rewritten
 from workflow.results.answer import Part
 from workflow.study.result_cache import Outcome
+from workflow.uncertain.settings import UncertainSettings
 
 OLD = """# sides = "roller" is an old word
 name = "roller"
@@ -75,6 +76,30 @@ def test_the_flow_rule_of_a_path_has_the_name_of_the_field() -> None:
 def test_a_word_that_is_spelt_out_by_escapes_is_told() -> None:
     with pytest.raises(InputError, match=r'change by hand: fem.sides = "tied" is now fem.sides = "periodic"'):
         rewritten('[fem]\nsides = "t\\u0069ed"', "old.toml")
+
+
+def test_old_keys_of_distributions_and_correlated_pairs_are_read_and_rewritten() -> None:
+    """The words are those of comments and of names, too, which stay."""
+    old = """name = "of what it does"  # between
+[uncertain]
+"strata.does.friction_angle" = { normal = [33, 2], between = [28, 38] }  # does
+"strata.*.cohesion" = { lognormal = [1.0, 0.3], does = "factor" }
+"fem.sides" = { list = ["tied", "does"], chances = [1, 2] }
+correlated = [{ of = ["strata.does.friction_angle", "strata.*.cohesion"], coefficient = 0.5 }]
+"""
+    new = old.replace(" between =", " truncation =").replace(" does =", " applied_as =").replace('"tied"', '"periodic"')
+    new = new.replace("chances =", "probabilities =").replace("{ of =", "{ paths =")
+    assert rewritten(old, "old.toml")[0] == new
+    assert current(tomllib.loads(old)) == tomllib.loads(new)
+    assert [line.split(";")[0] for line in notices(tomllib.loads(old))] == [
+        'fem.sides = "tied" is now fem.sides = "periodic"',
+        'The key "between" of a distribution in [uncertain] is now "truncation"',
+        'The key "does" of a distribution in [uncertain] is now "applied_as"',
+        'The key "chances" of a distribution in [uncertain] is now "probabilities"',
+        'The key "of" of a correlated pair in [uncertain] is now "paths"',
+    ]
+    assert notices(tomllib.loads(new)) == []
+    UncertainSettings.model_validate(current(tomllib.loads(old))["uncertain"])
 
 
 @pytest.fixture

@@ -132,7 +132,7 @@ def test_a_normal_strength_is_cut_off_at_zero_and_a_person_hears_how_much_of_it(
         ("strata.upper.cohesion", {"uniform": ["-1 kPa", "30 kPa"]}, "it reaches -1 kPa: out of range"),
         ("strata.upper.poissons_ratio", {"triangular": [0.2, 0.3, 0.6]}, "a Poisson's ratio from 0 to below 0.5"),
         ("strata.upper.friction_angle", {"list": ["95 deg", "25 deg"]}, "'95 deg' in its list"),
-        ("slide.kh", {"normal": [0.2, 0.1], "between": [-0.5, 0.5]}, "it reaches -0.5: expected at least 0"),
+        ("slide.kh", {"normal": [0.2, 0.1], "truncation": [-0.5, 0.5]}, "it reaches -0.5: expected at least 0"),
     ],
 )  # fmt: skip
 def test_an_end_that_was_written_down_and_cannot_be_is_refused(

@@ -29,7 +29,7 @@ from workflow.study.statistics import effects, probability
 from workflow.study.table import SampleRow, SampleTable
 from workflow.study.task import Task
 from workflow.uncertain.distribution import Distribution
-from workflow.uncertain.sampling import chances
+from workflow.uncertain.sampling import probabilities
 
 COHESION, FRICTION = Distribution(lognormal=(12.0, 4.0)), Distribution(normal=(30.0, 3.0))
 
@@ -52,7 +52,7 @@ def exact(kh: float) -> float:
 )
 def test_a_thousand_infinite_slopes_have_the_exact_distribution(method: str, furthest: float, tmp_path: Path) -> None:
     """In Kolmogorov's sense; 1.36 / sqrt(n) = 0.043 is what 95 % of independent samples keep within."""
-    drawn = chances(2, 1000, method, 0)  # type: ignore[arg-type]
+    drawn = probabilities(2, 1000, method, 0)  # type: ignore[arg-type]
     tasks = [Task(infinite_slope, Numbers(values=(COHESION.at(c), FRICTION.at(f)))) for c, f in drawn]
     rows = Ensemble(tmp_path, 2).rows(tasks)
     kc = np.array([row.answer.value for row in rows if row.answer is not None])
@@ -66,7 +66,7 @@ def test_a_thousand_infinite_slopes_have_the_exact_distribution(method: str, fur
 
 def test_sobol_indices_of_the_ishigami_function() -> None:
     """T. Ishigami & T. Homma (1990) with a = 7, b = 0.1: S = 0.3139, 0.4424, 0; S_T = 0.5576, 0.4424, 0.2437."""
-    points = (2.0 * chances(3, 4096, "saltelli", 0) - 1.0) * math.pi
+    points = (2.0 * probabilities(3, 4096, "saltelli", 0) - 1.0) * math.pi
     rows = []
     for point in points:
         values = tuple(float(value) for value in point)

@@ -17,7 +17,7 @@ from tests.support import SECTIONS
 from tests.support.sections import slope
 from workflow.config import Config
 from workflow.uncertain.distribution import Distribution
-from workflow.uncertain.sampling import chances, correlated, samples
+from workflow.uncertain.sampling import correlated, probabilities, samples
 from workflow.uncertain.settings import StudySettings
 
 CHANCES = np.linspace(0.001, 0.999, 41)
@@ -30,7 +30,7 @@ def test_quantiles_are_those_of_the_textbooks() -> None:
         ({"lognormal": (10.0, 3.0)}, stats.lognorm(sigma, scale=10.0 / math.sqrt(1.09))),
         ({"uniform": (-1.0, 3.0)}, stats.uniform(-1.0, 4.0)),
         ({"triangular": (0.0, 1.0, 5.0)}, stats.triang(0.2, 0.0, 5.0)),
-        ({"normal": (35.0, 2.0), "between": (32.0, 36.0)}, stats.truncnorm(-1.5, 0.5, 35.0, 2.0)),
+        ({"normal": (35.0, 2.0), "truncation": (32.0, 36.0)}, stats.truncnorm(-1.5, 0.5, 35.0, 2.0)),
     ]
     for parameters, exact in known:
         values = [Distribution.model_validate(parameters).at(chance) for chance in CHANCES]
@@ -39,10 +39,10 @@ def test_quantiles_are_those_of_the_textbooks() -> None:
     assert stats.lognorm(sigma, scale=10.0 / math.sqrt(1.09)).stats() == pytest.approx((10.0, 9.0))
 
 
-def test_a_list_has_its_chances() -> None:
+def test_a_list_has_its_probabilities() -> None:
     even = Distribution(list=("free-field", "fixed"))
     assert [even.at(chance) for chance in (0.0, 0.49, 0.51, 0.99)] == ["free-field", "free-field", "fixed", "fixed"]
-    odd = Distribution(list=(1, 2, 3), chances=(1.0, 0.0, 3.0))
+    odd = Distribution(list=(1, 2, 3), probabilities=(1.0, 0.0, 3.0))
     assert [odd.at(chance) for chance in (0.2, 0.3, 0.9)] == [1, 3, 3]
     assert (even.is_words, odd.is_words) == (True, False)
 
@@ -57,7 +57,7 @@ def test_units_are_brought_together() -> None:
 
 @given(chance=st.floats(1e-9, 1.0 - 1e-9), low=st.floats(-5.0, 0.0), width=st.floats(0.1, 5.0))
 def test_what_is_cut_off_stays_between(chance: float, low: float, width: float) -> None:
-    cut = Distribution(normal=(0.0, 1.0), between=(low, low + width))
+    cut = Distribution(normal=(0.0, 1.0), truncation=(low, low + width))
     assert low - 1e-9 <= cut.at(chance) <= low + width + 1e-9
 
 
@@ -68,8 +68,8 @@ def with_paths(table: dict[str, Any]) -> Config:
 def test_values_go_where_their_paths_lead() -> None:
     table = {
         "strata.upper.friction_angle": {"normal": ["30 deg", "2 deg"]},
-        "strata.*.cohesion": {"uniform": [0.5, 1.5], "does": "factor"},
-        "strata.upper.bottom": {"uniform": ["-1 m", "1 m"], "does": "shift"},
+        "strata.*.cohesion": {"uniform": [0.5, 1.5], "applied_as": "factor"},
+        "strata.upper.bottom": {"uniform": ["-1 m", "1 m"], "applied_as": "shift"},
         "surface.2": {"uniform": [9.0, 11.0]},
         "fem.sides": {"list": ["free-field", "fixed"]},
         "dem.radius": {"uniform": ["1 m", "2 m"]},
@@ -89,7 +89,7 @@ def test_a_line_of_points_is_shifted_as_a_whole_or_point_by_point() -> None:
     data = slope()
     data["strata"][0]["bottom"] = {"depth": [[0.0, "4 m"], [100.0, 3.0]]}
     data["uncertain"] = {
-        "strata.1.bottom.depth": {"uniform": ["-50 cm", "50 cm"], "does": "shift"},
+        "strata.1.bottom.depth": {"uniform": ["-50 cm", "50 cm"], "applied_as": "shift"},
         "strata.1.bottom.depth.2": {"uniform": [2.0, 6.0]},
     }
     read = Config.parse(data).with_drawn({"strata.1.bottom.depth": 20.0, "strata.1.bottom.depth.2": 5.0})
@@ -102,7 +102,7 @@ def test_all_that_is_wrong_is_told_at_once() -> None:
         with_paths({
             "strata.uper.cohesion": {"normal": ["10 kPa", "1 kPa"]},
             "strata.upper.friction_angle": {"normal": ["30 kPa", "2 kPa"]},
-            "strata.upper.bottom": {"uniform": [-1.0, 1.0], "does": "factor"},
+            "strata.upper.bottom": {"uniform": [-1.0, 1.0], "applied_as": "factor"},
             "fem.sidez": {"list": ["free-field"]},
             "surface": {"uniform": [0.0, 1.0]},
         })  # fmt: skip
@@ -117,8 +117,8 @@ def test_all_that_is_wrong_is_told_at_once() -> None:
     with pytest.raises(InputError) as caught:
         with_paths({
             "a": {"normal": [1.0, 0.0]}, "b": {}, "c": {"uniform": [2.0, 1.0]}, "d": {"normal": ["1 m", "2 deg"]},
-            "e": {"list": [1, 2], "chances": [1.0]}, "f": {"normal": ["1 m", "1 m"], "does": "factor"},
-            "correlated": [{"of": ["a", "z"], "coefficient": 0.5}],
+            "e": {"list": [1, 2], "probabilities": [1.0]}, "f": {"normal": ["1 m", "1 m"], "applied_as": "factor"},
+            "correlated": [{"paths": ["a", "z"], "coefficient": 0.5}],
         })  # fmt: skip
     text = "\n".join(caught.value.problems)
     for words in (
@@ -135,9 +135,9 @@ def test_all_that_is_wrong_is_told_at_once() -> None:
 def test_numbers_that_cannot_go_together() -> None:
     pairs = [("strata.1.cohesion", "strata.2.cohesion"), ("strata.1.cohesion", "strata.1.friction_angle"),
              ("strata.2.cohesion", "strata.1.friction_angle")]  # fmt: skip
-    table: dict[str, Any] = {path: {"normal": [1.0, 0.1], "does": "factor"} for pair in pairs for path in pair}
+    table: dict[str, Any] = {path: {"normal": [1.0, 0.1], "applied_as": "factor"} for pair in pairs for path in pair}
     table["correlated"] = [
-        {"of": list(pair), "coefficient": sign} for pair, sign in zip(pairs, (0.9, 0.9, -0.9), strict=True)
+        {"paths": list(pair), "coefficient": sign} for pair, sign in zip(pairs, (0.9, 0.9, -0.9), strict=True)
     ]
     with pytest.raises(InputError, match="no numbers can have these correlations together"):
         with_paths(table)
@@ -152,18 +152,18 @@ def test_an_input_with_uncertain_numbers_is_written_and_read_again() -> None:
 @settings(max_examples=20)
 @given(count=st.integers(2, 60), dimensions=st.integers(1, 6))
 def test_more_samples_of_a_sequence_go_on_from_fewer(count: int, dimensions: int) -> None:
-    longer = chances(dimensions, 2 * count, "sobol", 3)
-    np.testing.assert_array_equal(longer[:count], chances(dimensions, count, "sobol", 3))
+    longer = probabilities(dimensions, 2 * count, "sobol", 3)
+    np.testing.assert_array_equal(longer[:count], probabilities(dimensions, count, "sobol", 3))
     assert ((longer > 0.0) & (longer < 1.0)).all()
 
 
 def test_a_latin_hypercube_has_one_sample_in_every_row_and_column() -> None:
-    rows = np.floor(chances(3, 50, "latin", 1) * 50).astype(int)
+    rows = np.floor(probabilities(3, 50, "latin", 1) * 50).astype(int)
     assert all(sorted(column) == list(range(50)) for column in rows.T)
 
 
 def test_correlation_is_that_of_the_normal_variables_and_marginals_stay() -> None:
-    points = chances(2, 4096, "sobol", 0)
+    points = probabilities(2, 4096, "sobol", 0)
     together = correlated(points, np.array([[1.0, -0.6], [-0.6, 1.0]]))
     assert np.corrcoef(stats.norm.ppf(together).T)[0, 1] == pytest.approx(-0.6, abs=0.01)
     assert stats.kstest(together[:, 1], "uniform").statistic < 0.01
