@@ -230,7 +230,7 @@ def one_stratum(x: np.ndarray, _z: np.ndarray) -> np.ndarray:
 
 def densest(pack: Callable[[float], Packing], porosities: Iterable[float]) -> Packing:
     """Return the packing of the first of some rising porosities at which the discs fit. Raises the ValueError of the
-    last porosity if they fit at none."""
+    largest porosity if the discs fit at no porosity."""
     for porosity in porosities:
         try:
             return pack(porosity)

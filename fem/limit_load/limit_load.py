@@ -154,7 +154,7 @@ def _mean_of_bracket(result: LimitLoadResult, lower: float, upper: float) -> Lim
 
 
 def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, ground: LoadedGround) -> LimitLoadResult:
-    """Return the result for a limit load."""
+    """Return the critical Kh that the limit load of a ground gives, with its mechanism and shallow failures."""
     assert ground.limit is not None
     kc, cells = min(ground.limit.multiplier, settings.kh_limit), len(mesh.cells)
     verdict: PathVerdict = "plateau" if kc == ground.limit.multiplier else "no failure"

@@ -75,13 +75,13 @@ def edge_strength(
     x (n, 2) : positions of all points on the grid (m), in columns half a cell apart
     height (n,) : height of each point's part of its column (m)
     mass (n,) : mass of each point (kg/m)
-    layer (n,) : number of the weak layer of each point, -1 for sound ground
-    strength (n,) : strength of each point (Pa); that of sound ground does not matter
+    layer (n,) : number of the weak layer of each point, -1 for firm ground, which does not lose strength
+    strength (n,) : strength of each point (Pa); that of firm ground does not matter
     cell : side of a cell of the grid (m)
 
     Returns
     -------
-    Strength of the points of sound ground that lie in these knot spans, in the order of the numbers of the points.
+    Strength (Pa) of the points of firm ground that lie in a knot span with the edge of a weak layer, by their numbers.
     """
     column, row = _grid_places(x, cell)
     above = np.zeros(len(x))
@@ -121,7 +121,7 @@ def thickness_over_width(
     mass : ndarray (n,)
         Mass of each point (kg/m).
     layer : ndarray (n,) of int
-        Number of the weak layer whose stress-strain law each point has, -1 for sound ground.
+        Number of the weak layer whose stress-strain law each point has, -1 for firm ground.
     in_layer : ndarray (n,) of bool
         Whether the point belongs to the layer itself, not to the ground at the edge of the layer.
     cell : float
@@ -129,7 +129,7 @@ def thickness_over_width(
 
     Returns
     -------
-    Ratio (n,) of thickness to width, at most 1; 1 for sound ground.
+    Ratio (n,) of thickness to width, at most 1; 1 for firm ground.
     """
     column, _ = _grid_places(x, cell)
     share = np.ones(len(x))

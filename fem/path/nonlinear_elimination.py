@@ -30,8 +30,8 @@ class LocalSubproblem:
     """Solves the cells around the nodes with the largest unbalanced forces for the displacement components that are
     free in these cells.
 
-    The subproblem is for one rank, associated flow and no overstress. ``unbalanced`` is the force of the last
-    ``internal_force`` of the ``problem``, (dofs,) in N/m.
+    The subproblem is for one rank, associated flow and no overstress. ``unbalanced`` (dofs,) is the resultant of
+    internal and external forces at the last evaluation of the ``problem`` (N/m).
     """
 
     def __init__(self, problem: PlaneStrain, unbalanced: np.ndarray) -> None:

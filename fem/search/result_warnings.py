@@ -59,7 +59,7 @@ def of_bounds(
     whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
     if upper is not None and kc > upper + max(BOUND_TOLERANCE * upper, KH_TOLERANCE):
         yield ResultWarning(
-            f"The {quantity} of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.0f} % above the strict upper bound{whose}, "
+            f"The {quantity} of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.1f} % above the strict upper bound{whose}, "
             f"{upper:.3f}.",
             f"take {upper:.3f} as an upper limit and refine the mesh",
             contradiction=kc > upper + max(REPEAT_TOLERANCE * upper, KH_TOLERANCE),

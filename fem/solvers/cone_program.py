@@ -165,10 +165,10 @@ def solve(
     """Solve a cone program of bounds; return stress, velocities and multiplier.
 
     Where Clarabel ends without an answer, or almost meets its tolerances but with large residuals, it is called again
-    with the next of the ``regularisations``. The forces that Clarabel gets are multiplied by ``magnified``, since
-    Clarabel takes residuals below one as absolute. After ``most_work`` (seconds on the reference machine)
-    both methods end with their last iterate. The built-in interior-point method begins at a ``start`` that suits the
-    program, which changes only its computing time.
+    with the next of the ``regularisations``. Clarabel's forces are multiplied by ``magnified``, since its
+    tolerances are relative to one where forces are smaller than one. After ``most_work`` (seconds on the reference
+    machine) both methods end with their last iterate. The built-in interior-point method begins at a ``start`` that
+    suits the program, which changes only its computing time.
     """
     feasibility = FEASIBILITY_AT_CUT_OFF if len(program.torn) else FEASIBILITY
     ask = partial(_by_clarabel, regularisations, feasibility)

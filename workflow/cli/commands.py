@@ -302,7 +302,7 @@ def bounds(
     verbose: Verbose = False,
     json: Json = False,
 ) -> None:
-    """Find strict lower and upper bounds of the critical seismic coefficient, ψ = φ, to check the finite elements."""
+    """Find strict bounds of the critical seismic coefficient for ψ = φ, to check the finite elements."""
     from workflow.cli.invocation import Invocation
     from workflow.cli.terminal import execute
 
@@ -337,7 +337,7 @@ def _of_stage(stage: str, panel: str, words: str, bounds: bool = False) -> None:
 _of_stage("triggering", Panel.LIQUEFACTION, "F_L at the tests of the borings, which strata liquefy, and P_L.")
 _of_stage("slices", Panel.GROUND, "Slip circles by Bishop and Spencer, to both sides: factor of safety, critical Kh.")
 _of_stage("faces", Panel.GROUND, "Critical Kh and factor of safety of every face, by elements and bounds.", bounds=True)
-_of_stage("residual", Panel.GROUND, "Factor of safety with peak, then with residual strength, and the critical Kh.")
+_of_stage("residual", Panel.GROUND, "Factor of safety with peak, then with post-peak strength, and the critical Kh.")
 _of_stage(
     "liquefied", Panel.LIQUEFACTION, "Whether the ground still stands once layers have liquefied, and the critical Kh."
 )

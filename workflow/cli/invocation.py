@@ -91,7 +91,7 @@ class Invocation:
     def refuse_unknown(self, cases: Sequence[int]) -> None:
         """Raise InputError for numbers of cases without a liquefying stratum, or if no case has one."""
         if not self.config.section.liquefies:
-            wanted = 'expected liquefies_in = [1] in one that liquefies, or "triggered" with borings'
+            wanted = 'expected a stratum with liquefies_in = [1], or with liquefies_in = "triggered" and borings'
             raise InputError(str(self.section), [f"strata: no layer liquefies, so no slide can be computed; {wanted}"])
         possible = cases_of(self.config.section.strata)
         if unknown := sorted(set(cases) - set(possible)):

@@ -27,8 +27,8 @@ class Panel(StrEnum):
     """Names the groups of commands in the help, in their order."""
 
     BEFORE = "Before a run"
-    RUN = "All at once"
-    GROUND = "The ground as it is"
+    RUN = "The whole workflow"
+    GROUND = "Stability without liquefaction"
     LIQUEFACTION = "Liquefaction"
     UNCERTAIN = "Uncertain numbers"
     AFTER = "After a run"

@@ -161,7 +161,7 @@ class EarthquakeSettings(Model):
         [earthquake]."""
         notices = [self._unlikely_peak(), self._unlike_record(), self.contradiction()]
         if slide is not None and (cycles := self.driving(slide)) is not None:
-            notices.append(f"slide, kh = {cycles.kh:g} follows from [earthquake]: {cycles.words}")
+            notices.append(f"the Kh of the slides, {cycles.kh:g}, follows from [earthquake]: {cycles.words}")
         elif slide is not None and self.is_assumed(slide):
             magnitude = REFERENCE_MAGNITUDE if self.magnitude is None else self.magnitude
             reason, remedy = "no shaking of the slides is given", "give [earthquake], a record"
@@ -184,7 +184,7 @@ class EarthquakeSettings(Model):
             return ""
         one_way = "" if slide.kh_cycles is not None or slide.kh_seconds is not None else " in one direction without end"
         return (
-            f"slide, {slide.shaking}{one_way} is used, as given; the equivalent of [earthquake] is Kh = "
+            f"the slides use the given {slide.shaking}{one_way}; the equivalent of [earthquake] is Kh = "
             f"{cycles.kh:g} in both directions ({cycles.cycles:g} cycles, period {cycles.period:g} s), as with "
             f'slide.kh = "{EARTHQUAKE}"'
         )

@@ -23,7 +23,8 @@ class Estimate:
 
     Attributes
     ----------
-    kind : kind of the method
+    kind : "block" or "smooth block" on a slip surface, "block regression", "regression" of slides of liquefied ground,
+        also "as printed" in the paper, lateral "spread", or "truss"
     method : the method in words
     displacement_m : the displacement; None where the method gives none
     words : input and result in words

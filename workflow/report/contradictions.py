@@ -129,8 +129,8 @@ def of_ends(answer: PointSlidesAnswer | None) -> Iterator[str]:
     ]
     if along:
         yield (
-            f"the uphill end of the section moves with the slide by {span([ends[n] for n in along])} in "
-            f"{of_cases(along)}, and the model has no ground behind this end: take a longer section uphill"
+            f"the upslope end of the section moves with the slide by {span([ends[n] for n in along])} in "
+            f"{of_cases(along)}, and the model has no ground behind this end: take a longer section upslope"
         )
 
 

@@ -5,6 +5,7 @@ from typing import Literal
 
 import numpy as np
 
+from meshes.section.cutting import shown_name
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.structures import structures_of
 from workflow.report.crests import crest_parts, crests_in_short
@@ -66,9 +67,10 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
         return HeadlinePart(name=name, value=f"≥ {least}", interval="", conclusion=phrase)
     governing = governing_kh(results)
     assert governing is not None
+    excluded = _excluded_failure(fem, governing.value, _)
     conditions = _("{sides}, {flow}", sides=_(SIDES[fem.settings.sides]), flow=_(IN_FULL[fem.flow]))
     if governing.bound is not None:
-        return _contradicted(results, fem, governing, conditions, _)
+        return _contradicted(results, fem, governing, conditions, excluded, _)
     phrase = _(
         "The section fails {way} at Kh = {kc} ({acceleration} m/s²), with {conditions}.",
         way=_direction_words(results, fem, _),
@@ -82,7 +84,24 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
             kc=coefficient(fem.davis.kc) if fem.davis.verdict in ("plateau", "peak") else "0",
         )
     return HeadlinePart(
-        name=name, value=coefficient(fem.kc), interval=_interval(governing.interval, _), conclusion=phrase
+        name=name, value=coefficient(fem.kc), interval=_interval(governing.interval, _), conclusion=phrase + excluded
+    )
+
+
+def _excluded_failure(fem: FemAnswer, kc: float, _: Texts) -> str:
+    """Return a sentence, after a blank, on the first shallow failure of a cohesionless face, which the critical Kh
+    ``kc`` excludes; empty if no face fails before the section."""
+    faces = [face for face in fem.shallow_failures if not face.is_edge(fem.settings.least_depth) and face.kh < kc]
+    if not faces:
+        return ""
+    first = min(faces, key=lambda face: face.kh)
+    return " " + _(
+        "The cohesionless face of {stratum} from x = {start} to {end} m fails at Kh = {kh} already; this shallow "
+        "failure is excluded.",
+        stratum=shown_name(first.stratum),
+        start=f"{first.start_x_m:g}",
+        end=f"{first.end_x_m:g}",
+        kh=coefficient(max(first.kh, 0.0)),
     )
 
 
@@ -152,9 +171,12 @@ def _direction_words(results: Results, fem: FemAnswer, _: Texts) -> str:
     return _("{direction}, to the {side},", direction=_(FORCE[fem.direction]), side=_(fem.towards))
 
 
-def _contradicted(results: Results, fem: FemAnswer, kh: GoverningKh, conditions: str, _: Texts) -> HeadlinePart:
+def _contradicted(
+    results: Results, fem: FemAnswer, kh: GoverningKh, conditions: str, excluded: str, _: Texts
+) -> HeadlinePart:
     """Return the sentence on the critical Kh if the finite elements lie beyond a strict bound. The end of the interval
     then counts: as the critical Kh if the bounds are close, else as a limit. The finite elements are a second opinion.
+    ``excluded``: sentence on an excluded shallow failure, added at the end.
     """
     word = (
         "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give a Kh that is {excess} % higher, "
@@ -185,6 +207,7 @@ def _contradicted(results: Results, fem: FemAnswer, kh: GoverningKh, conditions:
         conditions=conditions,
         excess=f"{abs(100.0 * (fem.kc / kh.value - 1.0)):.1f}",
     )
+    phrase += excluded
     return HeadlinePart(name=_("critical Kh"), value=kh.text, interval=_interval(kh.interval, _), conclusion=phrase)
 
 
@@ -195,9 +218,11 @@ def _interval(error: Accuracy | None, _: Texts) -> str:
 
 
 def _from_to(low: str, high: str, method: str, _: Texts) -> str:
-    """Return an interval and its method; one number if both ends are the same."""
-    both = _("{low} to {high}", low=low, high=high) if low != high else low
-    return _("{interval} {method}", interval=both, method=_(method))
+    """Return an interval and its method; if both ends have the same digits, the digit that the error is below."""
+    if low == high:
+        digit = 10.0 ** -len(low.partition(".")[2])
+        return _("error below {digit} {method}", digit=f"{digit:g}", method=_(method))
+    return _("{interval} {method}", interval=_("{low} to {high}", low=low, high=high), method=_(method))
 
 
 def _safety(results: Results, _: Texts) -> HeadlinePart:
@@ -262,7 +287,7 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
     if error is None or not fem.has_kc or error.low <= 0.0:
         return ""
     return _(
-        "computed on one mesh, whose critical Kh has an error of at most {error} % {method}",
+        "one mesh; the error of the critical Kh on this mesh is at most {error} % {method}",
         error=f"{100.0 * rounded_up(error.error(fem.kc) / error.low):g}",
         method=_(error.method),
     )

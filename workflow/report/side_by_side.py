@@ -101,7 +101,7 @@ def _all_rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
         cases_of_runs = [(run.summary.cases or {}).get(case) for run in runs]
         yield f"case {case}: largest slide", [_slide(summary) for summary in cases_of_runs]
         yield (
-            f"case {case}: settlement uphill",
+            f"case {case}: settlement, upslope third",
             [metres(summary.settlement_uphill_m) if summary else "–" for summary in cases_of_runs],
         )
     yield "computing time", [f"{sum(run.summary.seconds.values()):.0f} s" for run in runs]

@@ -29,7 +29,7 @@ def slide_headline(results: Results, _: Texts) -> HeadlinePart:
         reason = entry.reason if entry is not None else _("the slides were not computed")
         phrase = _("The slide after liquefaction is not known: {reason}.", reason=reason)
         return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
-    names = (shown_name(s.name, quoted=False) for s in results.config.section.strata if s.liquefies_in)
+    names = (shown_name(s.name) for s in results.config.section.strata if s.liquefies_in)
     first, *others = slides_by_weight(results)
     phrase = _(
         "After liquefaction of {layers}, under {shaking}, the surface slides {slide} by {method} ({count}) and {end}.",

@@ -160,14 +160,15 @@ def _slices(results: Results, _: Texts) -> Iterator[StabilityRow]:
 
 
 def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts) -> StabilityRow:
-    spencer = "" if circle.spencer is None else _("Spencer {value}", value=f"{circle.spencer:.{digits}f}")
     depth = float(depth_below_ground(section, np.array(circle.surface_m)).max())
     conditions = _("Bishop, towards the {side}, {depth} m deep", side=_(circle.towards), depth=f"{depth:.1f}")
+    if circle.spencer is not None:
+        conditions += _("; by Spencer {value}", value=f"{circle.spencer:.{digits}f}")
     if circle.strengthened:
         conditions += _(
             "; the cohesionless face has a cohesion added, because without cohesion it fails at a smaller Kh"
         )
-    return StabilityRow(of, f"{circle.bishop:.{digits}f}", spencer, conditions)
+    return StabilityRow(of, f"{circle.bishop:.{digits}f}", "", conditions)
 
 
 def _discs(results: Results, _: Texts) -> Iterator[StabilityRow]:

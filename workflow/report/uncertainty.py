@@ -45,8 +45,8 @@ def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
             "Random packing",
             f"The table below shows the cases on random packings {fail_alike(results)}: "
             + (
-                "results of random packings that agree with those of discs in rows are not due to the order of "
-                "the rows."
+                "slides that are the same on random packings and on discs in rows do not depend on the order of the "
+                "rows."
                 if rows
                 else "their differences are due to the random packing alone."
             ),

@@ -210,7 +210,7 @@ def _freeboards(results: Results) -> Iterator[Interval]:
     for part in crest_parts(results.config, results.cases, results.mpm):
         of = f"{part.structure}, {part.method}"
         if part.freeboard_high_m is None:
-            yield of, None, None, "the water has no elevation"
+            yield of, None, None, "no water level is known at the crest"
         else:
             yield (
                 of,
@@ -223,7 +223,7 @@ def _freeboards(results: Results) -> Iterator[Interval]:
         crest = crests[row.face.structure]
         water = water_at_crest(results.config, crest)
         if water is None or row.block is None:
-            yield f"{row.name}, {BLOCK}", None, None, "the water has no elevation"
+            yield f"{row.name}, {BLOCK}", None, None, "no water level is known at the crest"
         else:
             least, most = (freeboard(crest.elevation, fall, water) for fall in (row.block.high, 0.0))
             yield f"{row.name}, {BLOCK}", least, most, ""

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem.search.result_warnings import ComparedKh, ResultWarning, of_bounds, of_others
 from workflow.config import Config
-from workflow.results.answer import Answer
+from workflow.results.answer import FORCE, Answer
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer
@@ -172,7 +172,7 @@ class Results:
         for part in bounds.directions:
             other = fem.opposite if part.direction != fem.direction else None
             if other is not None and other.verdict in ("plateau", "peak"):
-                name = f"critical Kh {part.direction}"
+                name = f"critical Kh {FORCE[part.direction]}"
                 yield name, other.kc, part.lower, part.upper, fem.flow == "associated"
         full = bounds.towards(fem.direction)
         if full is None:

@@ -36,7 +36,7 @@ class DiscsAtRest:
     ground : place of the discs in the section
     search : search for the critical Kh of the discs
     dem : settings with which the discs were made
-    continuum : the FEM model that soil discs are calibrated to, which determines the displacement of the discs
+    continuum : the FEM model that soil discs are calibrated to; its yield displacement limits that of the discs
     """
 
     settled: DiscModel

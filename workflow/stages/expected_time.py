@@ -68,4 +68,5 @@ def announcement(decisions: Sequence[Decision], config: Config) -> str:
     time = next((words for most, words in CLASSES if total <= most), LONGEST_WORDS)
     longest = sorted((name for name in costs if costs[name] > NAMED_SHARE * total), key=lambda name: -costs[name])
     first = ", and the critical Kh comes first" if "fem" in costs and len(costs) > 2 else ""
-    return f"The run takes {time}{first}. Most of the time goes into {', '.join(longest)}."
+    stages = "stage" if len(longest) == 1 else "stages"
+    return f"The run takes {time}{first}. Most of the time goes into the {stages} {' and '.join(longest)}."

@@ -92,7 +92,8 @@ def work(job: Job) -> None:
 
     def heard(place: int, message: tuple[float, float, float]) -> None:
         shares[place], time, slide = message
-        said = f"{runs[place].name}: {time:.1f} s, slide {slide:.2f} m"
+        run = runs[place]  # in coarse cells other ground may slide farther, which is no result
+        said = f"{run.name}: t = {time:.1f} s" + ("" if run.coarse else f", slide {slide:.2f} m")
         job.progress(said, sum(share * cost for share, cost in zip(shares, costs, strict=True)) / sum(costs))
 
     slides: dict[int, list[PointSlide]] = {}

@@ -177,7 +177,7 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
         return name, "cells of half the size", config.with_settings("mesh", refine=2 * config.mesh.refine)
     if name == "element":
         other = "quadratic" if element != "quadratic" else "bilinear"
-        return name, f"{other} element instead of {element}", config.with_settings("fem", element=other)
+        return name, f"the {other} element instead of the {element} element", config.with_settings("fem", element=other)
     if name == "step" and fem.first_step < LARGEST_STEP and not is_unique(config.section, fem):
         step = min(2.0 * fem.first_step, LARGEST_STEP)
         text = f"first step of Kh {step:g} instead of {fem.first_step:g}"

@@ -194,13 +194,13 @@ def messages_by_bounds(run: Config, **more: Any) -> list[str]:
 def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run: Config) -> None:
     """S-13: 0.2844 beside 0.2815; found for other sides or the other direction, too."""
     [messages] = messages_by_bounds(run)
-    assert messages.startswith("The critical Kh with ψ = φ of 0.284 lies 1 % above the strict upper bound, 0.281.")
+    assert messages.startswith("The critical Kh with ψ = φ of 0.284 lies 1.0 % above the strict upper bound, 0.281.")
     assert messages.endswith("take 0.281 as an upper limit and refine the mesh")
     assert len(messages_by_bounds(run, sides="fixed")) == 1, "held sides bear no less"
     assert messages_by_bounds(run, direction="uphill") == []
     opposite = OtherCriticalKh(kc=0.31, kc_upper=0.31, verdict="plateau", reason="", direction="uphill", at_sides=())
     [uphill] = messages_by_bounds(run, direction="uphill", fem={"opposite": opposite})
-    assert uphill.startswith("The critical Kh uphill of 0.310 lies 10 % above the strict upper bound")
+    assert uphill.startswith("The critical Kh upslope of 0.310 lies 10.1 % above the strict upper bound")
     near = results(run, fem=fem(run, 0.2844), bounds=bounds(run, 0.2799, 0.2815))
     far = results(run, fem=fem(run, 0.2904), bounds=bounds(run, 0.2799, 0.2815))
     assert [item.contradiction for item in (*near.warnings, *far.warnings)] == [False, True], "1 and 3.2 % above it"
@@ -223,7 +223,7 @@ def test_the_console_has_the_interval_of_strict_bounds_and_what_they_contradict(
     )
     assert messages[0].startswith("Critical Kh = 0.089 with ψ = φ.")
     far = results(run, fem=answer, bounds=bounds(run, 0.078, 0.08))
-    assert any(text.startswith("Contradiction: The critical Kh of 0.090 lies 12 % above the strict upper bound")
+    assert any(text.startswith("Contradiction: The critical Kh of 0.090 lies 12.4 % above the strict upper bound")
                for text in fem_sentences(answer, run.section, False, far))  # fmt: skip
     assert not any(text.startswith("Contradiction") for text in fem_sentences(answer, run.section))
 
@@ -258,7 +258,7 @@ def test_a_factor_of_safety_above_its_strict_upper_bound_is_told(run: Config) ->
     strict = bounds(run, 0.22, 0.26).model_copy(update={"safety": (part,)})
     [warning] = results(run, fem=answer, bounds=strict).warnings
     assert warning.observation.startswith(
-        "The factor of safety at Kh = 0 with ψ = φ of 1.150 lies 6 % above the strict upper bound"
+        "The factor of safety at Kh = 0 with ψ = φ of 1.150 lies 5.5 % above the strict upper bound"
     )
     assert warning.contradiction
     sound = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"factor": 1.08}),)})
@@ -337,7 +337,7 @@ def test_points_that_leave_the_section_or_take_its_uphill_end_along_are_found() 
     [warning] = ends_of({1: leaves, 2: stays}, "fixed")
     assert warning.startswith("material points reach the fixed side of the section in case 1: 63 m is")
     [warning] = ends_of({3: point_slide([(0.0, 8.0), (40.0, 20.0)])})
-    assert warning.startswith("the uphill end of the section moves with the slide by 8.0 m in case 3")
+    assert warning.startswith("the upslope end of the section moves with the slide by 8.0 m in case 3")
     falls_left = point_slide([(0.0, 20.0), (40.0, 8.0)], surface_before=((0.0, 0.0), (40.0, 10.0)))
     [warning] = ends_of({3: falls_left})
     assert "8.0 m" in warning

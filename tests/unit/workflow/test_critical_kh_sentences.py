@@ -49,7 +49,7 @@ def test_ground_that_is_not_said_to_liquefy_is_not_asked_how_far_it_slides() -> 
 def test_a_critical_kh_with_what_it_hangs_on(run: Config) -> None:
     variants = VariantsAnswer(
         variants=(
-            variant("element", "bilinear element instead of quadratic", 0.268),
+            variant("element", "the bilinear element instead of the quadratic element", 0.268),
             variant("sides", "sides fixed instead of free-field", 0.338),
             variant("dilation", "ψ = φ instead of the given ψ", None),
         )

@@ -50,7 +50,7 @@ def test_kh_and_its_cycles_are_those_of_the_earthquake() -> None:
     assert config.slide.kh_seconds is None
     assert config.slide.kh_cycles == pytest.approx(13.9, abs=0.06)
     assert config.slide.kh_period == pytest.approx(0.758, abs=6e-3)
-    [loaded] = [text for text in config.notices if text.startswith("slide, kh")]
+    [loaded] = [text for text in config.notices if text.startswith("the Kh of the slides")]
     assert "follows from [earthquake]: 0.65 of the peak of 0.25 g" in loaded
     assert "in both directions in 13.9 cycles of M 7.4" in loaded
     again = analysed(tomllib.loads(config.to_toml()))
@@ -82,11 +82,11 @@ def test_an_earthquake_without_a_peak_gives_its_cycles_and_is_asked_for_the_peak
 @pytest.mark.parametrize("slide", [{"kh": 0.1}, {"kh_seconds": 10.0}, {"kh": 0.1, "kh_cycles": 5.0, "kh_period": 0.5}])
 def test_another_push_than_that_of_the_earthquake_is_told(slide: dict[str, Any]) -> None:
     """Kh = 0.1 for ever beside an earthquake of 0.25 g: it counts, and a reader must know."""
-    [messages] = [text for text in with_shaking(LEVEE, **slide).notices if "is used, as given" in text]
+    [messages] = [text for text in with_shaking(LEVEE, **slide).notices if "the slides use the given" in text]
     assert "the equivalent of [earthquake] is Kh = 0.163 in both directions (13.9 cycles, period 0.76 s)" in messages
     assert ("Kh = 0.1 in one direction without end" in messages) == (slide == {"kh": 0.1})
-    assert not [text for text in with_shaking(LEVEE).notices if "is used, as given" in text]
-    assert not [text for text in with_shaking(LEVEE, kh=0.0).notices if "is used, as given" in text], (
+    assert not [text for text in with_shaking(LEVEE).notices if "the slides use the given" in text]
+    assert not [text for text in with_shaking(LEVEE, kh=0.0).notices if "the slides use the given" in text], (
         "asked for by its name"
     )
 
@@ -148,7 +148,7 @@ def _without_borings() -> dict[str, Any]:
 def test_what_the_slides_are_given_goes_before_the_earthquake(tmp_path: Path) -> None:
     config = with_shaking(LEVEE, kh=0.1)
     assert (config.slide.kh, config.slide.kh_seconds, config.slide.kh_cycles) == (0.1, None, None)
-    assert not any(text.startswith("slide, kh") for text in config.notices)
+    assert not any(text.startswith("the Kh of the slides") for text in config.notices)
     config = with_shaking(LEVEE, kh_seconds=5.0)
     assert (config.slide.kh, config.slide.kh_seconds, config.slide.kh_cycles) == (
         with_shaking(LEVEE).slide.kh,
@@ -292,7 +292,7 @@ def test_the_plan_says_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     path.write_text(with_shaking(LEVEE).to_toml())
     assert command_line.run("run", path, "--dry-run", "--out", tmp_path / "run") == 0
     out = " ".join(capsys.readouterr().out.split())
-    assert "Note: slide, kh = 0.16" in out
+    assert "Note: the Kh of the slides, 0.16" in out
     assert "143 gal are expected" in out
 
 

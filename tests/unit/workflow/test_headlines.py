@@ -14,7 +14,7 @@ from workflow.report.first_page import headlines
 from workflow.results import governing
 from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer
-from workflow.results.continuum import FactorOfSafety
+from workflow.results.continuum import FactorOfSafety, ShallowFailurePart
 from workflow.texts.report_texts import Texts
 
 
@@ -30,7 +30,7 @@ def test_a_factor_of_safety_is_in_the_headline_only_with_its_error() -> None:
     assert "with a factor of safety of 8.84" in alone.conclusion
     messages = headlines(results(run, fem=answer, bounds=bounds(run, 0.2293, 0.2349)), Texts())[1]
     assert messages.value == "8.84"
-    assert messages.interval == "computed on one mesh, whose critical Kh has an error of at most 3 % by strict bounds"
+    assert messages.interval == "one mesh; the error of the critical Kh on this mesh is at most 3 % by strict bounds"
     meshes = answer.model_copy(update={"safety_factors": (factor.model_copy(update={"remaining_error": 0.01}),)})
     assert headlines(results(run, fem=meshes), Texts())[1].interval == "8.75 to 8.84 by the sequence of meshes"
 
@@ -79,8 +79,23 @@ def test_a_finer_mesh_cannot_give_less_than_the_strict_lower_bound(lower: float,
     assert message in console
     interval = headlines(judged, Texts())[1].interval
     low = f"{max(lower, 0.98 * 1.424):.2f}"
-    expected = "1.42" if low == "1.42" else f"{low} to 1.42"
+    expected = "error below 0.01" if low == "1.42" else f"{low} to 1.42"
     assert interval == f"{expected} by strict bounds and the sequence of meshes"
+
+
+def test_the_first_page_has_the_shallow_failure_that_the_critical_kh_excludes() -> None:
+    """A river bank: 0.163 "(shallow failures excluded)", while its face fails at 0.123, which stood on another page."""
+    run = analysed(slope())
+    faces = [
+        ShallowFailurePart(stratum="Sand", start_x_m=start, end_x_m=end, angle_deg=18.4, kh=kh)
+        for start, end, kh in ((40.0, 46.0, 0.15), (58.0, 64.0, 0.123), (70.0, 70.1, 0.05), (80.0, 90.0, 0.2))
+    ]
+    sentence = 'The cohesionless face of "Sand" from x = 58 to 64 m fails at Kh = 0.123 already; this shallow failure'
+    for strict in (None, bounds(run, 0.158, 0.16)):
+        answer = fem(run, 0.163).model_copy(update={"shallow_failures": tuple(faces)})
+        assert sentence in headlines(results(run, fem=answer, bounds=strict), Texts())[0].conclusion
+    answer = fem(run, 0.163).model_copy(update={"shallow_failures": tuple(faces[2:])})
+    assert "shallow" not in headlines(results(run, fem=answer), Texts())[0].conclusion
 
 
 @pytest.mark.parametrize(

@@ -122,7 +122,7 @@ def test_what_is_said_of_a_packing_is_of_its_kind(run: Config) -> None:
     assert "rows must climb over each other" in rows["Packing"]
     assert "Another seed" not in rows["Packing"]
     assert (
-        "results of random packings that agree with those of discs in rows are not due to the order of the rows"
+        "slides that are the same on random packings and on discs in rows do not depend on the order of the rows"
         in rows["Random packing"]
     )
     off = {"packing": "random", "surface_off_mean_m": 0.104, "surface_off_worst_m": 0.273}

@@ -28,7 +28,7 @@ from workflow.stages.variants import (
     ("settings", "name", "words"),
     [
         ({}, "mesh", "cells of half the size"),
-        ({}, "element", "bilinear element instead of quadratic"),
+        ({}, "element", "the bilinear element instead of the quadratic element"),
         ({"fem": {"element": "quadratic"}}, "step", "first step of Kh 0.04 instead of 0.02"),
         ({"fem": {"flow": "non-associated"}}, "step", "first step of Kh 0.04 instead of 0.02"),
         ({}, "sides", "sides fixed instead of free-field"),
