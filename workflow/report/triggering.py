@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from meshes.section.cutting import shown_name
 from workflow.results.triggering import ResidualPart, StratumPart, TriggeringAnswer
+from workflow.texts.report_texts import listed
 
 
 def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
@@ -21,16 +22,16 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
 
 def _left_sentence(stratum: ResidualPart) -> str:
     """Return a sentence on the residual strength and strains of a stratum where F_L is below 1."""
-    phrases = [f"{pascals / 1e3:.1f} kPa or {stratum.residual[title]:.2f} σ'v ({title})"
+    phrases = [f"{pascals / 1e3:.1f} kPa ({stratum.residual[title]:.2f} σ'v) by {title}"
             for title, pascals in stratum.strength_Pa.items()]  # fmt: skip
-    drains = f"{100.0 * stratum.volumetric_strain:.1f} % volumetric strain by drainage"
+    drains = f"By drainage it loses {100.0 * stratum.volumetric_strain:.1f} % of its volume."
     if stratum.strain_potential > 0.0:
         strain = f"{100.0 * stratum.strain_potential:.0f} %"
-        drains = f"it undergoes a shear strain of {strain} before it regains strength, and {drains}"
+        drains = f"Its shear strain before it regains strength is {strain}. {drains}"
     keeps = "is outside the range of all relations of residual strength"
     if phrases:
-        keeps = f"keeps a residual strength of {', '.join(phrases)}"
-    return f"Where F_L is below 1, {shown_name(stratum.stratum)} {keeps}; {drains}."
+        keeps = f"keeps a residual strength of {listed(phrases)}"
+    return f"Where F_L is below 1, {shown_name(stratum.stratum)} {keeps}. {drains}"
 
 
 def stratum_sentence(stratum: StratumPart) -> str:

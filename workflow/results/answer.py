@@ -128,7 +128,7 @@ def line(points: np.ndarray) -> Line:
 
 def way_out(sides: Sequence[str]) -> str:
     """Return a clause on the sides of the section that the failing ground reaches; empty if there are none."""
-    return f"; the failing ground reaches the {' and the '.join(sides)} side" if sides else ""
+    return f", and the failing ground reaches the {' and the '.join(sides)} side" if sides else ""
 
 
 def _problems(error: ValidationError) -> list[str]:

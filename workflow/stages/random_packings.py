@@ -158,7 +158,7 @@ def _in_words(case: str, tell: Tell) -> Tell:
 
     def heard(message: tuple[float, float, float, float]) -> None:
         seconds, slide, *_others = message
-        tell(f"{case}: {seconds:.1f} s, slide {slide:.2f} m")
+        tell(f"{case}: t = {seconds:.1f} s, slide {slide:.2f} m")
 
     return heard
 

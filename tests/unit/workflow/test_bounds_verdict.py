@@ -59,7 +59,7 @@ def test_every_reason_has_its_words(ended):
 
 def test_the_words_name_the_side_at_which_the_ground_slides_out_in_the_direction_that_counts():
     """Until now only the other direction had it; free-field sides give 0.049 where an endless slope has 0.067."""
-    out = "; the failing ground reaches the left side"
+    out = ", and the failing ground reaches the left side"
     assert bracket_part(result("triangles", ("left",)), BoundsSettings()).words.endswith(f"900 triangles{out}")
     assert out not in bracket_part(result("triangles"), BoundsSettings()).words
 
