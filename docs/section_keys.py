@@ -31,7 +31,7 @@ class Key:
     default: str
     unit: str
     allowed: str
-    words: str
+    description: str
 
 
 def keys() -> list[Key]:
@@ -168,6 +168,6 @@ def markdown() -> str:
             table = key.table
             head = "At the head of the file" if table == COMMON else f"`[{table}]`"
             lines += ["", f"## {head}", "", "| key | default | unit | allowed | what it is |", "|---|---|---|---|---|"]
-        cells = (f"`{key.name}`", key.default, key.unit, key.allowed, key.words)
+        cells = (f"`{key.name}`", key.default, key.unit, key.allowed, key.description)
         lines.append("| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |")
     return "\n".join(lines) + "\n"

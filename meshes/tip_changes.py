@@ -26,7 +26,7 @@ class TipChange:
     gain: float
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """Return a sentence on the tip."""
         words = f"mesh: {self.name} thins out to nothing at x = {self.x:.4g} m; in the mesh it ends"
         if self.gain >= 0.0:
@@ -48,7 +48,7 @@ def sentences_on_tips(changes: Sequence[TipChange | str]) -> list[str]:
 def _sentence(tips: Sequence[TipChange]) -> str:
     """Return a sentence on the tips of one soil."""
     if len(tips) == 1:
-        return tips[0].words
+        return tips[0].description
     subject = f"stratum {tips[0].soil}" if tips[0].soil else "the section"
     places = ", ".join(sorted({f"{tip.x:.4g}" for tip in tips}, key=float))
     steps = " to ".join(sorted({f"{end([tip.step for tip in tips]):.2g}" for end in (min, max)}, key=float))

@@ -12,7 +12,7 @@ from docs.verify.record import PARTS
 from docs.verify.slides.command import verify_slides
 from docs.verify.slopes import verify_slopes
 from meshes.errors import InputError
-from workflow.cli.exit_codes import ended_as_program
+from workflow.cli.exit_codes import exit_as_program
 from workflow.run.spelling import is_legible
 
 JSON_OPTION = typer.Option(
@@ -68,4 +68,4 @@ def verify(
 
 
 if __name__ == "__main__":
-    ended_as_program(lambda: typer.run(verify))
+    exit_as_program(lambda: typer.run(verify))

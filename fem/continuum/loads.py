@@ -88,4 +88,4 @@ def excess_pressure_advice(strata: Sequence[Stratum]) -> str:
 
 def uplift_error(uplift: Uplift, reason: str = "there is no equilibrium") -> UnstableError:
     """Return the UnstableError for uplift: the pore pressure exceeds the weight of the soil above."""
-    return UnstableError(f"{reason}: {uplift.words}", ADVICE_ON_UPLIFT)
+    return UnstableError(f"{reason}: {uplift.description}", ADVICE_ON_UPLIFT)

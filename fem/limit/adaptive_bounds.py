@@ -99,10 +99,12 @@ class BoundSearch:
             mesh,
         )
         self._seen = problem, low, high
-        ended = self._limits.reached(best, len(problem.mesh.cells), others)
+        end_reason = self._limits.reached(best, len(problem.mesh.cells), others)
         worst = problem.points[problem.mesh.cells[np.argmax(refinement_indicator(*self._seen))]].mean(axis=0)
         self.bracket = replace(
-            best, ended=ended, open_at=(float(worst[0]), float(worst[1])) if ended not in (None, "gap") else None
+            best,
+            end_reason=end_reason,
+            open_at=(float(worst[0]), float(worst[1])) if end_reason not in (None, "gap") else None,
         )
 
 
@@ -198,7 +200,7 @@ def _first_checked(
     if bound.solution.none:
         return bound, None, [f"{name}: {NO_BOUND_REASONS[bound.solution.none]}"]
     for _ in range(attempts - 1):
-        if check.holds or not check.needs_margin or not bound.shortfall.any() or bound.solution.ended:
+        if check.holds or not check.needs_margin or not bound.shortfall.any() or bound.solution.end_status:
             break  # more margin would not help
         if work >= most_work:
             break
@@ -208,8 +210,8 @@ def _first_checked(
         if wider.solution.none:
             break
         bound, check = wider, check_of_wider
-    if bound.solution.ended:
-        reason = "the allowed work is used up" if bound.solution.out_of_work else bound.solution.ended
+    if bound.solution.end_status:
+        reason = "the allowed work is used up" if bound.solution.out_of_work else bound.solution.end_status
         notes.append(f"{name}: the solver ended early ({reason})")
     bound = replace(bound, solution=replace(bound.solution, work=work))  # that of all attempts
     if check.holds:

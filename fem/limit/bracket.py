@@ -108,7 +108,7 @@ class Bracket:
     mechanism : the mechanism of the smallest upper bound, None without one
     meshes : the bounds on every mesh, in their order
     mesh : the last mesh, in m
-    ended : reason why there is no finer mesh; None while the search continues
+    end_reason : reason why there is no finer mesh; None while the search continues
     open_at : where the bounds differ most, (x, y) in m, if the search ended before the gap was small enough
     """
 
@@ -116,7 +116,7 @@ class Bracket:
     mechanism: Mechanism | None
     meshes: list[MeshBounds]
     mesh: TriMesh
-    ended: EndReason | None = None
+    end_reason: EndReason | None = None
     open_at: tuple[float, float] | None = None
 
     @property

@@ -108,7 +108,7 @@ def smaller_of(section: Section, directions: Iterable[DirectionBounds]) -> Small
         mechanism=first.mechanism,
         meshes=first.meshes,
         mesh=first.mesh,
-        ended=weakest.ended,
+        end_reason=weakest.end_reason,
         open_at=weakest.open_at,
         directions=(first, *rest),
     )
@@ -132,12 +132,14 @@ def search_all(
         if observer:
             observer(smaller)
         if limits.open(smaller.lower, smaller.upper) <= 1.0:
-            return replace(smaller, ended="gap", open_at=None)
+            return replace(smaller, end_reason="gap", open_at=None)
         counting = {bounds.direction for bounds in counting_of(section, smaller.directions)}
         open_searches = [
             search
             for search in searches
-            if search.bracket.ended is None and search.bracket.lower < smaller.upper and search.direction in counting
+            if search.bracket.end_reason is None
+            and search.bracket.lower < smaller.upper
+            and search.direction in counting
         ]
         if smaller.upper < limits.sufficient_upper or not open_searches:
             return smaller

@@ -57,7 +57,7 @@ class SafetyBounds:
     faces is then strengthened, as in the finite elements, and the bounds are strict for this strengthened ground: they
     are bounds of the whole slope. Without a shallow failure they are strict for the ground of the section file, except
     at ends of loads on bare sand (``load_ends.py``). ``direction`` is the direction of the seismic force at failure,
-    None without force; ``ended`` says why the bounds are not closer.
+    None without force; ``end_reason`` says why the bounds are not closer.
     """
 
     kh: float
@@ -67,7 +67,7 @@ class SafetyBounds:
     trials: list[BoundsTrial]
     shallow_failure: float | None = None
     direction: Direction | None = None
-    ended: FactorEnd = "gap"
+    end_reason: FactorEnd = "gap"
 
     @property
     def gap(self) -> float:
@@ -225,10 +225,10 @@ def _bounds_of(
         searches[2].find()
     lower, upper = min(searches[0].lower, searches[-1].lower), min(search.upper for search in searches)
     trials = [trial for search in searches for trial in search.trials]
-    ended: FactorEnd = "time" if work.ran_out or searches[0].work.ran_out else "triangles"
-    ended = "solver" if any(search.solver_fails for search in searches) else ended
-    ended = "range" if lower >= LARGEST_FACTOR or upper <= SMALLEST_FACTOR else ended
-    ended = "gap" if gap_of_factors(lower, upper) <= settings.gap else ended
+    end_reason: FactorEnd = "time" if work.ran_out or searches[0].work.ran_out else "triangles"
+    end_reason = "solver" if any(search.solver_fails for search in searches) else end_reason
+    end_reason = "range" if lower >= LARGEST_FACTOR or upper <= SMALLEST_FACTOR else end_reason
+    end_reason = "gap" if gap_of_factors(lower, upper) <= settings.gap else end_reason
     direction = direction_of(fem, opposite=searches[-1].upper < searches[0].upper) if start.kh else None
     cells = max(trial.cells for trial in trials)
-    return SafetyBounds(start.kh, lower, upper, cells, trials, direction=direction, ended=ended)
+    return SafetyBounds(start.kh, lower, upper, cells, trials, direction=direction, end_reason=end_reason)

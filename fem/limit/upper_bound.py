@@ -105,7 +105,7 @@ def upper_bound(
     solution = cone_program.solve(program, magnified=magnified, most_work=most_work, start=start)
     if solution.none == "no stress":  # its proof are rates at which the dead load alone fails
         solution = replace(
-            solution, rates=LARGEST_VELOCITY / np.abs(solution.rates).max() * solution.rates, none="", ended=""
+            solution, rates=LARGEST_VELOCITY / np.abs(solution.rates).max() * solution.rates, none="", end_status=""
         )
     dilates = program.friction > 0.0
     dilates[program.torn] = True

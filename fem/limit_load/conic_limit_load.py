@@ -230,7 +230,9 @@ def _limit_load_of(
     reason why there is no limit load.
     """
     if not solution.sure:
-        return NoAnswerError(f"the limit load by finite elements was not found ({solution.ended})", "use another mesh")
+        return NoAnswerError(
+            f"the limit load by finite elements was not found ({solution.end_status})", "use another mesh"
+        )
     if solution.none == "no mechanism":
         return ConicLimitLoad(np.inf, None, (np.inf, np.inf))
     if solution.none:

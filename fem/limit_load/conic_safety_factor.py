@@ -201,7 +201,7 @@ class _FactorSearch:
         self.ground, solution = self.ground.solved(program, self.warm_start)
         self.warm_start = None if solution.warm is None else replace(solution.warm, place=None)
         if solution.none or not solution.sure:
-            reason = solution.ended or solution.none
+            reason = solution.end_status or solution.none
             raise NoAnswerError(f"the factor of safety by finite elements was not found ({reason})", "use another mesh")
         mean_stress = self.ground.stress(solution)[:, :2].mean(axis=1)
         slope = float(solution.shear @ self.softening(at, mean_stress)) / self.ground.unit + solution.torn

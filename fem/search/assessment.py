@@ -105,7 +105,7 @@ def assess(
         except NoEquilibriumError as error:
             if section.uplift is None:
                 raise
-            raise NoEquilibriumError(f"{error.reason}: {section.uplift.words}", ADVICE_ON_UPLIFT) from error
+            raise NoEquilibriumError(f"{error.reason}: {section.uplift.description}", ADVICE_ON_UPLIFT) from error
         below_one = [
             factor for factor in assessment.safety if factor.result.kh == 0.0 and _is_unsafe(factor.result.factor)
         ]
@@ -338,7 +338,9 @@ class _Search:
         """
         if self.section.uplift is not None:
             reason = error.reason.removesuffix(ON_SOME_MESHES)
-            return error if self.section.uplift.words in error.reason else uplift_error(self.section.uplift, reason)
+            return (
+                error if self.section.uplift.description in error.reason else uplift_error(self.section.uplift, reason)
+            )
         weakened = known or self.safety(settings, 0.0)
         factor, place = weakened.result, _place_of(weakened) if weakened.result.factor <= 1.0 else ""
         message, remedy = f"{error.reason}; its factor of safety is {factor.factor:.2f}", error.remedy

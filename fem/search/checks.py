@@ -44,7 +44,7 @@ def of_uplift(uplift: Uplift | None) -> Iterator[ResultWarning]:
     """Warn of pore pressure above the total vertical stress: only the strength of the ground resists uplift."""
     if uplift is not None:
         yield ResultWarning(
-            f"{uplift.words[0].upper()}{uplift.words[1:]}.",
+            f"{uplift.description[0].upper()}{uplift.description[1:]}.",
             "check the water levels, or relieve the pressure; until then no answer for this section is valid",
         )
 

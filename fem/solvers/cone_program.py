@@ -91,7 +91,7 @@ class Solution:
     multiplier : the load multiplier λ
     rates (n,) : the velocities x
     stress (k, 3) : the stress σ at the corners, [xx, yy, xy]
-    ended : status of the solver; empty if the solver met its tolerances
+    end_status : status of the solver; empty if the solver met its tolerances
     out_of_work : whether the solver ended early because the allowed work was used up
     shear (k,) : shear rate |(εxx - εyy, εxy)| at the corners by the yield condition without the tension cut-off, times
         their weight
@@ -113,7 +113,7 @@ class Solution:
     stress: np.ndarray
     shear: np.ndarray
     torn: float
-    ended: str
+    end_status: str
     out_of_work: bool
     none: NoSolution | Literal[""]
     sure: bool
@@ -224,7 +224,7 @@ def _solve(
         stress=stress,
         shear=data.shear @ x,
         torn=float(data.torn @ x),
-        ended="" if end.status in CONVERGED_STATUSES else end.status,
+        end_status="" if end.status in CONVERGED_STATUSES else end.status,
         out_of_work=end.out_of_work,
         none=INFEASIBLE.get(end.status.removeprefix("Almost")) or "",
         sure=end.sure,

@@ -38,7 +38,7 @@ def read_cones(path: Path, columns: Mapping[str, str]) -> BoringFile:
 
 
 def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: BoringTable) -> Log:
-    place = table.place(*lines[0])
+    place = table.location(*lines[0])
     cones = [cone for number, cells in lines for cone in _cone(number, cells, table)]
     table.problems.extend(cone_problems(name, cones))
     table.problems.extend(implausible_cones(f"sounding {name}, ", cones))

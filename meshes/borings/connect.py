@@ -62,7 +62,7 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[PlacedBorin
     names = [log.name for log in logs]
     problems = [f"boring {name}: {names.count(name)} borings have this name" for name in dict.fromkeys(names)
                 if names.count(name) > 1]  # fmt: skip
-    along = [math.isnan(log.place[1]) for log in logs]
+    along = [math.isnan(log.location[1]) for log in logs]
     if any(along) and not all(along):
         problems.append("some borings have an x, others easting and northing; expected the same coordinates for all")
     if sum(bool(log.layers) for log in logs) < 2:
@@ -70,9 +70,9 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[PlacedBorin
     if problems:
         raise InputError("borings", problems)
     if all(along):
-        borings = [PlacedBoring(log, log.place[0], 0.0) for log in logs]
+        borings = [PlacedBoring(log, log.location[0], 0.0) for log in logs]
     else:
-        points = np.array([log.place for log in logs])
+        points = np.array([log.location for log in logs])
         apart = np.hypot(*(points[:, None] - points[None]).transpose(2, 0, 1))
         layered = np.array([bool(log.layers) for log in logs])
         apart[~layered] = apart[:, ~layered] = 0.0

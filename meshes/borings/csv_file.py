@@ -95,7 +95,7 @@ def _log(name: str, lines: Sequence[tuple[int, Mapping[str, str]]], table: Borin
             sample = _sample(number, cells, middle, table)
             samples += [sample] if sample is not None else []
     number, first = lines[0]
-    place = table.place(number, first)
+    place = table.location(number, first)
     ground = table.length(number, first, "ground_level")
     water = table.length(number, first, "water_level") if first.get("water_level") else None
     if water is None and first.get("water_depth", "").lower() not in NOT_MEASURED:

@@ -35,7 +35,7 @@ class Log:
     Attributes
     ----------
     name : name of the boring
-    place : (easting, northing) in m, or (x, nan) where it is given along the section
+    location : (easting, northing) in m, or (x, nan) where it is given along the section
     ground_level : elevation of the ground (m)
     layers : layers from the top down; empty for a sounding
     samples : blow counts from the top down
@@ -44,7 +44,7 @@ class Log:
     """
 
     name: str
-    place: tuple[float, float]
+    location: tuple[float, float]
     ground_level: float
     layers: tuple[LogLayer, ...]
     samples: tuple[Sample, ...] = field(default=())

@@ -50,7 +50,7 @@ class BoringTable:
             self.problems.append(f"line {number}, {key}{problem}")
             return math.nan
 
-    def place(self, number: int, cells: Mapping[str, str]) -> tuple[float, float]:
+    def location(self, number: int, cells: Mapping[str, str]) -> tuple[float, float]:
         """Return the place as (easting, northing), or as (x, NaN)."""
         if cells.get("x"):
             return self.length(number, cells, "x"), math.nan

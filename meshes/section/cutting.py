@@ -80,7 +80,7 @@ def place_in_file(strata: Sequence[Stratum], k: int) -> str:
     """Return the table of stratum k in the file, such as "strata 2", before water and zones divided it."""
     names = [stratum.name for stratum in strata[: k + 1]]
     parts = [names[i] == names[i - 1] + BELOW_WATER for i in range(1, k + 1)]
-    return strata[k].place or f"strata {k + 1 - sum(parts)}"
+    return strata[k].file_table or f"strata {k + 1 - sum(parts)}"
 
 
 def layers_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], Layering]:
@@ -249,7 +249,7 @@ def cut_at_cracks(
     cut: list[Stratum] = []
     for k, stratum in enumerate(strata):
         parts = without_pockets(divided_by_water(layers, k, bottom), _cell(layers))
-        placed = stratum.placed(place_in_file(strata, k))
+        placed = stratum.in_table(place_in_file(strata, k))
         is_cracked = parts.has(0) and stratum.has_cohesion
         if is_cracked:
             changes: dict[str, object] = {"tension": 0.0, **of_crack(k)}

@@ -98,7 +98,9 @@ class Section(Model):
         bottoms = [stratum.bottom for stratum in self.strata]
         problems += geometry_problems(self.surface, self.base, self._water_lines(), bottoms, names[: len(bottoms)])
         if not self.unusual:
-            soils = [zone.soil.placed(f"zones {k}") for k, zone in enumerate(self.zones, start=1) if not zone.material]
+            soils = [
+                zone.soil.in_table(f"zones {k}") for k, zone in enumerate(self.zones, start=1) if not zone.material
+            ]
             problems += implausible([*self.strata, *soils], self.water, self.surcharges)
         if not problems and self.zones:
             problems += self._apply_zones()
@@ -178,7 +180,7 @@ class Section(Model):
         notices += against_the_water(self.layering, self.strata, drawn, table)
         if after is not None:
             notices += [*not_level(self.ground, after), *(not_lower(table, after) if table is before else [])]
-        notices += [*nothing_flows(self.water_pressure), *([self.uplift.words] if self.uplift else [])]
+        notices += [*nothing_flows(self.water_pressure), *([self.uplift.description] if self.uplift else [])]
         notices += [f"{key_in_file(self.strata, k)}: {words}" for k, words in self.cohesion_field.notices]
         notices += [f"surcharges {number}: {words}" for number, words in self.surface_loads.notices]
         if self.beyond is not None:
@@ -278,7 +280,7 @@ class Section(Model):
         data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
         thinned = type(self).model_validate(with_lines(data, fewer_points))
         thinned = thinned._derived(
-            [new.placed(old.place) for new, old in zip(thinned.strata, self.strata, strict=True)]
+            [new.in_table(old.file_table) for new, old in zip(thinned.strata, self.strata, strict=True)]
         )
         thinned._zone_notices = self._zone_notices
         thinned._line_notices = (

@@ -73,7 +73,7 @@ class Seepage:
         return float(upward[worst]), float(x[worst].mean())
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """Describe in words the discharge, the seepage faces above free water, and the largest exit gradient."""
         if not self.discharge:
             return "Seepage: the water stands still."

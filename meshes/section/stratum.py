@@ -171,21 +171,21 @@ class Stratum(Model):
         ),
     )
 
-    _place: str = PrivateAttr(
+    _file_table: str = PrivateAttr(
         default=""
     )  # the table of its file, such as "zones 2", if it is not given by the number of the stratum
 
-    def placed(self, place: str) -> Self:
-        """Return a copy with its ``place`` in the file, such as "zones 2"."""
+    def in_table(self, table: str) -> Self:
+        """Return a copy with its ``table`` in the file, such as "zones 2"."""
         copy = self.model_copy()
-        copy._place = place
+        copy._file_table = table
         return copy
 
     @property
-    def place(self) -> str:
+    def file_table(self) -> str:
         """Return the table of the file from which the stratum comes, if it is not the table with the number of the
         stratum; else nothing."""
-        return self._place
+        return self._file_table
 
     @property
     def dilation(self) -> float:

@@ -94,7 +94,7 @@ class TensionCrack(Model):
             )
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """Return a sentence on the cracks; empty if there are none."""
         if self.bottom is None:
             return ""

@@ -56,7 +56,7 @@ class Uplift:
         return self.weight / self.pressure
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """Describe in words the place of uplift and the excess of pressure."""
         return (
             f'the pore pressure in "{self.stratum}" exceeds the weight above it, most at x = {self.x:.4g} m, elevation '

@@ -259,8 +259,8 @@ def _ground_at(layers: Layering, x: np.ndarray) -> np.ndarray:
 def _strata(columns: Columns, bottoms: np.ndarray, strata: Sequence[Stratum], zones: Sequence[Zone]) -> list[Stratum]:
     """Return the strata of the columns, from the top down, with the ``bottoms`` (strata, columns, 2). Every stratum
     stores its place in the file."""
-    soils = {stratum.name: stratum.placed(f"strata {number}") for number, stratum in enumerate(strata, start=1)}
-    soils |= {zone.name: zone.soil.placed(f"zones {number}") for number, zone in enumerate(zones, start=1)
+    soils = {stratum.name: stratum.in_table(f"strata {number}") for number, stratum in enumerate(strata, start=1)}
+    soils |= {zone.name: zone.soil.in_table(f"zones {number}") for number, zone in enumerate(zones, start=1)
               if zone.material is None}  # fmt: skip
     placed: list[Stratum] = []
     for name, bottom in zip(columns.stack.layers, bottoms, strict=True):

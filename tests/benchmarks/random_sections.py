@@ -24,7 +24,7 @@ class Entry:
     @property
     def good(self) -> bool:
         """Whether the gap was closed in time, as a share of the critical Kh or of `LEAST_KH` if that is larger."""
-        return self.bounds.ended == "gap" and self.seconds <= SECONDS
+        return self.bounds.end_reason == "gap" and self.seconds <= SECONDS
 
 
 def bounds_of_all(gap: float = CLOSED, sides: str = "fixed") -> Iterator[Entry]:
@@ -46,7 +46,7 @@ def main(gap: str = str(CLOSED), sides: str = "fixed") -> None:
         shallow = "" if least is None else f", shallow failure {least:.4f}"
         print(
             f"{entry.number:7d}  {result.lower:.4f}  {result.upper:.4f}  {100 * result.gap:5.2f} %  "
-            f"{result.meshes[-1].cells:9d}  {entry.seconds:7.1f}  {result.ended}{shallow}",
+            f"{result.meshes[-1].cells:9d}  {entry.seconds:7.1f}  {result.end_reason}{shallow}",
             flush=True,
         )
         good += entry.good

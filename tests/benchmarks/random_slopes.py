@@ -55,7 +55,7 @@ def measure(number: int, refine: int = 1) -> dict[str, Any]:
     try:
         bounds = kh_bounds(section, SETTINGS, BOUNDS)
         row["bounds"] = [round(bounds.lower, 4), round(bounds.upper, 4)]
-        row["gap"], row["ended"], row["work"] = round(bounds.gap, 4), bounds.ended, _work(bounds)
+        row["gap"], row["ended"], row["work"] = round(bounds.gap, 4), bounds.end_reason, _work(bounds)
         if bounds.substitute is not None:
             row["davis_bounds"] = [round(bounds.substitute.lower, 4), round(bounds.substitute.upper, 4)]
             row["davis_work"] = _work(bounds.substitute)

@@ -43,8 +43,8 @@ def bounds(run: Config, lower: float, upper: float, direction: Direction = "down
     part = DirectionPart(direction=direction, towards="right", lower=lower, upper=upper, leaves=(), history=())
     return BoundsAnswer(
         section=SectionLabel.of(run.section), lower=lower, upper=upper, directions=(part,), gap=0.1,
-        verdict="bracketed", reason="", words="so much", flow="associated, ψ = φ", substitute=None, shallow_failures=(),
-        least_depth=0.5, sides="free-field", direction=direction, vertical=0.0,
+        verdict="bracketed", reason="", description="so much", flow="associated, ψ = φ", substitute=None,
+        shallow_failures=(), least_depth=0.5, sides="free-field", direction=direction, vertical=0.0,
         cells=100, seconds=1.0, residuals=Residuals(lower=None, upper=None), history=(), settings=run.bounds,
     )  # fmt: skip
 

@@ -17,7 +17,7 @@ FIXED = Side("xy")
 def bracket(mesh: TriMesh, body: RigidPlasticBody, limits: Limits) -> Bracket:
     """Return the lower and upper bound of the load multiplier on a sequence of ever finer meshes, up to a limit."""
     search = BoundSearch(mesh, body, limits)
-    while search.bracket.ended is None:
+    while search.bracket.end_reason is None:
         search.advance()
     return search.bracket
 

@@ -78,7 +78,7 @@ def test_every_key_stands_in_the_reference_with_what_is_checked() -> None:
     values = {(key.table, key.name): key for key in keys()}
     for table in Config.tables():
         for name, field in type(Config.model_fields[table].default).model_fields.items():
-            assert values[table, name].words == (field.description or "")
+            assert values[table, name].description == (field.description or "")
     assert values["fem", "accuracy"].allowed == "a number from 0 to 0.5"
     assert values["fem", "accuracy"].default == "0.01"
     assert values["strata", "youngs_modulus"].default == "must be given"

@@ -9,7 +9,7 @@ import typer
 from meshes import shipped
 from meshes.errors import InputError
 from workflow import stages
-from workflow.cli.exit_codes import ended, ended_as_program
+from workflow.cli.exit_codes import exit_as_program, exit_on_failure
 from workflow.cli.options import (
     Columns,
     Folder,
@@ -397,4 +397,6 @@ def _warn(verbosity: Verbosity, invocation: "Invocation", command: str, chosen: 
 
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:
     """Run a command and exit with its code: 0 done, 2 bad input, 3 no answer, 130 stopped, 1 fault of the program."""
-    (ended_as_program if arguments is None else ended)(lambda: literal_help(command)(arguments, standalone_mode=True))
+    (exit_as_program if arguments is None else exit_on_failure)(
+        lambda: literal_help(command)(arguments, standalone_mode=True)
+    )

@@ -13,7 +13,7 @@ from workflow.run.spelling import spell_out
 DONE, FAULT, BAD_INPUT, NO_ANSWER, STOPPED = 0, 1, 2, 3, 130
 
 
-def ended(call: Callable[[], object]) -> None:
+def exit_on_failure(call: Callable[[], object]) -> None:
     """Call a function, and leave the program with an exit code if it fails."""
     spell_out()
     try:
@@ -42,12 +42,12 @@ def ended(call: Callable[[], object]) -> None:
         sys.exit(FAULT)
 
 
-def ended_as_program(call: Callable[[], object]) -> None:
-    """Call a function as `ended` does, and end the process at once if threads of cancelled tasks still run. If the
-    process went on to its normal end, Python would abort in these threads.
+def exit_as_program(call: Callable[[], object]) -> None:
+    """Call a function as `exit_on_failure` does, and end the process at once if threads of cancelled tasks still run.
+    If the process continued to its normal end, Python would abort in these threads.
     """
     try:
-        ended(call)
+        exit_on_failure(call)
     except SystemExit as stop:
         if is_left_working():
             sys.stdout.flush()

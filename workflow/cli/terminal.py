@@ -107,7 +107,7 @@ def show_strata(section: Section) -> None:
 def show_soundness(config: Config, notices: Sequence[str], picture: Path) -> None:
     """Print the notices on a section that was checked, whether it is sound, and where its picture is."""
     section = config.section
-    flow = [] if (seepage := section.water_pressure.flow) is None else [seepage.words]
+    flow = [] if (seepage := section.water_pressure.flow) is None else [seepage.description]
     for line in (*flow, *notices, *config.notice_lines):
         say(line)
     lifts = "can be computed, but its pore pressure lifts the ground"
@@ -271,7 +271,7 @@ class TaskCounter:
             return
         self.last_report = now
         missing = total - self.done_before
-        left = self.time_left.words(now, (done - self.done_before) / missing if missing else None)
+        left = self.time_left.description(now, (done - self.done_before) / missing if missing else None)
         message = f"{done} of {total} done" + (f", {failed} failed" if failed else "") + (f", {left}" if left else "")
         end = "\r" if self.console.is_terminal else "\n"
         self.console.print(f"{message:<70}" if end == "\r" else message, end=end, markup=False, soft_wrap=True)

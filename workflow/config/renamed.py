@@ -91,6 +91,9 @@ ANSWER_KEYS = (
     ("over", "refined", "sizes"),
     ("left", "remaining_error", "sizes"),
     ("within", "tolerance", "converged"),
+    ("words", "description", "residuals"),
+    ("words", "description", "validity"),
+    ("words", "texts", "numbers"),
 )
 
 

@@ -36,7 +36,7 @@ class EquivalentKh:
     kh: float
     cycles: float
     period: float
-    words: str
+    description: str
 
 
 def cycles_of_magnitude(magnitude: float) -> float:

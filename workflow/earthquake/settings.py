@@ -161,7 +161,7 @@ class EarthquakeSettings(Model):
         [earthquake]."""
         notices = [self._unlikely_peak(), self._unlike_record(), self.contradiction()]
         if slide is not None and (cycles := self.driving(slide)) is not None:
-            notices.append(f"the Kh of the slides, {cycles.kh:g}, follows from [earthquake]: {cycles.words}")
+            notices.append(f"the Kh of the slides, {cycles.kh:g}, follows from [earthquake]: {cycles.description}")
         elif slide is not None and self.is_assumed(slide):
             magnitude = REFERENCE_MAGNITUDE if self.magnitude is None else self.magnitude
             reason, remedy = "no shaking of the slides is given", "give [earthquake], a record"

@@ -57,7 +57,7 @@ class BlockDrive:
         return newmark(*cyclic_acceleration(kh, self.cycles, self.period), kc).permanent
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """Return the loading in words."""
         if self.cycles is not None:
             return f"in both directions ({self.cycles:g} cycles, period {self.period:g} s)"
@@ -104,7 +104,7 @@ class BlockSlide:
 
     low: float
     high: float
-    words: str
+    description: str
 
     @property
     def span(self) -> str:
@@ -122,7 +122,7 @@ def block_slide(settings: Tables, kc: float) -> BlockSlide | None:
     if not settings.sliding_block.accelerogram:
         kh, drive = constant_kh(settings), block_drive(settings)
         slide = drive.slide(kc, kh)
-        return None if math.isinf(slide) else BlockSlide(slide, slide, f"Kh = {kh:g} {drive.words}")
+        return None if math.isinf(slide) else BlockSlide(slide, slide, f"Kh = {kh:g} {drive.description}")
     record = settings.sliding_block.in_use()
     slides = [newmark(record.time, sign * record.acceleration, kc).permanent for sign in (1.0, -1.0)]
     return BlockSlide(min(slides), max(slides), f"{record.name}, in both directions")
@@ -133,7 +133,7 @@ def _constant(settings: Tables, kc: float, resisted: str) -> Iterator[Estimate]:
     slide = drive.slide(kc, kh)
     if math.isinf(slide):
         return
-    words = f"Kh = {kh:g} {drive.words}, {resisted}: "
+    words = f"Kh = {kh:g} {drive.description}, {resisted}: "
     words += "does not slide" if kh <= kc else f"slides {slide:.2f} m until it stops"
     yield Estimate("block", f"rigid block on the slip surface, Kh = {kh:g}", slide, words, NEWMARK, NEWMARK_VALIDITY)
 

@@ -27,7 +27,7 @@ class Estimate:
         also "as printed" in the paper, lateral "spread", or "truss"
     method : the method in words
     displacement_m : the displacement; None where the method gives none
-    words : input and result in words
+    description : input and result in words
     source : publication of the method
     validity : range of validity
     """
@@ -35,7 +35,7 @@ class Estimate:
     kind: EstimateKind
     method: str
     displacement_m: float | None
-    words: str
+    description: str
     source: str
     validity: str
 
@@ -84,6 +84,8 @@ def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -
         "flows until it is flat enough, and lateral spreads move only while the ground shakes"
     )
     return [
-        replace(row, words=f"{row.words}; {words}") if row.kind in SPREADS and row.displacement_m is not None else row
+        replace(row, description=f"{row.description}; {words}")
+        if row.kind in SPREADS and row.displacement_m is not None
+        else row
         for row in rows
     ]

@@ -31,7 +31,7 @@ BLANK = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
 class MethodRow:
     """Holds a method, its marker, and its displacement (m); None, with the reason, if it gives none."""
 
-    words: str
+    description: str
     look: tuple[str, str]
     displacement: float | None
     reason: str = ""
@@ -53,7 +53,9 @@ def displacements(results: Results) -> Sheet | None:
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
-    axes.set_yticks([-number for number in range(len(rows))], [in_mathtext(row.words) for row in rows], fontsize=6.5)
+    axes.set_yticks(
+        [-number for number in range(len(rows))], [in_mathtext(row.description) for row in rows], fontsize=6.5
+    )
     observed = results.config.report.observed
     most = max(
         [
@@ -97,7 +99,7 @@ def _others(results: Results) -> Iterator[MethodRow]:
         if estimate.displacement_m is not None:
             yield MethodRow(estimate.method, OTHER_METHODS, estimate.displacement_m)
         elif estimate.kind != "smooth block":  # which never gives one
-            yield MethodRow(estimate.method, OTHER_METHODS, None, _why_not(estimate.words))
+            yield MethodRow(estimate.method, OTHER_METHODS, None, _why_not(estimate.description))
 
 
 def slides(results: Results) -> Iterator[MethodRow]:

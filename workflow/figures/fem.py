@@ -132,7 +132,7 @@ def state_sheet(config: Config, results: FemResults, state: FieldState, views: V
     """Draw a state in its ``views``."""
     window, slip = views.window, results.slip_surface(state)
     label = state.label
-    if results.answer.ended == "limit load":
+    if results.answer.end_reason == "limit load":
         label = label.replace("plateau", "end of the path")
     title = f"{config.section.heading}: FEM, {label}"
     sheet = Sheet(title, [window.proportion, window.proportion], foot(config.section), legend_rows=3)
@@ -178,7 +178,7 @@ def _curve_sheet(config: Config, answer: FemAnswer) -> Sheet:
         0,
         "mean horizontal displacement, weighted by seismic mass (cm)",
         "seismic coefficient Kh (-)",
-        f"critical Kh = {answer.kc:.3f}{_most(answer)}: {answer.ended}; {conditions(config, answer.element)}",
+        f"critical Kh = {answer.kc:.3f}{_most(answer)}: {answer.end_reason}; {conditions(config, answer.element)}",
     )
     moving = [step for step in answer.curve if not step.at_rest]
     resting = [step for step in answer.curve if step.balanced]

@@ -60,7 +60,7 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
     )
     yield "Water", _water(config.section)
     if (flow := config.section.water_pressure.flow) is not None:
-        yield "Seepage", flow.words
+        yield "Seepage", flow.description
     if config.section.surcharges:
         yield (
             "Loads",

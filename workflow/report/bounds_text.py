@@ -68,15 +68,15 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
             "apparent cohesion."
         )
     name = proven(answer.strengthened_faces, ends, exits)
-    yield f"{name} with ψ = φ (the upper bound holds for every ψ ≤ φ): {answer.words}."
+    yield f"{name} with ψ = φ (the upper bound holds for every ψ ≤ φ): {answer.description}."
     if answer.verdict != "bracketed":
         yield answer.reason
     for factor in answer.safety:
         name_of_factor = proven(factor.shallow_failure is not None, ends, False)
-        yield f"{name_of_factor} for the factor of safety, ψ = φ: {factor.words}."
+        yield f"{name_of_factor} for the factor of safety, ψ = φ: {factor.description}."
         if factor.reason:
             yield factor.reason
     if answer.substitute:
-        yield f"{name} of Davis's estimate for ψ < φ: {answer.substitute.words}."
+        yield f"{name} of Davis's estimate for ψ < φ: {answer.substitute.description}."
         if answer.substitute.verdict != "bracketed":
             yield answer.substitute.reason

@@ -25,7 +25,7 @@ class Caption(NamedTuple):
 
     pattern: str
     section: str
-    words: str
+    description: str
     main: bool = False
 
 
@@ -160,7 +160,7 @@ def _captioned(names: Sequence[str], folder: Path, texts: Texts) -> Iterator[tup
             match = re.fullmatch(caption.pattern, Path(name).stem)
             if match is not None:
                 left.remove(name)
-                yield name, caption, texts(without.get(caption.pattern, caption.words)).format(*match.groups())
+                yield name, caption, texts(without.get(caption.pattern, caption.description)).format(*match.groups())
 
 
 def _by_number(name: str) -> list[tuple[int, float, str]]:

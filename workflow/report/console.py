@@ -68,7 +68,7 @@ def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
         f"largest aspect ratio {quality.largest_aspect_ratio:.2f}."
     )
     if (flow := config.section.water_pressure.flow) is not None:
-        yield flow.words
+        yield flow.description
     yield from notice_lines(config.notices_of_ground)
 
 
@@ -86,9 +86,9 @@ def fem_sentences(
     surface = next((state.slip_surface for state in reversed(answer.states) if state.slip_surface), ())
     where = f" The ground {extent_in_words(np.array(surface))}." if surface and answer.has_kc else ""
     how = ""
-    if every or answer.ended not in ("plateau", "limit load"):
+    if every or answer.end_reason not in ("plateau", "limit load"):
         most = f", at most {coefficient(answer.kc_upper)} on this mesh" if answer.kc_upper > answer.kc else ""
-        how = f"; {answer.reason}" if answer.by_limit_analysis else f": {answer.ended}{most}, {answer.reason}"
+        how = f"; {answer.reason}" if answer.by_limit_analysis else f": {answer.end_reason}{most}, {answer.reason}"
     yield (
         f"Critical Kh {critical_with_flow(answer, coefficient, governing)}.{how_to_get_own_dilation(answer)} The "
         f"seismic force acts {FORCE[answer.direction]}, to the {answer.towards}{how}.{where}{interval}"
@@ -308,8 +308,8 @@ def _slides(config: Config, store: Store) -> Iterator[str]:
 def _slices(config: Config, answer: SlicesAnswer, results: Results | None) -> Iterator[str]:
     yield from slices_sentences(answer)
     yield from contradicted_circles(results) if results is not None else ()
-    if config.tension_crack.words:
-        yield config.tension_crack.words
+    if config.tension_crack.description:
+        yield config.tension_crack.description
     yield from structure_sentences(config, answer)
 
 

@@ -331,7 +331,7 @@ def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
         )
         required = results.liquefied.required if results.liquefied is not None else ()
         if (enough := just_enough(cases, required)) is not None:
-            yield _.sentence(f"{enough.words}.")
+            yield _.sentence(f"{enough.description}.")
     if stands:
         yield _("After liquefaction the section still stands without shaking in {cases}.", cases=of_cases(stands))
 

@@ -26,7 +26,7 @@ def in_short(results: Results) -> Iterator[str]:
         yield from (_by_weight if case.verdict == "flows" else _slides_though_it_stands)(results, case)
     enough = just_enough(answer.cases, answer.required)
     if enough is not None:
-        yield f"{enough.words}."
+        yield f"{enough.description}."
     yield from _field(results, answer)
 
 
@@ -93,7 +93,7 @@ class SufficientStrength:
     strata: Strata
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """Return the strengths as a sentence without its full stop."""
         phrases = [
             f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)} ({s.residual_strength_ratio:.2g} of its mean vertical "
@@ -216,7 +216,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
             yield f"    Warning: {note}."
     enough = just_enough(answer.cases, answer.required)
     if enough is not None:
-        yield f"{enough.words}."
+        yield f"{enough.description}."
 
 
 def factors(case: Bearing) -> str:

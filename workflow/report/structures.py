@@ -30,13 +30,13 @@ class FaceRow:
         return f"{self.face.structure}, towards the {self.face.towards}"
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """Return the row as a sentence without its full stop."""
         if self.face.reason:
             return f"{self.name}: {self.face.reason}"
         phrases = [f"factor of safety {value:.2f} at Kh = {kh:g}" for kh, value in self.factors if value is not None]
         phrases += [] if self.kc is None else [f"critical Kh {self.kc:.3f}"]
-        phrases += [] if self.block is None else [f"a rigid block slides {self.block.span} ({self.block.words})"]
+        phrases += [] if self.block is None else [f"a rigid block slides {self.block.span} ({self.block.description})"]
         return f"{self.name}: {listed(phrases)}"
 
 
@@ -70,7 +70,7 @@ def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:
     structures."""
     rows = face_rows(config, answer)
     for row in rows:
-        yield f"{row.words}."
+        yield f"{row.description}."
     for row in rows:
         if row.counts and sum(other.kc is not None for other in rows) > 1:
             yield f"The smallest counts: {row.name}."

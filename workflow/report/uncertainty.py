@@ -127,7 +127,7 @@ def _bounds(results: Results, bounds: BoundsAnswer) -> str:
     """Return sentences on the strict bounds, and whether the critical Kh of the FEM lies within them if the conditions
     are the same.
     """
-    phrase = f"{bounds.words} ({bounds.sides} sides; {bounds.flow.rstrip('.')})."
+    phrase = f"{bounds.description} ({bounds.sides} sides; {bounds.flow.rstrip('.')})."
     contradictions = [f"{warning.observation} To do: {warning.remedy}." for warning in results.warnings_by_bounds()]
     return " ".join([phrase, *(contradictions or ["No result of the finite elements contradicts these bounds."])])
 

@@ -72,7 +72,7 @@ class DirectionPart(Part):
     history: tuple[BoundsRound, ...]
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """Return the bounds in words. The bounds of the direction that does not fail first need not be close to each
         other."""
         to, out = f"{FORCE[self.direction]} (to the {self.towards})", way_out(self.leaves)
@@ -99,7 +99,7 @@ class BracketPart(Part):
     gap: float | None = Field(description="gap of the bounds, (upper - lower) over their mean")
     verdict: BoundsVerdict
     reason: str
-    words: str = Field(description="the bounds in words")
+    description: str = Field(description="the bounds in words")
     cells: int = Field(description="number of triangles of the last mesh")
     residuals: Residuals
     history: tuple[BoundsRound, ...] = Field(description="bounds on every mesh, for the direction that fails first")
@@ -144,7 +144,7 @@ class SafetyPart(Part):
     )
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """Return the bracket in words."""
         low = "" if self.lower is None else f"{self.lower:.3f} <= "
         high = "" if self.upper is None else f" <= {self.upper:.3f}"

@@ -214,7 +214,7 @@ class FemAnswer(Answer):
         return "the given ψ" if any(self.dilation_deg.values()) else "ψ = 0"
 
     @property
-    def ended(self) -> str:
+    def end_reason(self) -> str:
         """Return the verdict in words. The verdict is a plateau only if the path itself reached one: if the limit load
         is from limit analysis, the path may still rise at its end.
         """

@@ -47,7 +47,10 @@ class FemSummary(Part):
         description='flow rule of kc: "associated" is ψ = φ, "davis" is Davis\'s estimate, which is no bound'
     )
     kc_davis: float | None = Field(
-        description="Davis's estimate (low, no bound) if kc is with ψ = φ; 0 if such ground fails under its weight"
+        description=(
+            "critical Kh by Davis's estimate, a low estimate and no bound, if kc is with ψ = φ; 0 if the ground with "
+            "Davis reduced strength fails under its weight"
+        )
     )
     kc_associated: float | None = Field(description="critical Kh with ψ = φ, if kc has another flow rule")
     safety_factors: tuple[SafetySummary, ...]
@@ -143,7 +146,7 @@ class EstimateSummary(Part):
 
     method: str
     displacement_m: float | None
-    words: str
+    description: str
     source: str
     validity: str
 

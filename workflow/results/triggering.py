@@ -98,7 +98,7 @@ class StratumPart(Part):
     pore_pressure: float = Field(description="mean excess pore pressure over the vertical effective stress")
 
     @property
-    def words(self) -> str:
+    def description(self) -> str:
         """Return whether the stratum liquefies, as text for tables."""
         if not self.assessed:
             return f"not assessed: {self.reason}"

@@ -44,7 +44,7 @@ class StageLine:
         clock = ""
         if self.state == "run":
             now = time.monotonic()
-            left = self.time_left.words(now, self.share)
+            left = self.time_left.description(now, self.share)
             clock = duration(now - self.start) + (f", {left}" if left else "")
         elif self.seconds:
             clock = duration(self.seconds)
@@ -99,7 +99,7 @@ class Display:
             now = time.monotonic()
             if self.verbosity == Verbosity.VERBOSE or now - last > LINE_INTERVAL:
                 last = now
-                left = shown.time_left.words(now, share)
+                left = shown.time_left.description(now, share)
                 self._say(f"{decision.stage.name}: {line}" + (f", {left}" if left else ""))
 
         return progress

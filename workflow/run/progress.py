@@ -62,7 +62,7 @@ class TimeLeft:
         self.shown = min(self.shown, max(self.end - now, self.SMALLEST_ESTIMATE * plain))
         return self.shown
 
-    def words(self, now: float, share: float | None) -> str:
+    def description(self, now: float, share: float | None) -> str:
         """Return the remaining time in words, such as "2 min 5 s left"; empty if unknown."""
         left = self.seconds(now, share)
         if left is None or share is None:

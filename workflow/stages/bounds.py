@@ -59,7 +59,7 @@ def work(job: Job) -> None:
         bounds = kh_bounds(config.section, config.fem, of_kh, lambda so_far: job.progress(in_words(so_far), None))
     except UnstableError as error:
         factors = tuple(_factors(job, config, settings, None))
-        raise UnstableError("; ".join([str(error), *(factor.words for factor in factors)])) from None
+        raise UnstableError("; ".join([str(error), *(factor.description for factor in factors)])) from None
     factors = tuple(_factors(job, config, settings, bounds))
     answer = answer_of(config, bounds, settings, time.perf_counter() - started)
     answer = answer.model_copy(update={"safety": factors})
@@ -67,9 +67,9 @@ def work(job: Job) -> None:
     job.executor.submit(_draw, config, bounds, job.store).result()  # where the pictures of the stage before were drawn
     if answer.verdict == "no bracket":
         uplift = config.section.uplift
-        why, remedy = "", _remedy(bounds.ended)
+        why, remedy = "", _remedy(bounds.end_reason)
         if uplift is not None and bounds.stress is None:  # as a rule there is none, however fine the triangles
-            why, remedy = f". {uplift.words[0].upper()}{uplift.words[1:]}", ADVICE_ON_UPLIFT
+            why, remedy = f". {uplift.description[0].upper()}{uplift.description[1:]}", ADVICE_ON_UPLIFT
         raise NoBracketError(answer.reason.rstrip(".") + why, remedy)
 
 
@@ -108,7 +108,7 @@ def _factors(job: Job, config: Config, settings: BoundsSettings, known: "KhBound
 
 def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
     """Return why the bounds of a factor of safety are not closer; empty if the gap is small enough."""
-    match bounds.ended:
+    match bounds.end_reason:
         case "gap":
             return ""
         case "range":
@@ -120,7 +120,7 @@ def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
         case "solver":
             why = f"the solver of cone programs fails with up to {bounds.cells} triangles"
         case _:
-            assert_never(bounds.ended)
+            assert_never(bounds.end_reason)
     wanted = f"{100 * settings.of_factors.gap:g} %"
     return f"The bounds of the factor of safety are wider than the required {wanted}: {why}."
 
@@ -161,8 +161,8 @@ def bracket_part(bounds: "SmallerKhBounds", settings: BoundsSettings) -> Bracket
         gap=bounds.gap if math.isfinite(bounds.gap) else None,
         verdict=verdict,
         reason=reason,
-        words="; ".join(
-            [in_words(bounds) + way_out(directions[0].leaves), *(direction.words for direction in directions[1:])]
+        description="; ".join(
+            [in_words(bounds) + way_out(directions[0].leaves), *(direction.description for direction in directions[1:])]
         ),
         cells=bounds.meshes[-1].cells,
         residuals=Residuals(
@@ -186,13 +186,15 @@ def _direction_part(bounds: "DirectionBounds") -> DirectionPart:
 
 def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[BoundsVerdict, str]:
     gap = f"The gap of {_gap(bracket)}"
-    if bracket.ended == "gap":
+    if bracket.end_reason == "gap":
         return "bracketed", f"{gap} is within the required {_required_gap(bracket, settings)}."
-    if bracket.ended == "enough":
+    if bracket.end_reason == "enough":
         return "unstable", f"The section fails under its own weight: the critical Kh is at most {bracket.upper:.4f}."
     last = bracket.meshes[-1]
     x, z = bracket.open_at or (math.nan, math.nan)
-    why = f"{_end_reason(bracket.ended, last.cells, settings)}; the gap is widest near x = {x:.1f} m, z = {z:.1f} m."
+    why = (
+        f"{_end_reason(bracket.end_reason, last.cells, settings)}; the gap is widest near x = {x:.1f} m, z = {z:.1f} m."
+    )
     why += "".join(f" {note[0].upper()}{note[1:]}." for note in last.notes)
     if math.isfinite(bracket.gap):
         return "wide", f"{gap} is above the required {_required_gap(bracket, settings)}: {why}"
@@ -207,8 +209,8 @@ def _bracketed_directions(bracket: "Bracket") -> Iterator[str]:
     for direction in getattr(bracket, "directions", ()):
         if direction.stress is not None and direction.mechanism is not None:
             yield (
-                f" With the seismic force {FORCE[direction.direction]} there are both bounds: {direction.lower:.4f} <= "
-                f"Kh <= {direction.upper:.4f}."
+                f" With the seismic force {FORCE[direction.direction]} the critical Kh is bounded: "
+                f"{direction.lower:.4f} <= Kh <= {direction.upper:.4f}."
             )
 
 

@@ -47,7 +47,7 @@ def slide_stage(job: Job) -> None:
         *(SlideTask(config, store, each, frames=True) for each in computed),
     ]
     hearer = SlideProgress(config, job.progress, pieces)
-    outcomes = job.executor.compute(_computed, pieces, hearer, hearer.ended)
+    outcomes = job.executor.compute(_computed, pieces, hearer, hearer.finish)
     outcome_of: dict[PlannedSlide, Slide] = dict(zip(computed, outcomes[len(packings) :], strict=True))
     slides = {each: outcome_of[alike[each]] for each in tasks}
     random: RandomPackings | None = None
@@ -132,7 +132,7 @@ class SlideProgress:
         name = "Kh without liquefaction" if task.number == KH_ALONE else self.config.called(task.number)
         return name if task.springs == "calibrated" else f"{name}, springs of Table 2"
 
-    def ended(self, place: int, _: Any) -> None:
+    def finish(self, place: int, _: Any) -> None:
         """Report that a slide has ended, or a packing with all of its slides."""
         self.done[place] = 1.0
 

@@ -46,12 +46,12 @@ def work(job: Job) -> None:
         if (change := changed(one_way, name, answer.element))
     ]
     changes = with_its_element(like_with_like(changes, one_way, progress), one_way, answer.element)
-    ended: list[Variant] = []
+    finished: list[Variant] = []
 
     def heard(place: int, message: str) -> None:
-        progress(f"{changes[place].words}: {message}", len(ended) / len(changes))
+        progress(f"{changes[place].description}: {message}", len(finished) / len(changes))
 
-    variants = job.executor.compute(variant, changes, heard, lambda _, each: ended.append(each))
+    variants = job.executor.compute(variant, changes, heard, lambda _, each: finished.append(each))
     VariantsAnswer(variants=tuple(by_one_element(variants, changes))).write(store)
 
 
@@ -61,7 +61,7 @@ class Change:
 
     Attributes
     ----------
-    name, words : name of the change, and its description.
+    name, description : name of the change, and its description.
     config : the config with the change.
     mesh : the mesh of the answer, or its initial mesh.
     halved : whether the cells of this mesh are halved.
@@ -72,7 +72,7 @@ class Change:
     """
 
     name: str
-    words: str
+    description: str
     config: Config
     mesh: "QuadMesh"
     halved: bool
@@ -116,7 +116,7 @@ def like_with_like(changes: Sequence[Change], config: Config, progress: Progress
     first = [change for change in changes if change.kc_without is not None]
     if not first or is_unique(config.section, config.fem):
         return list(changes)
-    words = "the first mesh without a change"
+    words = "unchanged assumptions on the first mesh"
     unchanged = variant(
         Change("first", words, config, first[0].mesh, False), lambda text: progress(f"{words}: {text}", None)
     )
@@ -143,8 +143,8 @@ def with_its_element(changes: Sequence[Change], config: Config, element: str) ->
         same = next((k for k, each in enumerate(changes) if each.config.fem == alone.fem and not each.halved), None)
         if same is None:
             same = len(result)
-            result.append(replace(change, words=f"{used} element", config=alone, requested=False))
-        result[place] = replace(change, words=f"{change.words}, both with the {used} element", against=same)
+            result.append(replace(change, description=f"{used} element", config=alone, requested=False))
+        result[place] = replace(change, description=f"{change.description}, both with the {used} element", against=same)
     return result
 
 
@@ -199,13 +199,13 @@ def variant(change: Change, tell: Tell) -> Variant:
         result = _limit_load(change, tell)
     except NoAnswerError as error:
         return Variant(
-            name=change.name, change=change.words, kc=None, kc_upper=None, verdict="no answer", reason=str(error),
+            name=change.name, change=change.description, kc=None, kc_upper=None, verdict="no answer", reason=str(error),
             seconds=round(time.perf_counter() - start, 2), kc_without=change.kc_without,
         )  # fmt: skip
     stands = result.verdict in ("plateau", "peak")
     return Variant(
         name=change.name,
-        change=change.words,
+        change=change.description,
         kc=result.kc if stands else None,
         kc_upper=result.upper if stands else None,
         verdict=result.verdict,

@@ -29,11 +29,11 @@ def continuum(sample: StudySample) -> Numbers:
     try:
         critical, used = _critical(config, first)
     except UnstableError:
-        return Numbers(numbers={"kc": 0.0}, words={"verdict": "fails under its own weight"})
+        return Numbers(numbers={"kc": 0.0}, texts={"verdict": "fails under its own weight"})
     if critical.verdict == "undecided":
         raise NoAnswerError(f"the finite elements found no limit load: {critical.reason}")
-    words: dict[str, str] = {"verdict": critical.verdict, "direction": critical.direction, "flow": critical.flow}
-    return Numbers(numbers={"kc": critical.kc, "cells": len(used.cells)}, words=words)
+    texts: dict[str, str] = {"verdict": critical.verdict, "direction": critical.direction, "flow": critical.flow}
+    return Numbers(numbers={"kc": critical.kc, "cells": len(used.cells)}, texts=texts)
 
 
 def _critical(config: Config, first: "QuadMesh") -> "tuple[LimitLoadResult | CriticalResult, QuadMesh]":

@@ -119,7 +119,7 @@ def _blocks(config: Config, kc: np.ndarray) -> Iterator[ProbabilityCurve]:
     over = np.linspace(0.0, max(CURVE_END * float(np.quantile(kc, 0.95)), constant_kh(config)), POINTS)
     slides = np.array([[drive.slide(yield_kh, kh) for kh in over] for yield_kh in kc])
     for far in config.study.exceeds:
-        yield probability(f"block, Kh {drive.words}: slide > {far:g} m", over, slides > far)
+        yield probability(f"block, Kh {drive.description}: slide > {far:g} m", over, slides > far)
     if not config.sliding_block.accelerogram:
         return
     record = config.sliding_block.in_use()

@@ -137,18 +137,18 @@ def _row(
         return SampleRow(drawn, Numbers(numbers={}), read)
     answered = [part.name for part, row in answers if row.answer is not None]
     numbers: dict[str, float | None] = {}
-    words: dict[str, str] = {}
+    texts: dict[str, str] = {}
     for _, row in answers:
         if row.answer is not None:
             numbers |= row.answer.numbers
-            words |= row.answer.words
+            texts |= row.answer.texts
     if with_block:
         kc = numbers.get("kc")
         answered += [BLOCK] if kc is not None else []
         if (slide := block(read, kc)) is not None:
             numbers["block_slide_m"] = slide
     reasons = [f"{part.name}: {row.reason}" for part, row in answers if row.answer is None]
-    return SampleRow(drawn, Numbers(numbers=numbers, words=words), "; ".join(reasons), tuple(answered))
+    return SampleRow(drawn, Numbers(numbers=numbers, texts=texts), "; ".join(reasons), tuple(answered))
 
 
 def statistics_of(config: Config, table: SampleTable, only: Sequence[str]) -> StudyAnswer:

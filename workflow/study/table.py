@@ -53,14 +53,14 @@ class SampleTable:
 
     def text(self) -> str:
         """Return the table as CSV; numbers with all their digits."""
-        words = list(dict.fromkeys(name for row in self.rows for name in row.results.words))
+        texts = list(dict.fromkeys(name for row in self.rows for name in row.results.texts))
         heads = [f"{path} ({unit})" if unit else path for path, unit in self.units.items()]
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(["sample", *heads, *self.names, *words, "failed"])
+        writer.writerow(["sample", *heads, *self.names, *texts, "failed"])
         for number, row in enumerate(self.rows, start=1):
             numbers = _written_values(row.results.numbers.get(name) for name in self.names)
-            said = [row.results.words.get(name, "") for name in words]
+            said = [row.results.texts.get(name, "") for name in texts]
             drawn = _written_values(row.drawn[path] for path in self.units)
             writer.writerow([number, *drawn, *numbers, *said, row.reason])
         return out.getvalue()

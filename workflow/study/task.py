@@ -76,5 +76,5 @@ class Numbers(BaseModel):
     """
 
     numbers: dict[str, float | None]
-    words: dict[str, str] = {}
+    texts: dict[str, str] = {}
     errors: dict[str, float] = {}

@@ -87,11 +87,11 @@ def test_the_allowed_work_is_a_limit(seconds):
     answer = kh_bounds(section, FemSettings(), limits)
     every = [*answer.directions, *(answer.substitute.directions if answer.substitute else ())]
     assert sum(mesh.work for direction in every for mesh in direction.meshes) <= 1.01 * seconds
-    assert answer.ended == "time"
+    assert answer.end_reason == "time"
     assert answer.lower < answer.upper < 2.0 * answer.lower
     factor = safety_bounds(section, FemSettings(), limits, smooth_sides=True)
     assert sum(trial.work for trial in factor.trials) <= 1.01 * seconds
-    assert factor.ended == "time"
+    assert factor.end_reason == "time"
     assert 0.0 < factor.lower < factor.upper < 2.0 * factor.lower
 
 
@@ -104,5 +104,5 @@ def test_a_slow_clock_changes_nothing(monkeypatch):
     for clock in ("time", "monotonic", "perf_counter", "process_time"):
         monkeypatch.setattr(time, clock, lambda: next(hours))
     loaded = kh_bounds(section, FemSettings(), bounds_settings)
-    assert quiet.ended == loaded.ended == "time"
+    assert quiet.end_reason == loaded.end_reason == "time"
     assert quiet.meshes == loaded.meshes

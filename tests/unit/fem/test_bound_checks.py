@@ -147,7 +147,7 @@ def test_a_solver_that_ends_early_is_asked_again(problem, low, monkeypatch):
 
     monkeypatch.setattr(cone_program, "_settings", hasty)
     again = lower_bound(problem)
-    assert again.solution.ended == ""
+    assert again.solution.end_status == ""
     assert again.multiplier == pytest.approx(low.multiplier, rel=1e-4)
 
 

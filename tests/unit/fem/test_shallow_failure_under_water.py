@@ -289,7 +289,7 @@ def test_the_work_allowed_is_a_limit_of_all_bounds_together() -> None:
     result = bounds_of_that_bank()
     work = sum(mesh.work for direction in result.directions for mesh in direction.meshes)
     assert work < 3.6
-    assert result.ended == "time"
+    assert result.end_reason == "time"
 
 
 def test_a_sea_floor_level_to_rounding_has_both_bounds() -> None:

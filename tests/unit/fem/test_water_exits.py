@@ -60,7 +60,7 @@ def test_the_bounds_close_although_water_comes_out_of_bare_sand() -> None:
     bounds = kh_bounds(bank(0.36), FEM, BoundsSettings(gap=0.06, max_cells=3000, davis=False))
     assert bounds.shallow_failures == ()
     assert bounds.water_exits == pytest.approx((POND,))
-    assert bounds.ended == "gap"
+    assert bounds.end_reason == "gap"
     assert bounds.upper - bounds.lower < 0.06 * LEAST_KH
     assert bounds.lower > 0.0
 

@@ -67,7 +67,7 @@ def test_every_heading_of_an_ags4_file_has_its_unit(tmp_path: Path) -> None:
         ("WSTG", "LOCA_ID,WSTG_DPTH", ",ft", "B1,6"),
     )
     item, two = read_ags4(written(tmp_path, feet, "feet.ags")).logs
-    assert item.place == (pytest.approx(100 * FOOT), 200.0)
+    assert item.location == (pytest.approx(100 * FOOT), 200.0)
     assert (item.ground_level, two.ground_level) == (pytest.approx(40 * FOOT), pytest.approx(30 * FOOT))
     assert item.layers[0].bottom == pytest.approx(1.22)
     assert item.samples[0].depth == pytest.approx(10 * FOOT + 0.3)
@@ -133,7 +133,7 @@ def test_local_coordinates_and_the_column_that_names_layers(tmp_path: Path) -> N
     )
     path = written(tmp_path, ags(loca, GEOL), "local.ags")
     read = read_ags4(path, {"layer": "GEOL_LEG"})
-    assert [(log.place, log.ground_level) for log in read.logs] == [((5.0, 6.0), 12.0), ((5.0, 46.0), 8.0)]
+    assert [(log.location, log.ground_level) for log in read.logs] == [((5.0, 6.0), 12.0), ((5.0, 46.0), 8.0)]
     assert [[layer.name for layer in log.layers] for log in read.logs] == [["1", "2"], ["2"]]
     assert any("LOCA_LOCX and LOCA_LOCY are taken" in text for text in read.notices)
     with pytest.raises(InputError, match="--layers GEOL_X: group GEOL has no such column; expected one of GEOL_TOP"):
@@ -144,7 +144,7 @@ def test_borings_without_national_coordinates_take_those_of_all(tmp_path: Path) 
     heads = "LOCA_ID,LOCA_NATE,LOCA_NATN,LOCA_GL,LOCA_LOCX,LOCA_LOCY"
     loca = ("LOCA", heads, ",m,m,m,m,m", "B1,100,200,12,5,6; B2,,,8,5,46")
     read = read_ags4(written(tmp_path, ags(loca, GEOL), "some.ags"))
-    assert [log.place for log in read.logs] == [(5.0, 6.0), (5.0, 46.0)]
+    assert [log.location for log in read.logs] == [(5.0, 6.0), (5.0, 46.0)]
     assert any("not all borings have national coordinates" in text for text in read.notices)
     loca = ("LOCA", "LOCA_ID,LOCA_NATE,LOCA_NATN,LOCA_GL", ",m,m,m", "B1,100,200,12; B2,,200,8")
     assert message(tmp_path, ags(loca, GEOL), "none.ags")[0].startswith(

@@ -38,7 +38,7 @@ def test_a_document_is_a_sounding(tmp_path: Path) -> None:
         row(_0=3.0, _1=2.9, _18=0.1),
     ]
     (log,) = read_bro(written(tmp_path, DOCUMENT.format(rows=";".join(rows)))).logs
-    assert (log.name, log.place, log.ground_level) == ("CPT07", (85920.5, 441592.25), -0.85)
+    assert (log.name, log.location, log.ground_level) == ("CPT07", (85920.5, 441592.25), -0.85)
     assert [(cone.depth, cone.qc, cone.fs) for cone in log.cones] == [
         (1.0, pytest.approx(2.0e6), pytest.approx(30e3)),
         (1.98, pytest.approx(4.05e6), pytest.approx(40e3)),

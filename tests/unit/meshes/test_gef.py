@@ -38,7 +38,7 @@ def test_quantities_are_known_by_their_numbers(tmp_path: Path) -> None:
 """
     data = "-9999;0.00;-9999;0;0.0;!\n0.2;1.00;4000;2.5;99.0;!\n-9999;2.00;8000;0.5;198.0;!\n0.1;3.0;-9999;1;297;!\n"
     (log,) = read_gef(written(tmp_path, columns, data)).logs
-    assert (log.name, log.place, log.ground_level, log.layers) == ("S04", (136079.0, 456137.0), 3.056, ())
+    assert (log.name, log.location, log.ground_level, log.layers) == ("S04", (136079.0, 456137.0), 3.056, ())
     assert [cone.depth for cone in log.cones] == pytest.approx([0.99, 1.98])
     assert [cone.qc for cone in log.cones] == pytest.approx([4.0e6 + 0.25 * 0.2e6, 8.0e6])
     assert [cone.fs for cone in log.cones] == pytest.approx([100e3, 40e3])

@@ -42,4 +42,4 @@ def test_seepage_comes_to_rest_where_points_are_dry_to_rounding_alone(number: in
     flow = Config.parse(data).section.water_pressure.flow
     assert flow is not None
     assert flow.discharge == 0.0
-    assert flow.words == "Seepage: the water stands still."
+    assert flow.description == "Seepage: the water stands still."

@@ -259,7 +259,7 @@ def test_random_borings_come_back(seed: int, tmp_path_factory: pytest.TempPathFa
     made = borings(seed, path)
     read = read_ags4(path)
     for boring, log in zip(made, read.logs, strict=True):
-        assert (log.name, log.place[0]) == (boring["name"], pytest.approx(boring["x"], abs=1e-4))
+        assert (log.name, log.location[0]) == (boring["name"], pytest.approx(boring["x"], abs=1e-4))
         assert [layer.name for layer in log.layers] == boring["names"]
         assert [layer.bottom for layer in log.layers] == pytest.approx(boring["depths"][1:], abs=1e-5)
         assert [sample.depth for sample in log.samples] == pytest.approx(

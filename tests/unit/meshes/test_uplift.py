@@ -30,7 +30,7 @@ def test_clay_above_an_aquifer_lifts_off_where_its_water_would_rise_too_far() ->
     assert uplift.factor == pytest.approx(72e3 / (8.5 * WATER), rel=1e-9)
     assert (uplift.start, uplift.end) == (0.0, 40.0)
     assert not uplift.bare
-    assert "83.4 kPa under a total vertical stress of 72.0 kPa (factor against uplift 0.86)" in uplift.words
+    assert "83.4 kPa under a total vertical stress of 72.0 kPa (factor against uplift 0.86)" in uplift.description
     assert any("factor against uplift 0.86" in notice for notice in above_an_aquifer(4.5).notices)
 
 

@@ -60,8 +60,8 @@ def test_every_reason_has_its_words(ended):
 def test_the_words_name_the_side_at_which_the_ground_slides_out_in_the_direction_that_counts():
     """Until now only the other direction had it; free-field sides give 0.049 where an endless slope has 0.067."""
     out = ", and the failing ground reaches the left side"
-    assert bracket_part(result("triangles", ("left",)), BoundsSettings()).words.endswith(f"900 triangles{out}")
-    assert out not in bracket_part(result("triangles"), BoundsSettings()).words
+    assert bracket_part(result("triangles", ("left",)), BoundsSettings()).description.endswith(f"900 triangles{out}")
+    assert out not in bracket_part(result("triangles"), BoundsSettings()).description
 
 
 def test_notes_of_the_last_mesh_are_sentences():
@@ -96,7 +96,7 @@ def test_where_one_direction_lacks_a_bound_the_other_one_is_reported():
     )
     verdict, reason = _verdict(smaller, BoundsSettings())
     assert verdict == "no bracket"
-    assert reason.endswith("With the seismic force downslope there are both bounds: 0.0484 <= Kh <= 0.0501.")
+    assert reason.endswith("With the seismic force downslope the critical Kh is bounded: 0.0484 <= Kh <= 0.0501.")
 
 
 def test_bounds_of_one_quantity_count_where_another_has_none() -> None:

@@ -352,6 +352,6 @@ def test_an_uphill_end_that_slides_along_in_a_short_slide_is_no_warning() -> Non
 def test_a_factor_at_which_shallow_ground_slips_is_not_told_as_that_of_one_face() -> None:
     """Elements tell the face's own tan φ / tan β; where faces of unlike water meet, ground slips before either."""
     part = SafetyPart(kh=0.0, lower=1.872, upper=1.881, cells=100, shallow_failure=1.844)
-    assert "shallow ground, of one face or where two meet, fails before, at 1.844 at most" in part.words
+    assert "shallow ground, of one face or where two meet, fails before, at 1.844 at most" in part.description
     open_part = part.model_copy(update={"shallow_failure": 1.881})
-    assert "may fail before: no bound close to these was found for it" in open_part.words
+    assert "may fail before: no bound close to these was found for it" in open_part.description

@@ -163,8 +163,8 @@ def test_a_third_number_is_offered_where_the_two_lie_far_apart(davis: float, far
 
 def test_a_limit_load_that_the_path_did_not_come_to_is_no_plateau(run: Config) -> None:
     """The river bank's path rises almost straight to 0.95 of what its elements bear."""
-    assert fem(run, 0.1096).ended == "plateau"
-    assert fem(run, 0.1096).model_copy(update={"kc_lower": 0.1041}).ended == "limit load"
+    assert fem(run, 0.1096).end_reason == "plateau"
+    assert fem(run, 0.1096).model_copy(update={"kc_lower": 0.1041}).end_reason == "limit load"
 
 
 def test_a_slope_that_stands_and_one_that_does_not(run: Config) -> None:

@@ -199,7 +199,7 @@ def test_the_block_is_driven_as_the_slides() -> None:
         with_shaking(LEVEE).slide.kh_period,
     )
     fixed = block_drive(with_shaking(LEVEE, kh=0.1))
-    assert (fixed.slide(0.09, 0.1), fixed.slide(0.11, 0.1), fixed.words) == (math.inf, 0.0, "constant")
+    assert (fixed.slide(0.09, 0.1), fixed.slide(0.11, 0.1), fixed.description) == (math.inf, 0.0, "constant")
     assert block_drive(analysed({**bored(), "sliding_block": {"seconds": 4.0}})).seconds == 4.0
     # nothing below yield, and far less than a push of one way that lasts as long
     assert both_ways.slide(0.2, 0.16) == 0.0
@@ -283,8 +283,8 @@ def test_relations_of_the_distance_take_it_as_given_beside_a_peak_that_contradic
     agreeing, contradicting = youd({**LEVEE, "peak_acceleration": "150 gal"}), youd(LEVEE)
     assert agreeing.displacement_m is not None
     assert contradicting.displacement_m == agreeing.displacement_m  # magnitude and distance alone enter
-    assert "contradicts the peak acceleration" not in agreeing.words
-    assert contradicting.words.endswith("which contradicts the peak acceleration that other methods take")
+    assert "contradicts the peak acceleration" not in agreeing.description
+    assert contradicting.description.endswith("which contradicts the peak acceleration that other methods take")
 
 
 def test_the_plan_says_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

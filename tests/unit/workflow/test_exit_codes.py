@@ -10,7 +10,7 @@ import pytest
 
 from meshes.errors import InputError
 from tests.support.command_line import TOP
-from workflow.cli.exit_codes import BAD_INPUT, FAULT, NO_ANSWER, STOPPED, ended
+from workflow.cli.exit_codes import BAD_INPUT, FAULT, NO_ANSWER, STOPPED, exit_on_failure
 from workflow.stages.bounds import NoBracketError
 
 
@@ -56,7 +56,7 @@ def test_ends_with_the_code_and_a_sentence(
     call: Callable[[], None], code: int, message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as stop:
-        ended(call)
+        exit_on_failure(call)
     assert stop.value.code == code
     said = capsys.readouterr().err
     assert message in said
@@ -67,8 +67,8 @@ def test_ctrl_c_while_a_class_is_made_ends_with_the_code_of_a_stop(tmp_path: Pat
     """A module ends by the signal, -2, once Ctrl-C has left an `exec` in it, whoever has heard it since."""
     program = """
 import rich.markup, workflow.cli.terminal  # which make classes, too
-from workflow.cli.exit_codes import ended
-ended(lambda: exec("raise KeyboardInterrupt"))
+from workflow.cli.exit_codes import exit_on_failure
+exit_on_failure(lambda: exec("raise KeyboardInterrupt"))
 """
     (tmp_path / "stopped.py").write_text(program)
     paths = os.pathsep.join([str(tmp_path), str(TOP)])

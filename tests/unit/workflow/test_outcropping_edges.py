@@ -20,7 +20,7 @@ def elements(width: float) -> str:
 def bounds(width: float) -> str:
     face = ShallowBoundPart(stratum="Liner", start=32.9, end=32.9 + width, kh=0.05)
     answer = BoundsAnswer.model_construct(
-        shallow_failures=(face,), shallow=None, least_depth=0.5, load_ends=(), water_exits=(), words="0.1 <= Kh",
+        shallow_failures=(face,), shallow=None, least_depth=0.5, load_ends=(), water_exits=(), description="0.1 <= Kh",
         verdict="bracketed", safety=(), substitute=None,
     )  # fmt: skip
     return next(iter(bounds_sentences(answer)))

@@ -155,7 +155,7 @@ def test_cases_that_slide_alike_are_shown_once(s13: Config) -> None:
     assert {numbers: case.slide_max_m for numbers, case in equal_cases(cases).items()} == {(1, 3): 2.0, (2,): 3.0}
     result = results(s13, cases=CasesAnswer(sets={"calibrated": cases}, random=None))
     assert re.findall(r"<tr><td>([\d, ]+)</td><td class=\"n\"><b>", html(result)) == ["1, 3", "2"]
-    assert [row.words for row in slides(result)][:2] == ["discs, cases 1, 3", "discs, case 2"]
+    assert [row.description for row in slides(result)][:2] == ["discs, cases 1, 3", "discs, case 2"]
 
 
 def test_the_slides_of_a_case_stand_beside_its_stability(s13: Config) -> None:

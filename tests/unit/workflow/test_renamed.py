@@ -17,6 +17,7 @@ from workflow.config import Config, renamed
 from workflow.config.renamed import ANSWER_KEYS, Renamed, current, current_answer, notices, rewritten
 from workflow.results.answer import Part
 from workflow.study.result_cache import Outcome
+from workflow.study.task import Numbers
 from workflow.uncertain.settings import UncertainSettings
 
 OLD = """# sides = "roller" is an old word
@@ -133,7 +134,7 @@ def test_an_old_key_is_renamed_only_in_the_table_that_has_it(old: str, new: str,
     assert current_answer({old: 1, "Silt": 2}) == ({old: 1, "Silt": 2} if sibling else {new: 1, "Silt": 2})
     for module in pkgutil.iter_modules(workflow.results.__path__):
         importlib.import_module(f"workflow.results.{module.name}")
-    parts = [part.model_fields for part in (*parts_of(Part), Outcome)]
+    parts = [part.model_fields for part in (*parts_of(Part), Outcome, Numbers)]
     assert any(new in fields and (not sibling or sibling in fields) for fields in parts) or new == "warning"
     assert not any(old in fields and sibling in fields for fields in parts)
 

@@ -89,7 +89,7 @@ def wanted() -> set[str]:
     heads = [head.strip().replace("\n", ", ") for head in STRATA_HEADS]
     head = [name for name, field in ReportSettings.model_fields.items() if field.annotation is str and name != "logo"]
     machine = ["host", "system", "processor"]
-    captions = [*(caption.words for caption in CAPTIONS), *WITHOUT_DISCS.values()]
+    captions = [*(caption.description for caption in CAPTIONS), *WITHOUT_DISCS.values()]
     return {*of_templates(), *of_code(), *headings(), *fixed, *heads, *head, *machine, *captions}
 
 

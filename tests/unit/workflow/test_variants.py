@@ -88,7 +88,7 @@ def test_a_path_is_followed_on_the_first_mesh_where_the_last_has_many_cells(
         change = changed(run, name, element)
         assert change is not None
         result = on_a_mesh(change, run, Store("nowhere"), answer, cast(QuadMesh, "the last mesh"))
-        assert result.words.endswith("the first mesh of 600 cells") == (result.kc_without is not None)
+        assert result.description.endswith("the first mesh of 600 cells") == (result.kc_without is not None)
         return result.mesh, result.kc_without
 
     expected = ("the last mesh" if first is None else "the first mesh", first)
@@ -120,7 +120,7 @@ def test_less_dilation_is_compared_with_the_element_of_its_path(which: tuple[str
     changes = with_its_element([Change(*change, mesh, False, 0.10) for change in requested], run, "reduced")
     values = {"non-associated": 0.13, "auto": 0.14}
     computed = [
-        variant(each.name, each.words, values[each.config.fem.flow]).model_copy(update={"kc_without": 0.10})
+        variant(each.name, each.description, values[each.config.fem.flow]).model_copy(update={"kc_without": 0.10})
         for each in changes
     ]
     result = by_one_element(computed, changes)

@@ -191,5 +191,5 @@ def test_bounds_of_a_long_slope_of_clay_whose_edges_almost_cross_at_points() -> 
     section = Section.parse({**submarine, "strata": [mud, clay]})
     settings = BoundsSettings(seconds=12.0, davis=False)
     bounds = kh_bounds(section, FemSettings(direction="downhill"), settings)
-    assert bounds.ended == "gap"
+    assert bounds.end_reason == "gap"
     assert 0.0550 < bounds.lower < bounds.upper < 0.0578

@@ -112,7 +112,7 @@ def test_bare_sand_that_hardly_falls_is_bounded_within_the_work_allowed() -> Non
     sand = layer("sand", cohesion=0.0, friction_angle="31 deg")
     ground = {"name": "flat", "surface": [[0.0, 0.1], [60.0, 0.1001]], "base": {"elevation": -12.0}, "strata": [sand]}
     bounds = safety_bounds(Section.parse(ground), FIXED, BoundsSettings(max_cells=600, seconds=20.0), smooth_sides=True)
-    assert (bounds.lower, bounds.ended) == (20.0, "range")
+    assert (bounds.lower, bounds.end_reason) == (20.0, "range")
 
 
 @pytest.mark.slow
@@ -123,7 +123,7 @@ def test_bounds_to_half_a_per_cent_are_proven_on_the_last_triangles_alone() -> N
     2.5 times, and an estimated 3.7 times when every mesh had both its bounds proven as closely as it could.
     """
     result = of_case("acads_1a", BoundsSettings(gap=0.005))
-    assert result.ended == "gap"
+    assert result.end_reason == "gap"
     assert 0.97 < result.lower < result.upper < 0.995
     of_both = max(trial.work for trial in result.trials if trial.cells == result.cells)
     assert sum(trial.work for trial in result.trials) < 3.0 * of_both

@@ -106,7 +106,7 @@ def test_a_cut_beside_cracks_of_half_its_height(water: str, wedge: float) -> Non
     turning spare in part. Measured: 0.905 to 0.912 and 0.774 to 0.786; without cracks 1.252 to 1.279."""
     config = cracked_cut(water)
     bounds = safety_bounds(config.section, config.fem, BoundsSettings(gap=0.06, max_cells=900), guess=wedge)
-    assert bounds.ended == "gap"
+    assert bounds.end_reason == "gap"
     assert 0.94 * wedge < bounds.lower < 1.03 * wedge
     assert 0.99 * wedge < bounds.upper < 1.08 * wedge
     mesh = generate(config.section, MeshSettings(size=0.4))
@@ -119,7 +119,7 @@ def test_a_cracked_face_that_resists_no_kh_has_close_bounds_of_its_factor():
     and says nothing of it: bounds of Kh alone ended at 0.674 and 0.824."""
     config = cracked_cut("full")
     bounds = safety_bounds(config.section, config.fem, BoundsSettings(gap=0.06, max_cells=600), guess=0.764)
-    assert bounds.ended == "gap"
+    assert bounds.end_reason == "gap"
     assert bounds.trials[-1].multiplier_kind == "loads"
     assert 0.74 < bounds.lower < 0.78 < bounds.upper < 0.81
 

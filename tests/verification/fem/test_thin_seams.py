@@ -46,7 +46,7 @@ def test_no_finer_mesh_loses_the_lower_bound(section):
     """Davis's substitute; the stress field of a mesh is admissible on all that are made from it by bisection."""
     fem, mesh = FemSettings(direction="downhill"), first_mesh(section, 6000)
     search = BoundSearch(mesh, body_of(section, mesh, fem, davis=True), Limits(1e-3, 2000))
-    while search.bracket.ended is None:
+    while search.bracket.end_reason is None:
         search.advance()
     values = [meshe.lower for meshe in search.bracket.meshes]
     assert len(values) >= 2

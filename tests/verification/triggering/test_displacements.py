@@ -83,9 +83,9 @@ def test_a_bank_in_place_of_the_slope() -> None:
     config = analysed(data)
     values = {item.method: item for item in empirical(config.section, config, 0.2, np.zeros((0, 2)))}
     by_strain = values["Zhang, Robertson & Brachman (2004)"]
-    index = float(by_strain.words.split("LDI = ")[1].split(" m")[0])
+    index = float(by_strain.description.split("LDI = ")[1].split(" m")[0])
     assert by_strain.displacement_m == pytest.approx(1.1368 * index, rel=0.01)
-    assert "W = 12.5 %" in values["Youd, Hansen & Bartlett (2002)"].words
+    assert "W = 12.5 %" in values["Youd, Hansen & Bartlett (2002)"].description
     assert values["Youd, Hansen & Bartlett (2002)"].displacement_m is not None
 
 
@@ -173,9 +173,9 @@ def test_s13_has_all_relations_in_its_table_with_why_some_give_nothing() -> None
         "Bray & Travasarou (2007)", "Bray & Macedo (2019)", "Youd, Hansen & Bartlett (2002)",
         "Zhang, Robertson & Brachman (2004)", "Towhata's truss",
     }  # fmt: skip
-    assert "M = 7.7 is not within" in values["Bray & Travasarou (2007)"].words
+    assert "M = 7.7 is not within" in values["Bray & Travasarou (2007)"].description
     assert values["Bray & Macedo (2019)"].displacement_m == pytest.approx(0.0092, abs=1e-4)
-    assert values["Youd, Hansen & Bartlett (2002)"].words == "not computed: there are no borings"
+    assert values["Youd, Hansen & Bartlett (2002)"].description == "not computed: there are no borings"
     assert [entry.displacement for entry in config.report.observed] == [3.0]
 
 
@@ -191,9 +191,9 @@ def test_hand_numbers_of_the_levee_and_ground_that_flows() -> None:
     assert youd_row.displacement_m == pytest.approx(0.29, abs=0.005)
     assert zhang_row.displacement_m == pytest.approx(3.0, abs=0.05)
     why = "does not apply: the liquefied ground does not stand without shaking (factor of safety 0.33 to 0.35)"
-    assert why in youd_row.words
-    assert why in zhang_row.words
-    assert "does not apply" not in by_method["Bray & Travasarou (2007)"].words
+    assert why in youd_row.description
+    assert why in zhang_row.description
+    assert "does not apply" not in by_method["Bray & Travasarou (2007)"].description
     assert with_flow_failure(rows, []) == rows
 
 
@@ -214,7 +214,7 @@ def test_what_lies_outside_a_range_gives_no_number() -> None:
     values = {item.method: item for item in empirical(config.section, config, 0.2, np.zeros((0, 2)))}
     level = values["Zhang, Robertson & Brachman (2004)"]
     assert level.displacement_m is None
-    assert "slope (%) = 0 is not within 0.2-3.5" in level.words
-    assert "no blow count below 15 has both fines and D50" in values["Youd, Hansen & Bartlett (2002)"].words
+    assert "slope (%) = 0 is not within 0.2-3.5" in level.description
+    assert "no blow count below 15 has both fines and D50" in values["Youd, Hansen & Bartlett (2002)"].description
     assert values["Bray & Macedo (2019)"].displacement_m is not None
     assert all(value.source and value.validity for value in values.values())

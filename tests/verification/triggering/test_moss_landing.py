@@ -69,9 +69,9 @@ def test_predicted_beside_observed() -> None:
     assert 100.0 * height / distance == pytest.approx(29.73, abs=0.05)
     spread = {item.method: item for item in empirical(CONFIG.section, CONFIG, 0.1, np.zeros((0, 2)))}
     zhang = spread["Zhang, Robertson & Brachman (2004)"]
-    assert "LDI = 1.91 m" in zhang.words
-    assert "L/H = 3.36 is not within 4-40" in zhang.words
+    assert "LDI = 1.91 m" in zhang.description
+    assert "L/H = 3.36 is not within 4-40" in zhang.description
     assert zhang_free_face(1.91, distance, height) == pytest.approx(4.34, abs=0.02)
-    assert "free-face ratio 29.7 % is not within 1-20 %" in spread["Youd, Hansen & Bartlett (2002)"].words
+    assert "free-face ratio 29.7 % is not within 1-20 %" in spread["Youd, Hansen & Bartlett (2002)"].description
     assert all(spread[name].displacement_m is None for name in (zhang.method, "Youd, Hansen & Bartlett (2002)"))
     assert [entry.displacement for entry in CONFIG.report.observed] == [site[1] for site in INCLINOMETERS]

@@ -177,7 +177,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     path.write_text(tomli_w.dumps(data))
     config, surface = Config.load(path), np.array([[30.0, 0.0], [40.0, -6.0], [60.0, -6.0], [80.0, 0.0]])
     result = estimates(config.section, config, 0.02, surface)
-    messages = [item.words for item in result if "under the average" in item.method]
+    messages = [item.description for item in result if "under the average" in item.method]
     assert len(messages) == 1
     assert f"k_max = {k_max:.3f} above 6 m" in messages[0]  # the slip surface of the finite elements serves
     data["site_response"]["velocities"] = {"clay": 100.0}
