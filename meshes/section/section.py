@@ -98,9 +98,7 @@ class Section(Model):
         bottoms = [stratum.bottom for stratum in self.strata]
         problems += geometry_problems(self.surface, self.base, self._water_lines(), bottoms, names[: len(bottoms)])
         if not self.unusual:
-            soils = [
-                zone.soil.in_table(f"zones {k}") for k, zone in enumerate(self.zones, start=1) if not zone.material
-            ]
+            soils = [zone.soil.in_table(f"zones {k}") for k, zone in enumerate(self.zones, 1) if not zone.material]
             problems += implausible([*self.strata, *soils], self.water, self.surcharges)
         if not problems and self.zones:
             problems += self._apply_zones()
@@ -279,9 +277,8 @@ class Section(Model):
             return self
         data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
         thinned = type(self).model_validate(with_lines(data, fewer_points))
-        thinned = thinned._derived(
-            [new.in_table(old.file_table) for new, old in zip(thinned.strata, self.strata, strict=True)]
-        )
+        pairs = zip(thinned.strata, self.strata, strict=True)
+        thinned = thinned._derived([new.in_table(old.file_table) for new, old in pairs])
         thinned._zone_notices = self._zone_notices
         thinned._line_notices = (
             *self._line_notices,
@@ -392,7 +389,7 @@ def read_toml(path: Path | str) -> dict[str, Any]:
     except FileNotFoundError:
         raise InputError(str(path), ["there is no such file"]) from None
     except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
+        reason = "it is a folder" if path.is_dir() else getattr(error, "strerror", None) or "it is not UTF-8 text"
         raise InputError(str(path), [f"cannot be read: {reason}"]) from None
     try:
         return tomllib.loads(text)

@@ -184,6 +184,7 @@ def test_what_cannot_be_compared_is_told_at_once(
     ("command", "expected"),
     [
         (("liquefied",), "no stratum liquefies in any case; expected liquefies_in in at least one stratum"),
+        (("residual",), "no stratum has a post-peak strength; expected residual_cohesion and residual_friction_angle"),
         (("faces",), "structures: missing; expected one table [[structures]] for each structure"),
         (("fem", "--out", "{file}"), "is a file; expected a folder for the results"),
         (("section", "-o", "{folder}/none/slope.dxf"), "there is no folder {folder}/none"),

@@ -91,7 +91,7 @@ def test_ground_without_residual_strength_is_told_so(tmp_path: Path, capsys: pyt
     stored = [line for line in path.read_text().splitlines() if not line.startswith("residual")]
     path.write_text("\n".join(stored))
     assert command_line.run("residual", path, "--out", tmp_path / "run") == 2
-    assert "no stratum has a residual strength" in " ".join(capsys.readouterr().err.split())
+    assert "no stratum has a post-peak strength" in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize(

@@ -338,9 +338,7 @@ _of_stage("triggering", Panel.LIQUEFACTION, "F_L at the tests of the borings, wh
 _of_stage("slices", Panel.GROUND, "Slip circles by Bishop and Spencer, to both sides: factor of safety, critical Kh.")
 _of_stage("faces", Panel.GROUND, "Critical Kh and factor of safety of every face, by elements and bounds.", bounds=True)
 _of_stage("residual", Panel.GROUND, "Factor of safety with peak, then with post-peak strength, and the critical Kh.")
-_of_stage(
-    "liquefied", Panel.LIQUEFACTION, "Whether the ground still stands once layers have liquefied, and the critical Kh."
-)
+_of_stage("liquefied", Panel.LIQUEFACTION, "Whether the ground stands once layers have liquefied, and the critical Kh.")
 _of_stage("response", Panel.GROUND, "Response of the layers to a record of the rock: profiles with depth, and k_max.")
 _of_stage("calibrate", Panel.LIQUEFACTION, "Calibrate the discs to the critical Kh of the finite elements.")
 
@@ -397,6 +395,5 @@ def _warn(verbosity: Verbosity, invocation: "Invocation", command: str, chosen: 
 
 def main(arguments: list[str] | None = None, command: Callable[..., Any] = app) -> None:
     """Run a command and exit with its code: 0 done, 2 bad input, 3 no answer, 130 stopped, 1 fault of the program."""
-    (exit_as_program if arguments is None else exit_on_failure)(
-        lambda: literal_help(command)(arguments, standalone_mode=True)
-    )
+    call = exit_as_program if arguments is None else exit_on_failure
+    call(lambda: literal_help(command)(arguments, standalone_mode=True))

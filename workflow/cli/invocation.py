@@ -77,12 +77,16 @@ class Invocation:
         return cls(read, store, mesh or stored, bool(stored), section, tables)
 
     def refuse_without_subject(self, stage: str) -> None:
-        """Raise InputError if the section has nothing that a stage computes: no structures, or no liquefying strata."""
+        """Raise InputError if the section has nothing that a stage computes: no structures, no liquefying
+        strata, or no post-peak strength."""
         from workflow.estimates.structures import structures_of
         from workflow.stages.liquefaction import refuse_unless_liquefying
 
         if stage == "liquefied":
             refuse_unless_liquefying(self.config.section)
+        if stage == "residual" and not any(stratum.softens for stratum in self.config.section.strata):
+            wanted = "expected residual_cohesion and residual_friction_angle in at least one stratum"
+            raise InputError(str(self.section), [f"no stratum has a post-peak strength; {wanted}"])
         if stage == "faces" and not structures_of(self.config.section):
             raise InputError(
                 str(self.section), ["structures: missing; expected one table [[structures]] for each structure"]

@@ -241,7 +241,7 @@ def show_runs(runs: "Sequence[ComparedRun]") -> None:
     differences = [(key, *values) for key, values in side_by_side.differences(runs)]
     if differences:
         show_table(("input", *folders), differences)
-    else:
+    elif len(folders) > 1:
         say("The inputs of these runs are the same.")
 
 

@@ -101,8 +101,8 @@ def _along(
 
 
 def _without_residual(config: Config) -> str:
-    """Return the reason why the stage is not needed, which is that no stratum has a residual strength."""
-    return "" if any(stratum.softens for stratum in config.section.strata) else "no stratum has a residual strength"
+    """Return the reason why the stage is not needed, which is that no stratum has a post-peak strength."""
+    return "" if any(stratum.softens for stratum in config.section.strata) else "no stratum has a post-peak strength"
 
 
 def verdict_of(factor: float | None, along: AlongSurface | None, everywhere: "Bearing") -> ResidualVerdict:
