@@ -323,7 +323,7 @@ def test_ctrl_c(section: Path, out: Path) -> None:
     process.send_signal(signal.SIGINT)
     _, messages = process.communicate(timeout=60)
     assert process.returncode == 130, messages
-    assert messages == "Stopped.\n"
+    assert messages == "Stopped. Finished results are kept; the same command continues.\n"
     assert files(out) == []
 
 

@@ -87,7 +87,10 @@ def test_ctrl_c_while_it_computes(tmp_path: Path, capsys: pytest.CaptureFixture[
     time.sleep(1.0)
     started.send_signal(signal.SIGINT)
     _, messages = started.communicate(timeout=60)
-    assert (started.returncode, messages.splitlines()[-1]) == (130, "Stopped.")
+    assert (started.returncode, messages.splitlines()[-1]) == (
+        130,
+        "Stopped. Finished results are kept; the same command continues.",
+    )
     assert not (tmp_path / "out/fem/critical.json").exists()
     assert "stopped after" in (tmp_path / "out/log.txt").read_text()
     assert run("run", path, "--out", tmp_path / "out", "--dry-run") == 0

@@ -57,7 +57,7 @@ def exit_as_program(call: Callable[[], object]) -> None:
 
 
 def _stop() -> NoReturn:
-    _complain("Stopped.", style="yellow")
+    _complain("Stopped. Finished results are kept; the same command continues.", style="yellow")
     exec("")  # else Python ends by the signal if Ctrl-C came inside of another exec: as a class was made, for example
     sys.exit(STOPPED)
 

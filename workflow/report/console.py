@@ -342,7 +342,7 @@ def run_lines(answer: Summary, texts: Texts | None = None) -> list[str]:
     criteria, stages without answer, warnings."""
     _ = texts or Texts()
     lines = [
-        f"{part.name}: {part.value}" + (f" ({part.interval})" if part.interval else "")
+        f"{part.name}: {part.value}" + (f"; {part.interval}" if part.interval else "")
         if part.value != NO_NUMBER else part.conclusion
         for part in answer.headlines
     ]  # fmt: skip

@@ -13,6 +13,8 @@ from tests.support.command_line import TOP
 from workflow.cli.exit_codes import BAD_INPUT, FAULT, NO_ANSWER, STOPPED, exit_on_failure
 from workflow.stages.bounds import NoBracketError
 
+STOPPED_MESSAGE = "Stopped. Finished results are kept; the same command continues.\n"
+
 
 def interrupted_by_itself() -> None:
     raise KeyboardInterrupt
@@ -45,8 +47,8 @@ def faulty() -> None:
 @pytest.mark.parametrize(
     ("call", "code", "message"),
     [
-        (interrupted_by_itself, STOPPED, "Stopped.\n"),
-        (interrupted_as_compiled_code_returns, STOPPED, "Stopped.\n"),
+        (interrupted_by_itself, STOPPED, STOPPED_MESSAGE),
+        (interrupted_as_compiled_code_returns, STOPPED, STOPPED_MESSAGE),
         (refused, BAD_INPUT, "strata: missing"),
         (without_bounds, NO_ANSWER, "No strict bounds: there is no lower bound; rely on"),
         (faulty, FAULT, "This is a fault of noshiro, not of your input: SystemError: a fault"),
@@ -76,4 +78,4 @@ exit_on_failure(lambda: exec("raise KeyboardInterrupt"))
         [sys.executable, "-m", "stopped"], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": paths},
         check=False,
     )  # fmt: skip
-    assert (done.returncode, done.stderr) == (STOPPED, "Stopped.\n")
+    assert (done.returncode, done.stderr) == (STOPPED, STOPPED_MESSAGE)
