@@ -24,11 +24,12 @@ BULK_VISCOSITY = 0.3  # viscosity of volume over density, speed of sound in the 
 SMALLEST_STRAIN, LARGEST_STRAIN = 0.004, 0.02
 BOND_STRAIN_RATIO = 0.5 * FITTED_STRENGTH  # strain of a bond at its limit over strength over shear modulus s/G
 SHEAR_MODULUS = 0.23  # of patches of soil discs, over kn: their E is 0.6 kn, with a Poisson's ratio of 0.3
-LOOSE_DENSITY, LOOSEST_DENSITY = (
-    0.95,
-    0.85,
-)  # of the median density of a layer: discs at a free surface, looser than that, take this
+# Of the median density of a layer: discs at a free surface, looser than the second, take the first.
+LOOSE_DENSITY, LOOSEST_DENSITY = 0.95, 0.85
 LONGEST_INTERVAL = 1.2  # time between two updates of pair forces, times a bound on their highest angular frequency
+# Sums over the pairs of a disc, as integrals over a uniform density of discs between a diameter and the reach H: twice
+# sum w/r over sum w r, times H^2; for the pore water a multiple of the integral, as discs also come nearer.
+BOND_STIFFNESS_SUM, WATER_STIFFNESS_SUM = 4.8, 3.0
 # Share of the longest update interval that is used: with more, sliding clay gains energy.
 BALANCED_INTERVAL = 0.6
 MOST_STEPS = 4  # between two looks: half a period of the fastest contacts, beyond which these resonate
@@ -41,10 +42,9 @@ LARGEST_CHANGE = 0.1  # from one neighbour list to the next
 # discs all of it.
 LEAST_FACTOR, MOST_FACTOR = 0.1, 2.0
 LEAST_STRENGTH = 1.0  # Pa
-NO_SLIP_SHARE, FULL_SLIP_SHARE = (
-    0.8,
-    0.9,
-)  # share of the strength of bonds: ground with less does not slip, with more all of it does
+# Mobilised share of the strength of bonds: ground with less than the first does not slip, with more than the second all
+# of it does.
+NO_SLIP_SHARE, FULL_SLIP_SHARE = 0.8, 0.9
 FEWEST_COLUMNS = 3  # columns of cells in a period
 
 
@@ -72,6 +72,13 @@ class Onset(NamedTuple):
     knee: np.ndarray | float = 0.0
     soft_to: np.ndarray | float = 0.0
     peak: bool = True
+
+
+def elastic_strain(model: DiscState, strength: np.ndarray) -> np.ndarray:
+    """Return the strain of bonds (n,) at which ground with the shear modulus of its stratum reaches a strength (n,) in
+    Pa."""
+    modulus = SHEAR_MODULUS * np.append([layer.kn for layer in model.springs.layers], 1.0)[model.layer]
+    return np.asarray(BOND_STRAIN_RATIO * strength / modulus)
 
 
 def list_liquefied(state: DiscState, in_ranges: Ranges = serial) -> None:
@@ -184,7 +191,7 @@ def longest_look(model: DiscState) -> tuple[float, int]:
     (inf, -1) without liquefied ground.
 
     The time follows from the highest frequency of a disc on its bonds and pore water: twice the sum of their stiffness
-    over its mass, as for contacts; sums over pairs are replaced by integrals over a uniform density.
+    over its mass, as for contacts.
     """
     which = np.flatnonzero(is_liquefying(model))
     if not len(which):
@@ -192,8 +199,9 @@ def longest_look(model: DiscState) -> tuple[float, int]:
     wet = model.liquefied[which]
     steepest = (1.0 - wet[:, bond.KNEE_STRENGTH]) / (1.0 - wet[:, bond.KNEE_STRAIN])
     strain = np.where(wet[:, bond.KNEE_STRAIN] > 0.0, STRAINING_SHARE, 1.0) * wet[:, bond.STRAIN]
-    bonds = 4.8 * BOND_LIMIT * steepest * wet[:, bond.STRENGTH] / strain
-    square = 2.0 * (bonds + 3.0 * wet[:, bond.STIFFNESS]) * wet[:, bond.AREA] / (model.mass[which] * model.reach**2)
+    bonds = BOND_STIFFNESS_SUM * BOND_LIMIT * steepest * wet[:, bond.STRENGTH] / strain
+    square = 2.0 * (bonds + WATER_STIFFNESS_SUM * wet[:, bond.STIFFNESS]) * wet[:, bond.AREA]
+    square /= model.mass[which] * model.reach**2
     highest = int(np.argmax(square))
     return float(LONGEST_INTERVAL / np.sqrt(square[highest])), int(which[highest])
 

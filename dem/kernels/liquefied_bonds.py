@@ -6,68 +6,10 @@ import math
 
 import numpy as np
 
+from dem.kernels import liquefied_pairs as bond
 from dem.kernels.bond_law import SOFT_CREEP_TIME, decay, energy_share, force_share, mobilised, slopes
 from dem.kernels.device_function import device_function
 from dem.kernels.liquefied_laws import bond_kernel, dashpot_share, stand_in_shares
-from dem.kernels.liquefied_pairs import (
-    ACROSS,
-    ACROSS_SPEED,
-    ALONG,
-    ALONG_SPEED,
-    APPLIED_COUPLE,
-    AREA_1,
-    AREA_2,
-    ARM,
-    BOND,
-    BOND_SUM,
-    COUNTER_ACROSS,
-    COUNTER_ALONG,
-    COUPLE,
-    CREEP_TIME,
-    DASH_ACROSS,
-    DASH_ALONG,
-    DISTANCE,
-    EXTRA_SHARE,
-    FORCE_X,
-    FORCE_X1,
-    FORCE_X2,
-    FORCE_Z,
-    FORCE_Z1,
-    FORCE_Z2,
-    KNEE_STRAIN,
-    KNEE_STRAIN_SUM,
-    KNEE_STRENGTH,
-    KNEE_STRENGTH_SUM,
-    LANES,
-    LIMIT_ENERGY,
-    MAXWELL_ACROSS,
-    MAXWELL_ALONG,
-    MEMORY_BLOCK,
-    MOMENT_1,
-    MOMENT_2,
-    NX,
-    NZ,
-    PAIR_COUPLE,
-    PAIR_PRESSURE,
-    PAIR_SPIN,
-    PART_1,
-    PART_2,
-    PRESSURE_TERM,
-    SHARE,
-    SLIP,
-    SLOPE,
-    SMALLEST_DIVISOR,
-    SPIN,
-    STAND_IN_SHARE,
-    STRAIN,
-    STRAIN_SUM,
-    STRETCH,
-    TO_LEVER,
-    TO_RATE,
-    WORKING_BLOCK,
-    Liquefied,
-    strength_weights,
-)
 from dem.kernels.losses import both
 from dem.kernels.prefetch import wide_vectors
 
@@ -95,46 +37,46 @@ def bond_weights(a: float, b: float) -> tuple[float, float]:
 @device_function(forceinline=True)
 def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
     """Return the slopes of both lines of a bond, and the share of the displacement at which the lines meet."""
-    a, b = bond_weights(*strength_weights(discs, i, j))
-    soft_to = 0.5 * (a * discs[i, KNEE_STRAIN] + b * discs[j, KNEE_STRAIN])
-    soft, steep = slopes(0.5 * (a * discs[i, KNEE_STRENGTH] + b * discs[j, KNEE_STRENGTH]), soft_to)
+    a, b = bond_weights(*bond.strength_weights(discs, i, j))
+    soft_to = 0.5 * (a * discs[i, bond.KNEE_STRAIN] + b * discs[j, bond.KNEE_STRAIN])
+    soft, steep = slopes(0.5 * (a * discs[i, bond.KNEE_STRENGTH] + b * discs[j, bond.KNEE_STRENGTH]), soft_to)
     return soft, steep, soft_to
 
 
 @device_function(nogil=True, _nrt=False)
-def fetch_strength(block: int, wet: Liquefied) -> None:
+def fetch_strength(block: int, wet: bond.Liquefied) -> None:
     """Compute pressure and strength of the pairs of a block as sums over both discs; the sums for bonds are
     weighted."""
     discs, w = wet.discs, wet.working
-    for lane in range(LANES):
-        q = np.uint64(block) * WORKING_BLOCK + np.uint64(lane)
-        c = block * LANES + lane
+    for lane in range(bond.LANES):
+        q = np.uint64(block) * bond.WORKING_BLOCK + np.uint64(lane)
+        c = block * bond.LANES + lane
         i, j = np.int64(wet.disc_i[c]), np.int64(wet.disc_j[c])
-        more_i, more_j = stand_in_shares(discs[i, SHARE], discs[j, SHARE])
-        stands_in = more_i * discs[i, PRESSURE_TERM] + more_j * discs[j, PRESSURE_TERM]
-        pressure = discs[i, PRESSURE_TERM] + discs[j, PRESSURE_TERM] + stands_in
-        w[q + PAIR_PRESSURE], w[q + STAND_IN_SHARE] = pressure, stands_in / (pressure + SMALLEST_DIVISOR)
-        a, b = strength_weights(discs, i, j)
-        w[q + BOND_SUM] = a * discs[i, BOND] + b * discs[j, BOND]
+        more_i, more_j = stand_in_shares(discs[i, bond.SHARE], discs[j, bond.SHARE])
+        stands_in = more_i * discs[i, bond.PRESSURE_TERM] + more_j * discs[j, bond.PRESSURE_TERM]
+        pressure = discs[i, bond.PRESSURE_TERM] + discs[j, bond.PRESSURE_TERM] + stands_in
+        w[q + bond.PAIR_PRESSURE], w[q + bond.STAND_IN_SHARE] = pressure, stands_in / (pressure + bond.SMALLEST_DIVISOR)
+        a, b = bond.strength_weights(discs, i, j)
+        w[q + bond.BOND_SUM] = a * discs[i, bond.BOND] + b * discs[j, bond.BOND]
         a, b = bond_weights(a, b)
-        ends = a * discs[i, KNEE_STRAIN] + b * discs[j, KNEE_STRAIN]
+        ends = a * discs[i, bond.KNEE_STRAIN] + b * discs[j, bond.KNEE_STRAIN]
         straining = STRAINING_SHARE if a != b and ends > 0.0 else 1.0
-        w[q + STRAIN_SUM] = straining * (a * discs[i, STRAIN] + b * discs[j, STRAIN])
-        w[q + KNEE_STRENGTH_SUM] = a * discs[i, KNEE_STRENGTH] + b * discs[j, KNEE_STRENGTH]
-        w[q + KNEE_STRAIN_SUM] = ends
-        first, second = w[q + PART_1], w[q + PART_2]
-        w[q + PAIR_SPIN] = first * discs[i, SPIN] + second * discs[j, SPIN]
-        couple_i = discs[i, APPLIED_COUPLE] if first > 0.0 else 0.0
-        w[q + PAIR_COUPLE] = couple_i + (discs[j, APPLIED_COUPLE] if second > 0.0 else 0.0)
-        w[q + CREEP_TIME], soft = SOFT_CREEP_TIME, i if discs[i, KNEE_STRAIN] > 0.0 else j
-        if (discs[i, KNEE_STRAIN] > 0.0) != (discs[j, KNEE_STRAIN] > 0.0):
-            single = discs[soft, BOND], STRAINING_SHARE * discs[soft, STRAIN]
-            w[q + CREEP_TIME] *= dashpot_share(single, (w[q + BOND_SUM], w[q + STRAIN_SUM]))
+        w[q + bond.STRAIN_SUM] = straining * (a * discs[i, bond.STRAIN] + b * discs[j, bond.STRAIN])
+        w[q + bond.KNEE_STRENGTH_SUM] = a * discs[i, bond.KNEE_STRENGTH] + b * discs[j, bond.KNEE_STRENGTH]
+        w[q + bond.KNEE_STRAIN_SUM] = ends
+        first, second = w[q + bond.PART_1], w[q + bond.PART_2]
+        w[q + bond.PAIR_SPIN] = first * discs[i, bond.SPIN] + second * discs[j, bond.SPIN]
+        couple_i = discs[i, bond.APPLIED_COUPLE] if first > 0.0 else 0.0
+        w[q + bond.PAIR_COUPLE] = couple_i + (discs[j, bond.APPLIED_COUPLE] if second > 0.0 else 0.0)
+        w[q + bond.CREEP_TIME], soft = SOFT_CREEP_TIME, i if discs[i, bond.KNEE_STRAIN] > 0.0 else j
+        if (discs[i, bond.KNEE_STRAIN] > 0.0) != (discs[j, bond.KNEE_STRAIN] > 0.0):
+            single = discs[soft, bond.BOND], STRAINING_SHARE * discs[soft, bond.STRAIN]
+            w[q + bond.CREEP_TIME] *= dashpot_share(single, (w[q + bond.BOND_SUM], w[q + bond.STRAIN_SUM]))
 
 
 @device_function(nogil=True, _nrt=False, forceinline=True)
 def press_lanes(
-    block: int, wet: Liquefied, damping_time: float, relaxation: float, with_losses: bool
+    block: int, wet: bond.Liquefied, damping_time: float, relaxation: float, with_losses: bool
 ) -> tuple[float, float, float]:
     """Compute forces and history variables of the pairs of a block, after `fetch_strength` has read their strength; the
     compiler vectorises the loop only without calls, and with one sum for each energy.
@@ -149,24 +91,24 @@ def press_lanes(
     slid, damped, work = 0.0, 0.0, 0.0
     part = 0.5 / wet.steps_between_looks
     rate = 0.5 / damping_time  # one over the time between two evaluations (1/s)
-    for lane in range(LANES):
-        q = np.uint64(block) * WORKING_BLOCK + np.uint64(lane)
-        r = np.uint64(block) * MEMORY_BLOCK + np.uint64(lane)
-        apart, stands_in = w[q + DISTANCE], w[q + STAND_IN_SHARE]
+    for lane in range(bond.LANES):
+        q = np.uint64(block) * bond.WORKING_BLOCK + np.uint64(lane)
+        r = np.uint64(block) * bond.MEMORY_BLOCK + np.uint64(lane)
+        apart, stands_in = w[q + bond.DISTANCE], w[q + bond.STAND_IN_SHARE]
         here = 1.0 if apart < reach else 0.0
         inside = apart if apart < reach else reach
-        pressure_force = -w[q + PAIR_PRESSURE] * w[q + AREA_1] * w[q + AREA_2] * w[q + SLOPE]
+        pressure_force = -w[q + bond.PAIR_PRESSURE] * w[q + bond.AREA_1] * w[q + bond.AREA_2] * w[q + bond.SLOPE]
         kernel = here * bond_kernel(inside, reach)
-        strength = BOND_LIMIT * w[q + BOND_SUM] * kernel
-        soft_to = 0.5 * w[q + KNEE_STRAIN_SUM]
-        room = 0.5 * w[q + STRAIN_SUM] * inside + SMALLEST_DIVISOR * reach  # way (m) at which the bond slips
-        soft, steep = slopes(0.5 * w[q + KNEE_STRENGTH_SUM], soft_to)
-        rotation, couple = inside * w[q + PAIR_SPIN], kernel * w[q + PAIR_COUPLE]
-        stretch, slip = w[q + STRETCH], w[q + SLIP] - rotation
-        fresh = memory[r + EXTRA_SHARE]
+        strength = BOND_LIMIT * w[q + bond.BOND_SUM] * kernel
+        soft_to = 0.5 * w[q + bond.KNEE_STRAIN_SUM]
+        room = 0.5 * w[q + bond.STRAIN_SUM] * inside + bond.SMALLEST_DIVISOR * reach  # way (m) at which the bond slips
+        soft, steep = slopes(0.5 * w[q + bond.KNEE_STRENGTH_SUM], soft_to)
+        rotation, couple = inside * w[q + bond.PAIR_SPIN], kernel * w[q + bond.PAIR_COUPLE]
+        stretch, slip = w[q + bond.STRETCH], w[q + bond.SLIP] - rotation
+        fresh = memory[r + bond.EXTRA_SHARE]
         more = 1.0 + EXTRA_STRENGTH * fresh
         strength, room = more * strength, more * room
-        along, across = memory[r + ALONG], memory[r + ACROSS]
+        along, across = memory[r + bond.ALONG], memory[r + bond.ACROSS]
         inverse = here / room
         tried_along, tried_across = along + stretch * inverse, across + slip * inverse
         new_along, new_across = mobilised(tried_along, tried_across)
@@ -178,63 +120,63 @@ def press_lanes(
         energy = strength * room
         yields = energy / (gain * gain)
         if with_losses:
-            dashed = memory[r + DASH_ALONG] * stretch + memory[r + DASH_ACROSS] * slip
+            dashed = memory[r + bond.DASH_ALONG] * stretch + memory[r + bond.DASH_ACROSS] * slip
             damped_here = (1.0 - part) * dashed
             work_here = stands_in * part * pressure_force * stretch
-            weaker = 0.5 * (memory[r + LIMIT_ENERGY] - energy) * energy_share(along, across, soft, steep, soft_to)
+            weaker = 0.5 * (memory[r + bond.LIMIT_ENERGY] - energy) * energy_share(along, across, soft, steep, soft_to)
             was = force_share(along, across, soft, steep)
             cut = (was * along + mobilised_share * new_along) * (tried_along - new_along)
             cut += (was * across + mobilised_share * new_across) * (tried_across - new_across)
             stored = energy * energy_share(new_along, new_across, soft, steep, soft_to)
             left_over = yields * energy_share(here_along, here_across, soft, steep, soft_to)
             slid = both(slid, weaker + 0.5 * (energy * cut + stored - left_over))
-        memory[r + LIMIT_ENERGY], memory[r + EXTRA_SHARE] = yields, left
+        memory[r + bond.LIMIT_ENERGY], memory[r + bond.EXTRA_SHARE] = yields, left
         late_along, late_across = mobilised(
-            relaxation * (memory[r + MAXWELL_ALONG] + MAXWELL_STIFFNESS_RATIO * stretch * inverse),
-            relaxation * (memory[r + MAXWELL_ACROSS] + MAXWELL_STIFFNESS_RATIO * slip * inverse),
+            relaxation * (memory[r + bond.MAXWELL_ALONG] + MAXWELL_STIFFNESS_RATIO * stretch * inverse),
+            relaxation * (memory[r + bond.MAXWELL_ACROSS] + MAXWELL_STIFFNESS_RATIO * slip * inverse),
         )
-        delay = (damping_time + w[q + CREEP_TIME] * soft) * inverse
+        delay = (damping_time + w[q + bond.CREEP_TIME] * soft) * inverse
         new_along, new_across = mobilised_share * new_along, mobilised_share * new_across
         soon_along, soon_across = mobilised(
-            new_along + late_along + w[q + ALONG_SPEED] * delay,
-            new_across + late_across + (w[q + ACROSS_SPEED] - rotation * rate) * delay,
+            new_along + late_along + w[q + bond.ALONG_SPEED] * delay,
+            new_across + late_across + (w[q + bond.ACROSS_SPEED] - rotation * rate) * delay,
         )
         pull, drag = strength * soon_along, strength * soon_across
         dash_along, dash_across = pull - strength * new_along, drag - strength * new_across
-        taken_along, taken_across = here * memory[r + COUNTER_ALONG], here * memory[r + COUNTER_ACROSS]
+        taken_along, taken_across = here * memory[r + bond.COUNTER_ALONG], here * memory[r + bond.COUNTER_ACROSS]
         moment = drag * inside
         pull, drag = pull + taken_along, drag + taken_across - couple
         if with_losses:
-            work = both(work, work_here - (taken_along * stretch + taken_across * w[q + SLIP]))
+            work = both(work, work_here - (taken_along * stretch + taken_across * w[q + bond.SLIP]))
         # beyond the reach strength has gone to nothing, and is forgotten
-        memory[r + ALONG], memory[r + ACROSS] = here_along, here_across
-        memory[r + MAXWELL_ALONG], memory[r + MAXWELL_ACROSS] = here * late_along, here * late_across
-        memory[r + DASH_ALONG], memory[r + DASH_ACROSS] = dash_along, dash_across
+        memory[r + bond.ALONG], memory[r + bond.ACROSS] = here_along, here_across
+        memory[r + bond.MAXWELL_ALONG], memory[r + bond.MAXWELL_ACROSS] = here * late_along, here * late_across
+        memory[r + bond.DASH_ALONG], memory[r + bond.DASH_ACROSS] = dash_along, dash_across
         if with_losses:
             damped = both(damped, damped_here + part * (dash_along * stretch + dash_across * slip))
-        nx, nz, normal = w[q + NX], w[q + NZ], pressure_force - pull
+        nx, nz, normal = w[q + bond.NX], w[q + bond.NZ], pressure_force - pull
         fx, fz = normal * nx + drag * nz, normal * nz - drag * nx
-        w[q + FORCE_X1], w[q + FORCE_X2], w[q + FORCE_Z1], w[q + FORCE_Z2] = -fx, fx, -fz, fz
-        w[q + MOMENT_1], w[q + MOMENT_2] = w[q + PART_1] * moment, w[q + PART_2] * moment
+        w[q + bond.FORCE_X1], w[q + bond.FORCE_X2], w[q + bond.FORCE_Z1], w[q + bond.FORCE_Z2] = -fx, fx, -fz, fz
+        w[q + bond.MOMENT_1], w[q + bond.MOMENT_2] = w[q + bond.PART_1] * moment, w[q + bond.PART_2] * moment
     return slid, damped, work
 
 
 @device_function(nogil=True, _nrt=False)
-def press_pairs(block: int, wet: Liquefied, damping_time: float, relaxation: float) -> None:
+def press_pairs(block: int, wet: bond.Liquefied, damping_time: float, relaxation: float) -> None:
     """Compute the forces of the pairs of a block; arguments as in `press_lanes`."""
     press_lanes(block, wet, damping_time, relaxation, False)
 
 
 @device_function(nogil=True, _nrt=False)
 def press_pairs_with_losses(
-    block: int, wet: Liquefied, damping_time: float, relaxation: float
+    block: int, wet: bond.Liquefied, damping_time: float, relaxation: float
 ) -> tuple[float, float, float]:
     """Compute the forces and the energies of the pairs of a block; arguments and result as in `press_lanes`."""
     return press_lanes(block, wet, damping_time, relaxation, True)
 
 
 @device_function(nogil=True, _nrt=False)
-def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
+def sum_pairs(begin: int, end: int, wet: bond.Liquefied) -> None:
     """Add up the forces of pairs on the discs near[begin:end]."""
     discs, w = wet.discs, wet.working
     for k in range(begin, end):
@@ -243,7 +185,7 @@ def sum_pairs(begin: int, end: int, wet: Liquefied) -> None:
         for m in range(wet.members[i], wet.members[i + 1]):
             q = np.uint64(wet.member[m])
             fx += w[q]
-            fz += w[q + TO_RATE]
-            moment += w[q + TO_LEVER]
-        discs[i, FORCE_X], discs[i, FORCE_Z] = fx, fz
-        discs[i, COUPLE] = moment / discs[i, ARM] if discs[i, SHARE] > 0.0 else 0.0
+            fz += w[q + bond.TO_RATE]
+            moment += w[q + bond.TO_LEVER]
+        discs[i, bond.FORCE_X], discs[i, bond.FORCE_Z] = fx, fz
+        discs[i, bond.COUPLE] = moment

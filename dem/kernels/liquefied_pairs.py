@@ -16,9 +16,11 @@ sum_j w r, f = `FITTED_STRENGTH`. With this limit sum_j c_ij r_ij does not depen
 has the shear stress s, in simple and in pure shear. The stiffness of the bond is c_ij/(gamma r).
    The ground about a disc rotates by omega_i = sum_j w d_ij / S_i, with the motion d_ij of the partner across the line
 of centres; the slip of a bond is d_ij - r (omega_i + omega_j) / 2. Ground that rotates as a block is not resisted. The
-forces follow by virtual work: each pair has in addition the force -w (m_i + m_j) across the line of centres, with m_i =
-sum_j r t_ij / (2 S_i) and the forces t_ij of the bonds across. The moments of all forces about a disc are in balance,
-and the shear stress is symmetric. The m_i are those of the last evaluation but one: their work is booked as a loss.
+forces follow by virtual work: each pair has in addition the force -w (M_i/S_i + M_j/S_j) across the line of centres,
+with the moments M_i = sum_j r t_ij / 2 of the forces t_ij of the bonds across. The moments of all forces about a disc
+are in balance, and the shear stress is symmetric. The M_i are those of the evaluation before: the difference of work is
+booked as a loss. The w and S_i belong to the present positions: with the S_i of the evaluation before, a disc that
+comes within reach would get a force as many times too large as its w has grown since then.
    Without this the ground would resist rotation at the rate omega with the power pi/2 s omega per area: a slope of clay
 on a weak seam moved 1.0 m for 1.7 m, since the wedge behind its crest did not fall. Bonds of two strata slip about the
 rotation of the weaker disc alone, and count in its sums alone.
@@ -57,8 +59,8 @@ from dem.kernels.prefetch import wide_vectors
 # part by viscosity, bond term V/S (1/m), force (N). Strength at the strain potential over the residual strength, and
 # strain potential over the strain at which the residual strength is reached (-); both 0 without a strain potential.
 # Number of the stratum. Sum S of the levers of the bonds in which the rotation of the disc counts (m), this rotation
-# since the evaluation before (rad), moment m of these bonds over S (N), and the one that acts until the next evaluation
-# (N).
+# since the evaluation before (rad), moment M of these bonds (N m), and the one that acts until the next evaluation,
+# over S (N).
 SHARE, AREA, PRESSURE, DENSITY, STIFFNESS, VISCOSITY, STRENGTH, STRAIN = range(8)
 AT_X, AT_Z, PRESENT_DENSITY, PRESSURE_TERM, DRAG, BOND, FORCE_X, FORCE_Z = range(8, 16)
 KNEE_STRENGTH, KNEE_STRAIN, STRATUM = 16, 17, 18
@@ -166,8 +168,7 @@ def rotation_parts(discs: np.ndarray, i: int, j: int) -> tuple[float, float]:
     rotation of the weaker disc, and have no part in the rotation of the stronger one.
     """
     a, b = strength_weights(discs, i, j)
-    total = a + b
-    return (a / total, b / total) if total > 0.0 else (0.0, 0.0)
+    return a / (a + b), b / (a + b)
 
 
 @device_function(nogil=True, _nrt=False)
@@ -277,10 +278,10 @@ def look_at_discs(begin: int, end: int, wet: Liquefied, shared: np.ndarray, late
         if with_losses:
             viscous_mean = discs[i, DRAG] + 0.5 / wet.steps_between_looks * (drag - discs[i, DRAG])
             lost += area * viscous_mean * (density - discs[i, PRESENT_DENSITY])
-            lost += (discs[i, COUPLE] - discs[i, APPLIED_COUPLE]) * turn
+            lost += (discs[i, COUPLE] - discs[i, APPLIED_COUPLE] * discs[i, ARM]) * turn / arm
         discs[i, PRESENT_DENSITY] = density
         discs[i, PRESSURE_TERM] = whole / (density * density)
         discs[i, DRAG] = drag
         discs[i, BOND] = share * discs[i, STRENGTH] * area / levers
-        discs[i, ARM], discs[i, SPIN], discs[i, APPLIED_COUPLE] = arm, turn / arm, discs[i, COUPLE]
+        discs[i, ARM], discs[i, SPIN], discs[i, APPLIED_COUPLE] = arm, turn / arm, discs[i, COUPLE] / arm
     return lost

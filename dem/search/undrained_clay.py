@@ -17,13 +17,12 @@ from dem.disc_area import area_with_voids
 from dem.engine.engine import Engine, largest_step
 from dem.ground import Ground
 from dem.liquefied_ground import (
-    BOND_STRAIN_RATIO,
     FADING_STEPS,
     LARGEST_STRAIN,
-    SHEAR_MODULUS,
     SMALLEST_STRAIN,
     Onset,
     change_strength,
+    elastic_strain,
     is_liquefying,
     liquefy,
     set_share,
@@ -122,6 +121,5 @@ def _state_of_clay(model: DiscModel, discs: np.ndarray, strength: np.ndarray) ->
 
     discs: mask (n,) of the discs of clay; strength: s_u (n,) of the discs.
     """
-    modulus = SHEAR_MODULUS * np.append([layer.kn for layer in model.springs.layers], 1.0)[model.layer]
-    strain = np.clip(BOND_STRAIN_RATIO * strength / modulus, SMALLEST_STRAIN, LARGEST_STRAIN)
+    strain = np.clip(elastic_strain(model, strength), SMALLEST_STRAIN, LARGEST_STRAIN)
     return Onset(discs, area_with_voids(model), effective_overburden(model), strength, strain, peak=False)

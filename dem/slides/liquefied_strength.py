@@ -13,10 +13,10 @@ from dem.kernels import liquefied_pairs as bond
 from dem.liquefied_ground import (
     BOND_STRAIN_RATIO,
     LARGEST_STRAIN,
-    SHEAR_MODULUS,
     SMALLEST_STRAIN,
     Onset,
     change_strength,
+    elastic_strain,
     is_liquefying,
 )
 from dem.model import DiscModel
@@ -121,17 +121,15 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
     pressure, strength, increase, remains = _strength_by_case(model, ground, strata, case)
     area, discs = area_with_voids(model), np.isin(model.layer, strata) & ~model.fixed
     strength = strength * edge_shares(model, discs, strength, increase, pressure, area)
-    strain, knee, soft_to = np.full(len(model), SMALLEST_STRAIN), np.zeros(len(model)), np.zeros(len(model))
+    knee, soft_to = np.zeros(len(model)), np.zeros(len(model))
+    wanted = np.maximum(strength, NO_STRENGTH)
+    elastic = elastic_strain(model, wanted) / case.stiffness
+    strain = np.maximum(elastic * LARGEST_STRAIN / (elastic + LARGEST_STRAIN), SMALLEST_STRAIN)
     for k, remaining in remains.items():
-        in_layer = model.layer == k
-        modulus = case.stiffness * SHEAR_MODULUS * model.springs.layers[k].kn
-        wanted = np.maximum(strength[in_layer], NO_STRENGTH)
-        strain[in_layer] = np.maximum(
-            1.0 / (modulus / (BOND_STRAIN_RATIO * wanted) + 1.0 / LARGEST_STRAIN), SMALLEST_STRAIN
-        )
         if remaining.strain_potential > 0.0:
+            in_layer = model.layer == k
             strain[in_layer] = BOND_STRAIN_RATIO * (remaining.strain_potential + REGAINING_STRAIN)
-            knee[in_layer] = stress_at_potential(pressure[in_layer], wanted) / wanted
+            knee[in_layer] = stress_at_potential(pressure[in_layer], wanted[in_layer]) / wanted[in_layer]
             soft_to[in_layer] = remaining.strain_potential / (remaining.strain_potential + REGAINING_STRAIN)
     return Onset(discs, area, pressure, strength, strain, knee, soft_to)
 

@@ -30,6 +30,7 @@ from dem.liquefied_ground import (
     ADJUSTMENT_RATE,
     BOND_STRAIN_RATIO,
     LARGEST_STRAIN,
+    SHEAR_MODULUS,
     SMALLEST_STRAIN,
     Onset,
     is_liquefying,
@@ -43,7 +44,7 @@ from dem.packing import lattice_box
 from dem.pair_table import pair_table
 from dem.pressure_shear import take_back_shear
 from dem.slides.edge_strength import BAND
-from dem.slides.liquefied_strength import SHEAR_MODULUS, liquefied, onset
+from dem.slides.liquefied_strength import liquefied, onset
 from tests.support.dem_cases import BARE_SPRINGS, RADIUS
 from tests.support.liquefied import GRAVITY, ShearedBox, sand, with_voids
 
