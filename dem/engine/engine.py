@@ -26,11 +26,11 @@ from dem.engine.checks import (
 from dem.engine.compliant_base import MeasurementInterval, acceleration_on_discs, felt_until
 from dem.engine.energy_balance import EnergyBalance
 from dem.engine.memory import ReusedMemory, keep_freed_arrays
-from dem.engine.packer import CrackBy, law_of, pack, springs_of, unpack, unpack_motion
+from dem.engine.packer import law_of, pack, springs_of, unpack, unpack_motion
 from dem.engine.sharing import neighbour_slices
 from dem.errors import DemError, StepTooLargeError
 from dem.kernels import energy
-from dem.kernels.arguments import Clock, Entries, Law, Loads, Team
+from dem.kernels.arguments import Clock, Entries, Loads, Team
 from dem.kernels.barrier import new_barrier
 from dem.kernels.layout import Layout
 from dem.kernels.stable_step import Bodies, LineContacts, Pairs, stable_step
@@ -96,28 +96,18 @@ class Engine:
     balance : float
         Largest unaccounted energy over the total energy exchanged; after liquefaction ten times this value, since
         forces of liquefied ground are constant over several steps.
-    pulls : bool
-        Whether dashpots of contact springs may pull (only for comparison with closed forms).
-    crack_by : "contact" or "pore"
-        Normal force in the crack criterion of pore springs, equation 16 of the paper: the normal force of contact and
-        pore spring together ("contact"), or of the pore spring alone ("pore"). For soil discs the criterion always has
-        the normal force of the pore spring alone.
     """
 
     dt: float | Literal["auto"] = "auto"
     threads: int = 1
     energies: bool = True
     balance: float = BALANCE
-    pulls: bool = False
-    crack_by: CrackBy = "contact"
 
     def __post_init__(self) -> None:
         if self.threads < 1:
             raise ValueError(f"threads must be at least 1, but is {self.threads}")
         if self.dt != "auto" and not self.dt > 0.0:
             raise ValueError(f"dt must be positive or 'auto', but is {self.dt}")
-        if self.crack_by not in ("contact", "pore"):
-            raise ValueError(f"crack_by is 'contact' or 'pore', not {self.crack_by!r}")
 
     def step_of(self, model: DiscModel) -> float:
         """Return the time step of a run of this model (s). Raises StepTooLargeError, which names the stable time
@@ -181,12 +171,8 @@ class Engine:
         """Measure the energy balance of a model whose contacts are in a layout."""
         now = acceleration_on_discs(model)
         loads = Loads(now.times, now.with_level(model.gravity))
-        measured = energy.energies(layout, springs_of(model), self.law_of(model), loads, model.last_dt)
+        measured = energy.energies(layout, springs_of(model), law_of(model), loads, model.last_dt)
         return EnergyBalance.of(measured, model.energy_sums, model.energy_edited, model.turnover)
-
-    def law_of(self, model: DiscModel) -> Law:
-        """Return the contact law with which this engine moves a model."""
-        return law_of(model, self.pulls, self.crack_by)
 
 
 class EngineRun:
@@ -206,7 +192,7 @@ class EngineRun:
         self.in_ranges = threaded(self.pool, self.threads)
         self.room = ReusedMemory(len(model))
         self.layout: Layout | None = None  # while there is one, the model has no pairs
-        self.springs, self.law = springs_of(model), engine.law_of(model)  # as they were when the layout was made
+        self.springs, self.law = springs_of(model), law_of(model)  # as they were when the layout was made
         self.stable: StableStep | None = None  # as it was when the list was made, if that was in this run
         self.share: float | None = None  # of the stable step, that steps with a new list are at most; None: refused
         self.look: MeasurementInterval | None = None  # at a compliant base
@@ -226,7 +212,7 @@ class EngineRun:
         """Return the layout of the discs for the kernels, which is made from the model if there is none yet."""
         if self.layout is None:
             self.layout = pack(self.model, keep_pairs=False, in_ranges=self.in_ranges, room=self.room)
-            self.springs, self.law = springs_of(self.model), self.engine.law_of(self.model)
+            self.springs, self.law = springs_of(self.model), law_of(self.model)
         return self.layout
 
     def update(self) -> None:

@@ -1,7 +1,6 @@
 """Converts a DiscModel to a Layout and back, and its law and springs to arguments of the kernels."""
 
 from functools import partial
-from typing import Literal
 
 import numpy as np
 
@@ -203,19 +202,9 @@ def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = serial) -> None
             setattr(model, name, rolling[chunk, field, lane])
 
 
-CrackBy = Literal["contact", "pore"]
-
-
-def law_of(model: DiscModel, pulls: bool = False, crack_by: CrackBy = "contact") -> Law:
-    """Return the contact law of a model as an argument of the kernels; pulls and crack_by as in `Engine`.
-
-    In soil discs Fn in equation 16 of the paper is the force of the pore spring alone, since the normal force of the
-    contact already contributes to the friction of the contact.
-    """
-    soil = model.law == "soil"
-    pores = bool(model.springs.pairs[KPN].any())
-    share = 1.0 if crack_by == "contact" and not soil else 0.0
-    return Law(soil, pores, -np.inf if pulls else 0.0, share, model.repeats)
+def law_of(model: DiscModel) -> Law:
+    """Return the contact law of a model as an argument of the kernels."""
+    return Law(model.law == "soil", bool(model.springs.pairs[KPN].any()), model.repeats)
 
 
 def springs_of(model: DiscModel) -> Springs:

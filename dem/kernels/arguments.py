@@ -53,16 +53,11 @@ class Law(NamedTuple):
     soil : whether the law is that of soil discs (weaker of two strengths, cohesion, rolling resistance, stiffening at
         large overlap); otherwise the law is that of the paper on the section S-13
     pores : whether there are pore springs
-    floor : least normal force of a contact (N): 0, or -inf if the dashpot may pull
-    share : share of the contact spring's normal force in Fn of equation 16 of the paper, the crack criterion of pore
-        springs
     period : length and rise after which periodic ground repeats itself; for soil discs only
     """
 
     soil: bool
     pores: bool
-    floor: float
-    share: float
     period: Period
 
 

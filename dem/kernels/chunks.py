@@ -23,18 +23,18 @@ def add(total: float, value: float) -> float:
 
 @device_function(forceinline=True)
 def contact(
-    d: int, q: int, w: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, soil: bool,
+    d: int, q: int, w: int, state: State, buffer: np.ndarray, slip_time: float, soil: bool,
     pores: bool, with_losses: bool,
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
     """Compute the contact in lane q of a chunk, and write its forces and history variables.
 
     d, w: places at which the chunk begins in `state.links` and `state.rolling`; state: arrays of discs and contacts;
-    buffer: rows that `load_geometry` filled; slip_time: length of the last step (s); law: law of the contacts; soil,
-    pores, with_losses: see `between_discs`. Returns whether the overlap is too large, and twice the energy (J)
+    buffer: rows that `load_geometry` filled; slip_time: length of the last step (s); soil, pores, with_losses: see
+    `between_discs`. Returns whether the overlap is too large, and twice the energy (J)
     dissipated by dashpots, sliding, cracks and rolling since the last step.
     """
     links = state.links
-    m, now = between_discs(d, q, w, state, buffer, slip_time, law, soil, pores, with_losses)
+    m, now = between_discs(d, q, w, state, buffer, slip_time, soil, pores, with_losses)
     deep = now.over > buffer[constant(ALLOWED) + q] * links[d + field.RADII + q]
     if pores:
         cracked = now.length != links[d + field.LENGTH + q]
@@ -74,8 +74,8 @@ def all_lanes(
 ) -> tuple[bool, float, float, float, float]:  # fmt: skip
     """Compute the contacts of one chunk.
 
-    state, buffer, slip_time, law, soil, pores, with_losses: as in `contact`. Returns whether an overlap is too large,
-    and the energy (J) dissipated by dashpots, sliding, cracks and rolling.
+    law: contact law with the period of the ground; state, buffer, slip_time, soil, pores, with_losses: as in `contact`.
+    Returns whether an overlap is too large, and the energy (J) dissipated by dashpots, sliding, cracks and rolling.
     """
     wide_vectors()
     too_deep = False
@@ -84,7 +84,7 @@ def all_lanes(
     load_geometry(chunk, state, buffer, law, soil)
     for lane in range(field.LANES):
         deep, damped, slid, cracked, rolled = contact(
-            d, np.uint64(lane), w, state, buffer, slip_time, law, soil, pores, with_losses
+            d, np.uint64(lane), w, state, buffer, slip_time, soil, pores, with_losses
         )
         too_deep |= deep
         if with_losses:
@@ -99,7 +99,7 @@ def all_lanes(
 def contacts(chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law) -> bool:
     """Compute forces and history variables of one chunk of contacts; return True if an overlap is larger than allowed.
 
-    state, buffer, slip_time, law: as in `contact`.
+    state, buffer, slip_time, law: as in `all_lanes`.
     """
     if not law.soil:
         return all_lanes(chunk, state, buffer, slip_time, law, False, True, False)[0]
@@ -114,8 +114,8 @@ def contacts_with_losses(
 ) -> tuple[bool, float, float, float, float]:
     """Compute forces and history variables of one chunk as `contacts` does, and the losses since the last step.
 
-    state, buffer, slip_time, law: as in `contact`. Returns whether an overlap is too large, and the losses by dashpots,
-    sliding, cracks and rolling (J).
+    state, buffer, slip_time, law: as in `all_lanes`. Returns whether an overlap is too large, and the losses by
+    dashpots, sliding, cracks and rolling (J).
     """
     if not law.soil:
         return all_lanes(chunk, state, buffer, slip_time, law, False, True, True)

@@ -56,15 +56,15 @@ def stop(over: float, stiffness: float, depth: float) -> float:
 
 
 @device_function(forceinline=True)
-def normal_force(over: float, vn: float, floor: float, spring: float, cn: float, gap: float) -> float:
+def normal_force(over: float, vn: float, kn: float, spring: float, cn: float, gap: float) -> float:
     """Return the normal force (N) of spring and dashpot of a contact, equations 1 and 2 of the paper; zero if the discs
-    do not touch.
+    do not touch. Contacts pull by their attraction kn times gap at most, and others not at all.
 
-    over: overlap (m); vn: speed of separation (m/s); spring: force of the spring (N); cn: dashpot (N s/m); gap: see
-    `spring` (m). floor: least total normal force (N): 0 for contacts without tension, -inf if dashpots may pull.
+    over: overlap (m); vn: speed of separation (m/s); spring: force of the spring (N); cn: dashpot (N s/m); kn, gap: see
+    `spring` (m).
     """
-    normal = spring - cn * vn
-    normal = normal if normal > floor else floor
+    least, normal = 0.0 - kn * gap, spring - cn * vn
+    normal = normal if normal > least else least
     return normal if over > -gap else 0.0
 
 

@@ -44,15 +44,13 @@ def book(now: Contact, out: np.ndarray) -> None:
 
 
 @device_function(nogil=True, forceinline=True)
-def lanes_energy(
-    chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, soil: bool, out: np.ndarray
-) -> None:
+def lanes_energy(chunk: int, state: State, buffer: np.ndarray, slip_time: float, soil: bool, out: np.ndarray) -> None:
     """Add the energies of one chunk of contacts to `out`, and compute the forces on both discs of each contact.
 
     The force on the disc that owns the contact is added to its sum of forces in `buffer`. The force on the other disc,
     the partner, is written into the rows of `buffer` for partners.
 
-    state, buffer, slip_time, law, soil: as in `chunks.contact`; out: energies (ENERGIES,) in J.
+    state, buffer, slip_time, soil: as in `chunks.contact`; out: energies (ENERGIES,) in J.
     """
     wide_vectors()
     d, w = np.uint64(chunk) * field.LINK, np.uint64(chunk) * field.ROLL_LINK
@@ -60,7 +58,7 @@ def lanes_energy(
     damping, sliding, cracks, rolled_off = 0.0, 0.0, 0.0, 0.0
     for lane in range(field.LANES):
         q = np.uint64(lane)
-        m, now = between_discs(d, q, w, state, buffer, slip_time, law, soil, True, True)
+        m, now = between_discs(d, q, w, state, buffer, slip_time, soil, True, True)
         elements = add(elements, now.elements)
         bonds = add(bonds, now.bonds)
         pores = add(pores, now.pores)
@@ -108,9 +106,9 @@ def slice_energy(
         load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, True, True, buffer)
         load_geometry(chunk, state, buffer, law, law.soil)
         if law.soil:
-            lanes_energy(chunk, state, buffer, slip_time, law, True, out)
+            lanes_energy(chunk, state, buffer, slip_time, True, out)
         else:
-            lanes_energy(chunk, state, buffer, slip_time, law, False, out)
+            lanes_energy(chunk, state, buffer, slip_time, False, out)
         for lane in range(field.LANES):
             j, q = np.int64(layout.partner[chunk * field.LANES + lane]), np.uint64(lane)
             force[0, j] += buffer[PARTNER_X + q]

@@ -161,7 +161,6 @@ def between_discs(
     state: State,
     buffer: np.ndarray,
     slip_time: float,
-    law: Law,
     soil: bool,
     pores: bool,
     with_losses: bool,
@@ -169,9 +168,8 @@ def between_discs(
     """Compute the contact in lane q of the chunk at d (rolling memory at w) without changing the state.
 
     state: arrays of discs and contacts; buffer: rows that `load_geometry` filled; slip_time: length of the last step
-    (s); law: law of the contacts; soil, pores, with_losses: whether the law of soil discs holds, there are pore
-    springs, and losses are computed. Callers pass `soil`, `pores` and `with_losses` as literals, so that the compiler
-    omits unused parts of the law.
+    (s); soil, pores, with_losses: whether the law of soil discs holds, there are pore springs, and losses are computed.
+    Callers pass `soil`, `pores` and `with_losses` as literals, so that the compiler omits unused parts of the law.
     """
     links = state.links
     radii = links[d + field.RADII + q]
@@ -189,7 +187,7 @@ def between_discs(
         more = stop(over, stiffness, depth)
         elements += 0.5 * more * (over - depth)
         elastic += more
-    normal = normal_force(over, m.vn, law.floor - kn * gap, elastic, buffer[constant(row.CN) + q], gap)
+    normal = normal_force(over, m.vn, kn, elastic, buffer[constant(row.CN) + q], gap)
     if soil:
         limit = strength(
             over, normal, mu, buffer[constant(row.COHESION) + q], buffer[constant(row.MU_OTHER) + q],
@@ -205,8 +203,9 @@ def between_discs(
     if pores:
         kpn, fkps = buffer[constant(row.KPN) + q], buffer[constant(row.FKPS) + q]
         length, old_pore = links[d + field.LENGTH + q], links[d + field.PORE + q]
+        # the normal force of a contact of soil discs already counts in the friction of the contact
         pore_normal, pore_trial, pore_spring_force, new = pore(
-            length, m.distance, m.slip, old_pore, law.share * normal, kpn, buffer[constant(row.KPS) + q],
+            length, m.distance, m.slip, old_pore, 0.0 if soil else normal, kpn, buffer[constant(row.KPS) + q],
             buffer[constant(row.TAN) + q], buffer[constant(row.BC) + q], buffer[constant(row.BETA) + q],
         )  # fmt: skip
 
@@ -296,7 +295,7 @@ def at_line(
     over, m = line_motion(e, layout, springs.walls, slip_time)
     kn, ks, ct, fks = column[row.KN], column[row.KS], column[row.CT], column[row.FKS]
     elastic = spring(over, kn, 0.0)
-    normal = normal_force(over, m.vn, law.floor, elastic, column[row.CN], 0.0)
+    normal = normal_force(over, m.vn, kn, elastic, column[row.CN], 0.0)
     limit = friction_limit(normal, column[row.MU])
     torque, rolled, rolling, rolled_off = 0.0, 0.0, 0.0, 0.0
     if law.soil:

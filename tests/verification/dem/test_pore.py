@@ -60,24 +60,20 @@ def test_pulls_back_to_its_length_and_snaps_at_beta() -> None:
     assert np.all(seen[due:, 3] == 0.0)
 
 
-@pytest.mark.parametrize(
-    ("squeeze", "crack_by"), [pytest.param(0.0, "pore", marks=pytest.mark.slow), (0.04, "pore"), (0.04, "contact")]
-)
-def test_snaps_in_shear_at_mohr_coulombs_limit(squeeze: float, crack_by: str) -> None:
-    """|Ft| first exceeds Fn tan(theta) + b C; Fn that of the whole contact, or of the pore spring alone."""
+@pytest.mark.parametrize("squeeze", [pytest.param(0.0, marks=pytest.mark.slow), 0.04])
+def test_snaps_in_shear_at_mohr_coulombs_limit(squeeze: float) -> None:
+    """|Ft| first exceeds Fn tan(theta) + b C, with Fn of contact and pore spring together."""
     soil = replace(HEAVY, cohesion=3.21e4, friction=0.3)
     model = pair(soil, 0.0, 0.05)
     # moved together first: a push on pore and contact spring
     model.x[1] -= squeeze * 2.0 * RADIUS
-    seen = trace(model, DT, 750, watch, crack_by=crack_by)
+    seen = trace(model, DT, 750, watch)
     distance = np.concatenate([[LENGTH - squeeze * 2.0 * RADIUS], seen[:-1, 0]])
     # slip of the rims: the path across the line of centres
     rotated = np.arctan2(0.05 * DT * np.arange(751), LENGTH - squeeze * 2.0 * RADIUS)
     middle = 0.05 * DT * np.cos(rotated[1:])
     shear = soil.kps * np.concatenate([[0.0], np.cumsum(middle)])[:-1]
-    normal = soil.kpn * (LENGTH - distance)
-    if crack_by == "contact":
-        normal = normal + soil.kn * np.maximum(2.0 * RADIUS - distance, 0.0)
+    normal = soil.kpn * (LENGTH - distance) + soil.kn * np.maximum(2.0 * RADIUS - distance, 0.0)
     over = np.abs(shear) > normal * 0.3 + soil.cohesion
     due = int(np.argmax(over))
     assert due > 50
