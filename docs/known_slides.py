@@ -24,6 +24,7 @@ from workflow.run.store import Store
 SIZE = (3.2, 1.25)
 BEFORE, AFTER, MEASURED = "#9a9a9a", "#c0392b", "#1f6fb2"
 GROUPS = ("theory", "experiment", "field")
+QUAY = "kobe_lp_tank_w57"  # whose packings the page compares
 
 HEAD = f"""# Known slides
 
@@ -56,9 +57,8 @@ moved by less than a metre in the field: most of all at Wildlife, whose sand lie
 the bed of the river. Level ground ends at smooth sides for points and at the walls of a box for discs. Both support the
 ground farthest behind a face, and the measured places are 25 to 180 m from there. Behind quays the rubble governs. A
 wall that moves into discs of sand meets the passive wedge of ψ = φ (`tests/verification/dem/test_passive_wall.py`),
-while material points have ψ = 0. A quay that hardly stands is therefore held by discs, and fails with material points.
-With discs it depends on the packing: at the LP gas tank yard the quay slides by 3 m in one packing, and by 0.2 m in the
-other.
+while material points have ψ = 0. A quay that hardly stands therefore stands in discs, and fails with material points.
+{{quay}}
 Columns of dry sand and of clay that are released at once run farther with material points than with discs, because the
 grid hardly damps the motion that it resolves."""
 
@@ -76,12 +76,23 @@ def write_page(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, S
 def text(folder: Path, cases: Sequence[SlideCase], answers: Mapping[str, SlideAnswer]) -> str:
     """Return the text of the page."""
     verdicts = {case.name: judge(case, answers.get(case.name)) for case in cases}
-    parts = [HEAD, _summary(cases, answers, verdicts)]
+    parts = [HEAD.replace("{quay}", _packings_of_quay(answers)), _summary(cases, answers, verdicts)]
     for group in GROUPS:
         chosen = [case for case in cases if case.known.group == group]
         if chosen:
             parts += [f"## {group.capitalize()}", _table(chosen, answers, verdicts)]
     return with_remarks(parts, {case.name: list(_remarks(case, answers.get(case.name))) for case in cases}, folder)
+
+
+def _packings_of_quay(answers: Mapping[str, SlideAnswer]) -> str:
+    """Return a sentence on the slides of the two packings behind a quay; empty without an answer."""
+    values = answers[QUAY].values if QUAY in answers else ()
+    if not values:
+        return ""
+    return (
+        f"With discs it depends on the packing: at the LP gas tank yard the ground behind the quay slides by\n"
+        f"{max(values):.1f} m in one packing, and by {min(values):.1f} m in the other."
+    )
 
 
 def _summary(

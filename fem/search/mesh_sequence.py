@@ -255,8 +255,8 @@ class MeshSequence(Generic[F]):
         if value > min(mesh.value for mesh in self._rounds) and math.isfinite(previous.remaining_error):
             # After a rise, an answer that stays above an earlier one has at least the error of before, on more cells.
             rest = max(rest, previous.remaining_error * previous.cells / cells)
-        tells = error >= 0.0 or cells >= (1.0 + SMALLEST_CELL_GAIN) * previous.cells
-        return MeshRound(cells, value, abs(value - previous.value) / size, rest, tells)
+        reliable = error >= 0.0 or cells >= (1.0 + SMALLEST_CELL_GAIN) * previous.cells
+        return MeshRound(cells, value, abs(value - previous.value) / size, rest, reliable)
 
 
 def _reason_to_stop(rounds: list[MeshRound], result: MeshResult, wanted: int, wish: RefinementCriteria) -> str:

@@ -281,7 +281,7 @@ class Stratum(Model):
                 if getattr(self, key) is not None:
                     yield f"{key} without strength_ratio: expected the ratio of strength to stress that it belongs to"
         if self.cohesion_minimum is not None and not self.cohesion_varies:
-            yield "cohesion_minimum beside a constant cohesion: expected cohesion_increase or strength_ratio"
+            yield "cohesion_minimum with a constant cohesion: expected cohesion_increase or strength_ratio"
         if self.ocr is not None and self.ocr < 1.0:
             yield f"ocr = {self.ocr:g}: expected a ratio of 1 or more"
         if self.ocr is not None and self.pre_overburden_pressure is not None:
@@ -309,7 +309,7 @@ class Stratum(Model):
         whole = self.density_saturated if self.density is None and len(missing) == 2 else self.density
         if whole is not None:
             if any(value not in (MISSING, whole) for value in pair.values()):
-                return ["density beside density_ordinary and density_seismic: expected either it or these two"]
+                return ["density with density_ordinary and density_seismic: expected density, or the other two"]
             self.__dict__.update(dict.fromkeys(pair, whole))  # the model is frozen from here on
         elif len(missing) == 2:
             return [MISSING_DENSITY]
@@ -318,7 +318,7 @@ class Stratum(Model):
         if self.density_seismic < self.density_ordinary:
             return ["density_seismic below density_ordinary: expected the saturated density to be the larger one"]
         if self.density_saturated is not None and self.buoyant:
-            return ["density_saturated beside a buoyant density_ordinary: expected density and density_saturated"]
+            return ["density_saturated with a buoyant density_ordinary: expected density and density_saturated"]
         if self.density_saturated is not None and self.density_saturated < self.density_seismic:
             return ["density_saturated below density: expected the saturated density to be the larger one"]
         return []

@@ -17,7 +17,7 @@ def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Str
     is only drawn."""
     table = None if water is None else water.table
     if water is not None and drawn is not None:
-        yield "water_table beside [water]: expected table in [water] alone; water_table is only drawn"
+        yield "water_table together with [water]: expected table in [water] alone; water_table is only drawn"
     lines: dict[str, Line | None] = {"water, table": table}
     lines["water, after_drawdown"] = None if water is None else water.after_drawdown
     lines |= {f"{key_in_file(strata, k)}, piezometric_level": s.piezometric_level for k, s in enumerate(strata)}

@@ -130,7 +130,7 @@ def with_materials(data: Mapping[str, Any]) -> Mapping[str, Any]:
         where = f"zones {number}" + (f' "{zone["name"]}"' if isinstance(zone.get("name"), str) else "")
         if conflicting := [key for key in zone if key in Stratum.model_fields and key not in OWN_KEYS]:
             expected = "expected either the name of a stratum or zone, or keys of its own"
-            problems.append(f"{where}, material = {name!r} beside {conflicting[0]}: {expected}")
+            problems.append(f"{where}, material = {name!r} together with {conflicting[0]}: {expected}")
         if not isinstance(name, str) or name not in soils:
             listed = ", ".join(f'"{soil}"' for soil in soils)
             problems.append(f"{where}, material = {name!r}: expected the name of a stratum or zone, one of {listed}")

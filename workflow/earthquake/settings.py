@@ -196,7 +196,8 @@ class EarthquakeSettings(Model):
         try:
             record = self._recorded
         except InputError as error:
-            return f"earthquake, record is not used beside peak_acceleration, and cannot be read: {error.problems[0]}"
+            used = "earthquake, record is not used, since peak_acceleration is given"
+            return f"{used}, and cannot be read: {error.problems[0]}"
         peak = float(self.peak_acceleration)
         if abs(record.peak / peak - 1.0) <= PEAK_TOLERANCE:
             return ""
@@ -300,7 +301,7 @@ def loading_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], 
     is_constant = "kh_seconds" in slide or not kh_left
     left = [key for key in CYCLES if slide.get(key, None if is_constant else EARTHQUAKE) == EARTHQUAKE]
     if requested and slide.get("accelerogram"):
-        expected = "expected no accelerogram beside it, which shakes the slides itself"
+        expected = "expected no accelerogram, which shakes the slides itself"
         message = f'slide, {requested[0]} = "{EARTHQUAKE}": {expected}'
         raise InputError(source, [message])
     if slide.get("accelerogram") or not (kh_left or left):

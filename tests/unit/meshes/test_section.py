@@ -189,7 +189,7 @@ def test_a_file_that_cannot_be_read(tmp_path: Path, content: bytes | None, said:
 
 
 def test_a_folder_is_no_section(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="cannot be read: Is a directory"):
+    with pytest.raises(InputError, match="cannot be read: it is a folder"):
         Section.read(tmp_path)
 
 
