@@ -12,6 +12,7 @@ from workflow.estimates.structures import structures_of
 from workflow.run.plan import Decision
 from workflow.stages.liquefaction import liquefying
 from workflow.stages.mpm import alike_by_strength
+from workflow.texts.report_texts import listed
 
 NAMED_SHARE = 0.15  # of the total time: stages that take more are named
 DISCS, CELLS = 2500, 3000  # to which the seconds of discs and material points belong
@@ -69,4 +70,4 @@ def announcement(decisions: Sequence[Decision], config: Config) -> str:
     longest = sorted((name for name in costs if costs[name] > NAMED_SHARE * total), key=lambda name: -costs[name])
     first = ", and the critical Kh comes first" if "fem" in costs and len(costs) > 2 else ""
     stages = "stage" if len(longest) == 1 else "stages"
-    return f"The run takes {time}{first}. Most of the time goes into the {stages} {' and '.join(longest)}."
+    return f"The run takes {time}{first}. Most of the time goes into the {stages} {listed(longest)}."
