@@ -3,6 +3,7 @@
 import numpy as np
 
 from dem.model import DiscModel
+from dem.state import nearest_image
 
 SPREADING_WIDTH = 2.0  # mean diameters to either side over which weight is spread
 
@@ -33,11 +34,8 @@ def effective_overburden(model: DiscModel) -> np.ndarray:
         if model.period is not None:
             around = [c % columns for c in around]
         above, below = free[np.isin(there, around)], np.flatnonzero(here == k)
-        dx = model.x[above] - model.x[below][:, np.newaxis]
-        dz = model.z[above] - model.z[below][:, np.newaxis]
-        if model.period is not None:
-            repeats = np.floor(dx / length + 0.5)
-            dx, dz = dx - repeats * length, dz - repeats * model.period[1]
+        dx, dz = (at[above] - at[below][:, np.newaxis] for at in (model.x, model.z))
+        dx, dz = nearest_image(dx, dz, model.repeats)
         share = np.maximum(1.0 - np.abs(dx) / across, 0.0) / across
         higher = np.clip(0.5 + 0.5 * dz / model.radius[above], 0.0, 1.0)
         out[below] = (share * higher) @ down[above]

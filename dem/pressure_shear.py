@@ -16,7 +16,7 @@ from collections.abc import Callable
 import numpy as np
 
 from dem.kernels import liquefied_pairs as bond
-from dem.state import DiscState
+from dem.state import DiscState, nearest_image
 
 SMALLEST_DISTANCE = 1e-9  # reaches: no pair counts as nearer
 
@@ -34,10 +34,8 @@ def take_back_shear(state: DiscState) -> None:
     soft = (wet[:, bond.SHARE] > 0.0) & (wet[:, bond.KNEE_STRAIN] > 0.0)
     if not soft.any():
         return
-    length, rise = state.repeats
     dx, dz = wet[j, bond.AT_X] - wet[i, bond.AT_X], wet[j, bond.AT_Z] - wet[i, bond.AT_Z]
-    images = np.floor(dx / length + 0.5)
-    dx, dz = dx - images * length, dz - images * rise
+    dx, dz = nearest_image(dx, dz, state.repeats)
     apart = np.maximum(np.hypot(dx, dz), SMALLEST_DISTANCE * state.reach)
     nx, nz, q = dx / apart, dz / apart, np.minimum(apart / state.reach, 1.0)
     rest, scale = 1.0 - q, 7.0 / (np.pi * state.reach**2)

@@ -214,11 +214,14 @@ class DiscState:
     def branch(self) -> np.ndarray:
         """Return the vector from pair_i to the nearest image of pair_j, of all listed pairs (2, pairs) (m)."""
         i, j = self.pair_i, self.pair_j
-        dx, dz = self.x[j] - self.x[i], self.z[j] - self.z[i]
-        length, rise = self.repeats
-        n = np.floor(dx / length + 0.5)
-        return np.array([dx - n * length, dz - n * rise])
+        return np.array(nearest_image(self.x[j] - self.x[i], self.z[j] - self.z[i], self.repeats))
 
     def distance(self) -> np.ndarray:
         """Return the distance of the centres of all listed pairs (m), to the nearest image."""
         return np.hypot(*self.branch())
+
+
+def nearest_image(dx: np.ndarray, dz: np.ndarray, period: Period) -> tuple[np.ndarray, np.ndarray]:
+    """Return the vectors (m) to the images that are nearest along x, of vectors (dx, dz) in periodic ground."""
+    images = np.floor(dx / period.length + 0.5)
+    return dx - images * period.length, dz - images * period.rise
