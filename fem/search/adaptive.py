@@ -171,7 +171,8 @@ class AdaptiveSearch:
         request = RefinementCriteria(settings.accuracy, self._most_cells(settings), other, LEAST_KH)
         sequence = MeshSequence[LimitLoadResult](self.first_mesh, request)
         while (mesh := sequence.mesh) is not None:
-            self.tell(f"limit load of {len(mesh.cells)} cells, {direction}")
+            force = "downslope" if direction == "downhill" else "upslope"
+            self.tell(f"mesh of {len(mesh.cells)} cells, seismic force {force}")
             answer: LimitLoadResult | NoAnswerError
             try:
                 answer = critical_limit_load(self.section, mesh, one_way, self.comm, faces)
@@ -207,7 +208,7 @@ class AdaptiveSearch:
         it. The smaller limit load counts, and both are in the sequence of meshes. Raises NoAnswerError if the solver
         has no answer on the mesh of ``base``.
         """
-        self.tell(f"limit load of {len(base.mesh.cells)} cells")
+        self.tell(f"mesh of {len(base.mesh.cells)} cells")
         limit_load = with_other_flow(base.result, self.section, base.mesh, other)
         first = AdaptiveResult(
             limit_load, base.mesh, [MeshRound(len(base.mesh.cells), limit_load.kc, math.inf, math.inf)]
@@ -217,7 +218,7 @@ class AdaptiveSearch:
         faces, strain = base.result.ground.faces, limit_load.mechanism.plastic_shear_strain
         try:
             mesh = self._next(base.mesh, strain, len(base.mesh.cells), faces, other)
-            self.tell(f"limit load of {len(mesh.cells)} cells")
+            self.tell(f"mesh of {len(mesh.cells)} cells")
             separate = critical_limit_load(self.section, mesh, other, self.comm, faces)
         except NoAnswerError:
             return first

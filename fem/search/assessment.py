@@ -95,7 +95,7 @@ def assess(
             if is_associated(section.strata, settings.flow):
                 if settings.direction != "both":
                     safety = search.begin_safety(settings)
-                adapted = answer_or_none(partial(search.on_meshes("Kh").critical, settings))
+                adapted = answer_or_none(partial(search.on_meshes("critical Kh").critical, settings))
             if adapted is None:
                 assessment = search.by_path(settings, safety)
             else:
