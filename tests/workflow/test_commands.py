@@ -180,6 +180,17 @@ def test_what_cannot_be_compared_is_told_at_once(
         assert str(tmp_path / name) in said.replace("\n", "")
 
 
+def test_a_wrong_setting_of_the_command_line_is_no_fault_of_the_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = small(tmp_path)
+    assert run("fem", file, "--set", "fem.side=fixed") == 2
+    assert capsys.readouterr().err.startswith("settings of the command line: 1 problem")
+    file.write_text(file.read_text(encoding="utf-8") + "\nfoo = 1\n", encoding="utf-8")
+    assert run("fem", file, "--set", "fem.side=fixed") == 2
+    assert f"{file}: 2 problems" in capsys.readouterr().err.replace("\n", "")
+
+
 @pytest.mark.parametrize(
     ("command", "expected"),
     [

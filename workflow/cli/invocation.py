@@ -59,7 +59,7 @@ class Invocation:
             for table, values in options.items()
         }
         tables = merged(dotted(settings or []), options_given)
-        read = load_config(section, tables)
+        read = _config(section, tables)
         store = Store(folder or Path("runs") / read.section.name)
         if store.folder.exists() and not store.folder.is_dir():
             raise InputError(str(store.folder), ["is a file; expected a folder for the results"])
@@ -144,6 +144,21 @@ class Invocation:
             *old_words,
             f"The mesh has the options of an earlier command: {message} (noshiro mesh without options removes them).",
         ]
+
+
+def _config(section: Path, tables: Tables) -> Config:
+    """Return the config of a section file with settings of the command line. Problems of these settings alone have the
+    command line as their source, since the file is valid without them."""
+    try:
+        return load_config(section, tables)
+    except InputError as error:
+        if not tables:
+            raise
+        try:
+            load_config(section)
+        except InputError:
+            raise error from None
+        raise InputError("settings of the command line", error.problems) from None
 
 
 def stored_job(folder: Path) -> Job:
