@@ -32,7 +32,7 @@ WEAK = {"cohesion": "0.1 kPa", "friction_angle": "0 deg"}
 # Four runs: how they end, and a few words that each must say.
 RUNS = {
     "s13": (0, "The section fails downslope, to the right, at Kh = "),
-    "river_bank": (0, "After liquefaction of Loose sand"),
+    "river_bank": (0, 'After liquefaction of "Loose sand"'),
     "stands": (0, "The section stands at every Kh up to 0."),
     "falls": (3, "No critical Kh:"),
 }
