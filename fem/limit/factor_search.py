@@ -26,8 +26,14 @@ MOST_PROOFS = 4
 # Distance (in ln F) of a trial from the estimated factor with which its mesh is refined: this, or this share of the gap
 # between the bounds of the trial. A share of 0.5 is at the lower bound.
 CLOSE_STEP, CLOSE_SHARE_OF_GAP = 0.015, 0.6
-# Share of the gap by which the lower bound is expected to rise on the next mesh.
-LOWER_BOUND_RISE = 0.05
+# Share of the gap by which the lower bound rises at least on the next mesh: it rose by 0.24 to 0.3 of the gap on five
+# sections. The first trial there then proves the lower bound, and is close enough to both bounds.
+LOWER_BOUND_RISE = 0.15
+# Share of the gap that the lower bound closes on finer triangles: 0.28 to 0.44 on five sections. And the share of the
+# allowed gap that lies between the factors at which both bounds are tried on triangles that are expected to close it.
+SHARE_OF_LOWER_BOUND, WITHIN_GAP = 0.36, 0.98
+# Usual decrease of the critical Kh with the logarithm of the factor: 0.16 to 0.5 on six sections.
+USUAL_DECREASE_OF_KH = 0.3
 # Gap (in ln F) between a proven and an estimated bound with which the bound is proven on a mesh that is refined again.
 FALLBACK_GAP = 0.05
 
@@ -38,6 +44,9 @@ GAP_RATIO_AIMED_AT = 1.15
 # allowed: six of eight sections took 6 to 30 % less work than with a ratio of 3 and a gap ratio of 1.3, and two that
 # used up their work came as close or closer.
 FURTHEST_CELL_RATIO = 4.5
+# Smallest and largest power of the number of triangles with which the gap is expected to fall. Where the gap is at a
+# few points, as at the toe of a bank of sand below a crust, twice as many triangles had a sixth of the gap.
+GAP_EXPONENTS = 1.0, 2.0
 # Distance (in ln F) from the estimated upper bound at which both bounds are tried, and how far below it.
 STEP_TO_BOTH_BOUNDS, STEP_BELOW_UPPER_BOUND = 0.1, 0.04
 # Ratio of the work of a trial of both bounds and of their proofs to that of one trial. With less work left there are
@@ -46,8 +55,9 @@ WORK_RATIO_OF_PROOFS = 2.5
 # Ratio of the work on the next mesh, with the proofs begun from it, to that of both bounds at one factor on a mesh of
 # as many triangles.
 WORK_RATIO_OF_MESH = 1.5
-# Share of the work left that the next mesh may take without proofs on the present mesh.
-WORK_SHARE_OF_UNPROVEN_MESH = 0.5
+# Share of the work left that the next mesh may take without proofs on the present mesh, and that one trial of both
+# bounds may take on triangles that are expected to close the gap.
+WORK_SHARE_OF_UNPROVEN_MESH, WORK_SHARE_OF_EXPECTED_BOUNDS = 0.5, 0.65
 
 
 class FactorSearch(WeakenedGround):
@@ -61,9 +71,7 @@ class FactorSearch(WeakenedGround):
             last = self.mesh_is_full or self.solver_fails or not self.has_work_for_finer
             if not (beyond or self.is_enough or self.solver_fails):
                 finest = last or self.open_here <= self.settings.gap - 2.0 * PROOF_MARGIN
-                self.prove_both(
-                    finest or self.work_of_a_mesh(self.growth()) > WORK_SHARE_OF_UNPROVEN_MESH * self.work.left
-                )
+                self.prove_both(finest or not self.may_refine_unproven)
             if self.gap_is_closed or last or beyond or self.is_enough:
                 return
             self.refine()
@@ -118,17 +126,31 @@ class FactorSearch(WeakenedGround):
 
     @property
     def has_work_for_finer(self) -> bool:
-        return self.work.allows(self.work_of_a_mesh(CELL_RATIO))
+        return self.work.allows(self.work_of_a_mesh(min(self.growth(), CELL_RATIO)))
+
+    @property
+    def may_refine_unproven(self) -> bool:
+        """Return whether enough work is left to make finer triangles without proofs on the present ones. Triangles that
+        are expected to close the gap by one trial require less."""
+        growth = self.growth()
+        if growth >= self.needed_growth and self.expected_on_next_mesh is not None:
+            return growth**COST_EXPONENT * self.work_of_both <= WORK_SHARE_OF_EXPECTED_BOUNDS * self.work.left
+        return self.work_of_a_mesh(growth) <= WORK_SHARE_OF_UNPROVEN_MESH * self.work.left
 
     @property
     def work_of_both(self) -> float:
         """Return the computing work of both bounds at one factor on the present triangles."""
-        return max(trial.work for trial in self.trials_on_mesh)
+        both = [trial.work for trial in self.trials_on_mesh if not (trial.lower is None or trial.upper is None)]
+        return max(both) if both else 2.0 * max(trial.work for trial in self.trials_on_mesh)
 
     def approach(self) -> None:
         """Bring the first factor close to the factor at which the ground fails, by upper bounds alone. Upper bounds
         take less work than lower bounds, and exist on coarse triangles on which lower bounds do not."""
-        safe, unsafe, last = 0.0, math.inf, None
+        safe, unsafe, last = 0.0, math.inf, self.known_at_full_strength
+        if last is not None and last.upper is not None:
+            step = math.exp(self.excess(last.upper) / USUAL_DECREASE_OF_KH)
+            self.factor = self.looked_for(min(max(step, 1.0 / LARGEST_FACTOR_RATIO), LARGEST_FACTOR_RATIO))
+            safe, unsafe = (1.0, math.inf) if step >= 1.0 else (0.0, 1.0)
         for _ in range(MOST_TRIALS):
             trial = self.measure(self.factor, lower=False)
             if trial.upper is None or self.is_enough or not self.work.allows(2.0 * trial.work):
@@ -149,6 +171,10 @@ class FactorSearch(WeakenedGround):
         """Try factors of safety on this mesh until their bracket is within the required gap."""
         if self.slope is None:
             self.approach()
+        if self.expected_bounds is not None:
+            expected_lower, expected_upper = self.expected_bounds
+            self.measure(expected_lower, upper_factor=expected_upper)
+            return
         last = self.with_deciding_multiplier(self.measure(self.factor))
         safe, unsafe = 0.0, math.inf
         for _ in range(MOST_TRIALS):
@@ -226,13 +252,29 @@ class FactorSearch(WeakenedGround):
         """Return how many times more triangles the next mesh has: enough to close the gap, if one step can do that. The
         margins of the bounds are unchanged.
         """
-        margins = 2.0 * PROOF_MARGIN
-        needed = GAP_RATIO_AIMED_AT * min(self.gap, self.open_here) / max(self.settings.gap - margins, margins)
+        needed = self.needed_growth
         allowed = self.settings.max_cells / len(self.mesh.cells)
         furthest = FURTHEST_CELL_RATIO if needed <= allowed else MOST_CELL_RATIO
         affordable = (self.work.left / self.work_of_a_mesh(1.0)) ** (1.0 / COST_EXPONENT)
         allowed = min(allowed, max(affordable, CELL_RATIO))
         return min(max(needed, LEAST_CELL_RATIO) if needed <= furthest else CELL_RATIO, allowed)
+
+    @property
+    def needed_growth(self) -> float:
+        """Return how many times more triangles are expected to close the gap, less the margins of its proofs."""
+        margins = 2.0 * PROOF_MARGIN
+        needed = GAP_RATIO_AIMED_AT * min(self.gap, self.open_here) / max(self.settings.gap - margins, margins)
+        return float(needed ** (1.0 / self.gap_exponent))
+
+    @property
+    def gap_exponent(self) -> float:
+        """Return the power of the number of triangles with which the gap fell from the last mesh to this one."""
+        smallest, largest = GAP_EXPONENTS
+        if self.open_before is None or not math.isfinite(self.open_here):
+            return smallest
+        cells, gap = self.open_before
+        ratio = math.log(len(self.mesh.cells) / cells)
+        return min(max(math.log(gap / max(self.open_here, 1e-6)) / max(ratio, 1e-6), smallest), largest)
 
     def work_of_a_mesh(self, growth: float) -> float:
         """Return the expected computing work on a mesh of ``growth`` times as many triangles."""
@@ -241,14 +283,31 @@ class FactorSearch(WeakenedGround):
     def refine(self) -> None:
         """Refine the triangles where the bounds of the last trial differ."""
         assert self.last_of_both is not None  # both bounds were tried on these triangles
-        mesh = finer_mesh(*self.last_of_both, self.growth())
+        growth = self.growth()
+        mesh = finer_mesh(*self.last_of_both, growth)
+        self.slope = self.local_slope() or self.slope
+        self.expected_bounds = self.expected_on_next_mesh if growth >= self.needed_growth else None
         lower = self.root("lower")
+        self.open_before = (len(self.mesh.cells), self.open_here) if 0.0 < self.open_here < math.inf else None
         if math.isfinite(lower):
             rise = LOWER_BOUND_RISE * self.open_here if math.isfinite(self.open_here) else 0.0
             self.factor = self.looked_for(lower * math.exp(rise))
         self.no_equilibrium_from = math.inf
         self.mesh = mesh
         self.meshes.append(mesh)
+
+    @property
+    def expected_on_next_mesh(self) -> tuple[float, float] | None:
+        """Return the factors of the lower and of the upper bound, as far apart as allowed, that a mesh which closes the
+        gap is expected to prove; None where the bounds on this mesh are unknown, or one of them decides alone."""
+        lower, gap = self.root("lower"), self.settings.gap
+        decides = self.lower_suffices < math.inf or self.upper_suffices > 0.0
+        if decides or self.slope is None or not (math.isfinite(lower) and math.isfinite(self.open_here)):
+            return None
+        gap_expected = max(gap - 2.0 * PROOF_MARGIN, 2.0 * PROOF_MARGIN) / GAP_RATIO_AIMED_AT
+        rise = SHARE_OF_LOWER_BOUND * max(self.open_here - gap_expected, 0.0)
+        at = self.looked_for(lower * math.exp(rise - 0.5 * max(gap - gap_expected, 0.0)))
+        return at, at * math.exp(WITHIN_GAP * gap)
 
     def looked_for(self, factor: float) -> float:
         """Return the factor, limited to the interval in which factors are searched, and to the lower bound that

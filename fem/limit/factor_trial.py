@@ -7,7 +7,9 @@ from typing import Literal
 
 import numpy as np
 
+from fem.continuum.loads import Direction
 from fem.limit.bounds import KhBounds
+from meshes.triangles import TriMesh
 
 # What is bounded: the Kh that weakened ground resists, or the share of all loads, the given Kh among them.
 LoadMultiplier = Literal["kh", "loads"]
@@ -47,6 +49,21 @@ class TrialStart:
     lower_suffices: float = math.inf
     upper_suffices: float = 0.0
     kh_bounds: KhBounds | None = None
+
+
+def known_at_full_strength(start: TrialStart, mesh: TriMesh, direction: Direction) -> BoundsTrial | None:
+    """Return the bounds of Kh on a mesh that were computed before for the ground of full strength, as a trial of the
+    factor 1 without work; None if there are none for this mesh and direction of the seismic force.
+
+    They may be those of other sides, and serve to estimate a factor, not to prove it.
+    """
+    known = start.kh_bounds
+    for bounds in (
+        known.directions[0].meshes if known is not None and known.directions[0].direction == direction else ()
+    ):
+        if bounds.mesh is mesh:
+            return BoundsTrial(1.0, len(mesh.cells), "kh", bounds.lower, bounds.upper, False, 0.0)
+    return None
 
 
 @dataclass

@@ -6,10 +6,19 @@ from functools import partial
 
 import numpy as np
 
+from fem.continuum.loads import direction_of
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound, share_of_lower_bound
 from fem.limit.bounds import body_of
 from fem.limit.bracket import BoundSide
-from fem.limit.factor_trial import BoundsTrial, FactorWork, LoadMultiplier, TrialStart, gap_of_factors, root_of
+from fem.limit.factor_trial import (
+    BoundsTrial,
+    FactorWork,
+    LoadMultiplier,
+    TrialStart,
+    gap_of_factors,
+    known_at_full_strength,
+    root_of,
+)
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
 from fem.limit.lower_bound import LowerBound
 from fem.limit.upper_bound import UpperBound
@@ -26,6 +35,9 @@ LARGEST_EXCESS = 1.0
 # Excess of a lower bound of Kh up to which, and of the upper bound from which, the lower bound may be independent of
 # the factor. It is, if the logarithm of the share of loads that the ground resists is at least the last number.
 FLAT_LOWER_EXCESS, FLAT_UPPER_EXCESS, FLAT_LOAD_EXCESS = 1e-4, 0.01, 0.005
+# Smallest step (in ln F) between trials from which a slope follows: the solver leaves 6e-5 of Kh open.
+LEAST_STEP_OF_SLOPE = 0.02
+SIDES: tuple[BoundSide, BoundSide] = ("upper", "lower")
 # Largest ratio of the bounds of the share of loads with which this share decides. Friction resists a share without
 # limit: of a dam of sand on coarse triangles the bounds were 0.1 and 15 where the dam stood with 0.95 of that factor.
 LARGEST_LOAD_RATIO = 4.0
@@ -69,6 +81,9 @@ class WeakenedGround:
         self.no_equilibrium_from = math.inf  # from this factor on no stress on this mesh balances the loads
         self.last_of_both: tuple[LimitProblem, LowerBound, UpperBound] | None = None  # the last trial of both bounds
         self.last_upper: UpperBound | None = None
+        self.known_at_full_strength = known_at_full_strength(start, mesh, direction_of(fem, opposite=sign < 0))
+        self.expected_bounds: tuple[float, float] | None = None  # factors that may prove both bounds on this mesh
+        self.open_before: tuple[int, float] | None = None  # number of cells and relative gap of the mesh before
 
     @property
     def gap(self) -> float:
@@ -93,18 +108,29 @@ class WeakenedGround:
             return bound - self.target
         return math.log(bound) if bound > 0.0 else -math.inf
 
-    def measure(self, factor: float, lower: bool = True, upper: bool = True) -> BoundsTrial:
-        """Find bounds for ground of reduced strength, and narrow the bracket of the factor of safety."""
+    def measure(
+        self, factor: float, lower: bool = True, upper: bool = True, upper_factor: float | None = None
+    ) -> BoundsTrial:
+        """Find bounds for ground of reduced strength, and narrow the bracket of the factor of safety.
+
+        With an ``upper_factor`` the upper bound is that of ground weakened by this factor; the trial of the lower bound
+        is returned.
+        """
         lower = lower and factor < self.no_equilibrium_from
         before = self.work.spent
         problem = self.problem(factor)
+        above_problem = problem if upper_factor is None else self.problem(upper_factor)
         low = high = stress = mechanism = None
         share = share_of_lower_bound(*self.last_of_both[1:]) if self.last_of_both else 0.5
         of_lower, of_upper = (share, 1.0 - share) if lower and upper else (1.0, 1.0)
         left = self.work.left
         with one_more_thread(lower and upper) as executor:
             above = partial(
-                proven_upper_bound, problem, of_upper * left, self.starting_point("upper", factor), self.last_upper
+                proven_upper_bound,
+                above_problem,
+                of_upper * left,
+                self.starting_point("upper", upper_factor or factor),
+                self.last_upper,
             )
             future = executor.submit(above) if upper else None
             if lower:
@@ -113,7 +139,7 @@ class WeakenedGround:
             if future is not None:
                 high, _, mechanism = future.result()
                 self.last_upper = high
-                self.count("upper", factor, high.solution, mechanism is None)
+                self.count("upper", upper_factor or factor, high.solution, mechanism is None)
         unmoved = high is not None and high.solution.none == "no mechanism"
         trial = BoundsTrial(
             factor,
@@ -124,8 +150,15 @@ class WeakenedGround:
             low is not None and low.solution.none == "no stress",
             self.work.spent - before,
         )
-        self.keep(problem, trial, low, high)
-        return trial
+        if upper_factor is None or low is None or high is None:
+            self.keep(problem, trial, low, high)
+            return trial
+        work_above = high.solution.work
+        of_lower_bound = replace(trial, upper=None, work=trial.work - work_above)
+        self.keep(problem, of_lower_bound, low, None)
+        self.keep(above_problem, replace(trial, factor=upper_factor, lower=None, work=work_above), None, high)
+        self.last_of_both = (problem, low, high)  # the factors are close, and the triangles are refined by both
+        return of_lower_bound
 
     def keep(
         self, problem: LimitProblem, trial: BoundsTrial, stress: LowerBound | None, velocity: UpperBound | None
@@ -228,7 +261,7 @@ class WeakenedGround:
         """Update the derivative of the excess with respect to the logarithm of the factor, from the trials so far."""
         if before.cells != now.cells or before.factor == now.factor or before.multiplier_kind != now.multiplier_kind:
             return
-        for side in ("upper", "lower"):
+        for side in SIDES:
             ends = [getattr(trial, side) for trial in (before, now)]
             first, second = (-math.inf if end is None else self.excess(end) for end in ends)
             if max(abs(first), abs(second)) < LARGEST_EXCESS:
@@ -236,6 +269,17 @@ class WeakenedGround:
                 if slope < 0.0:
                     self.slope = slope
                     return
+
+    def local_slope(self) -> float | None:
+        """Return the derivative of the excess with respect to the logarithm of the factor by two trials on the present
+        triangles, the one closest to the required value among them; None without two trials far enough apart."""
+        for side in SIDES:
+            first, *others = sorted(self.points(side), key=lambda point: abs(point[1])) or [(0.0, 0.0)]
+            for other in others:
+                if abs(other[0] - first[0]) >= LEAST_STEP_OF_SLOPE:
+                    slope = (other[1] - first[1]) / (other[0] - first[0])
+                    return slope if slope < 0.0 else None
+        return None
 
     @property
     def trials_on_mesh(self) -> list[BoundsTrial]:

@@ -33,7 +33,7 @@ from fem.settings import LEAST_KH
 from fem.solvers import cholmod, interior_point
 from fem.solvers.blas_threads import use_one_thread
 from fem.solvers.cone_matrices import Assembled, ConeProgram, assembled, standard, stress_of
-from fem.solvers.convergence import Place, Tolerance
+from fem.solvers.convergence import STALLED_RESIDUAL, Place, Tolerance
 from fem.solvers.corner_matrix import CornerMatrix
 from fem.solvers.interior_point import Standard
 from meshes.executor import interruptible
@@ -161,6 +161,7 @@ def solve(
     magnified: float = 1.0,
     most_work: float = math.inf,
     start: Warm | None = None,
+    stalled_residual: float = STALLED_RESIDUAL,
 ) -> Solution:
     """Solve a cone program of bounds; return stress, velocities and multiplier.
 
@@ -168,13 +169,13 @@ def solve(
     with the next of the ``regularisations``. Clarabel's forces are multiplied by ``magnified``, since its
     tolerances are relative to one where forces are smaller than one. After ``most_work`` (seconds on the reference
     machine) both methods end with their last iterate. The built-in interior-point method begins at a ``start`` that
-    suits the program, which changes only its computing time.
+    suits the program, which changes only its computing time. Residuals of the equations
+    up to ``stalled_residual`` are accepted where iterations no longer reduce them.
     """
     feasibility = FEASIBILITY_AT_CUT_OFF if len(program.torn) else FEASIBILITY
     ask = partial(_by_clarabel, regularisations, feasibility)
-    return _solve(
-        program, Tolerance(INTERIOR_GAP, LEAST_KH, floor=LEAST_MULTIPLIER), ask, magnified, most_work, start=start
-    )
+    tolerance = Tolerance(INTERIOR_GAP, LEAST_KH, stalled_residual=stalled_residual, floor=LEAST_MULTIPLIER)
+    return _solve(program, tolerance, ask, magnified, most_work, start=start)
 
 
 def solve_for_elements(program: ConeProgram, start: Warm | None = None, least: float = 1.0) -> Solution:

@@ -4,6 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+# Residual that is accepted if iterations no longer reduce it (-).
+STALLED_RESIDUAL = 1e-8
+
 
 @dataclass(frozen=True)
 class Tolerance:
@@ -24,7 +27,7 @@ class Tolerance:
     gap: float
     smallest_multiplier: float = 0.05
     residual: float = 1e-9
-    stalled_residual: float = 1e-8
+    stalled_residual: float = STALLED_RESIDUAL
     floor: float = -np.inf
 
 

@@ -43,6 +43,9 @@ LARGEST_REDUCTION = 0.8
 # Initial, largest and smallest δ of clay (``corner_stiffness.py``), and the ratio of its changes. If δ is too small,
 # rounding spoils equilibrium; if δ is too large, the refinement of the volume of clay converges slowly.
 CLAY_COMPLIANCE, LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE, COMPLIANCE_RATIO = 1e-4, 1.0, 1e-7, 10.0
+# Error of the equilibrium of a direction above which δ rises if the error is larger than the residual that the
+# direction should remove, however small it is beside the velocities.
+EQUILIBRIUM_RESIDUAL = 1e-9
 # A direction whose residual exceeds the requested one by more than this ratio is computed again; number of attempts.
 POOR_RESIDUAL_RATIO, DIRECTION_ATTEMPTS = 100.0, 3
 # Number of Gondzio's correctors; the increase of the step length that they aim at; smallest and largest product of a
@@ -54,6 +57,10 @@ CORRECTORS, LENGTH_GAIN, SMALLEST_PRODUCT, LARGEST_PRODUCT = 2, 0.3, 0.1, 10.0
 SMALLEST_SHIFT, LARGEST_SHIFT, INTERIOR_SHARE = 1e-4, 1.0, 1e-3
 # Share of the longest step that is taken, and the smallest centring parameter.
 STEP_SHARE, SMALLEST_CENTRING = 0.99, 1e-6
+# A direction with a shorter step removes only the share of the residuals by which it reduces the mean product. A
+# direction that removes all of the residuals leaves the cones at once where residuals are large beside the products:
+# an upper bound of a levee (8,330 triangles) stopped there with steps below 0.01, and took 65 iterations instead of 22.
+SHORT_STEP = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,6 +221,9 @@ class InteriorPointMethod:
             single_s * single_z + affine.ds[self.first_single_row :] * affine.dz[self.first_single_row :] - aim
         ) / single_z
         best = solved(d, None, PREDICTOR_RESIDUAL, 1)
+        if min(best.primal, best.dual) < SHORT_STEP:
+            ry, rz = (1.0 - aim / mean) * ry, (1.0 - aim / mean) * rz
+            best = solved(d, None, PREDICTOR_RESIDUAL, 1)
         for _ in range(CORRECTORS):
             if min(best.primal, best.dual) > 0.95:
                 break
@@ -239,8 +249,9 @@ class InteriorPointMethod:
         ey = np.abs(ry - self.a_t @ trial.dz).max()
         ez = np.abs(rz - self.a @ trial.dy + self.squared(trial.dz)).max()
         beyond = max(ey, ez) / (1e-12 + within * max(np.abs(ry).max(), np.abs(rz).max()))
-        if beyond > 1.0:
-            ratio = COMPLIANCE_RATIO if ey > ez else 1.0 / COMPLIANCE_RATIO
+        grows = ey > max(np.abs(ry).max(), EQUILIBRIUM_RESIDUAL)
+        if beyond > 1.0 or grows:
+            ratio = COMPLIANCE_RATIO if ey > ez or grows else 1.0 / COMPLIANCE_RATIO
             self.compliance = min(max(self.compliance * ratio, SMALLEST_COMPLIANCE), LARGEST_COMPLIANCE)
         return bool(beyond <= POOR_RESIDUAL_RATIO)
 

@@ -1,6 +1,8 @@
 """The interior-point method of our own beside Clarabel: the same answers, the same bits, and what it leaves to that."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -67,6 +69,47 @@ def test_it_proves_the_bounds_that_clarabel_proves(kind, monkeypatch):
         again = by(0, monkeypatch, problem)
         assert (lower, upper) == again[2:]
         assert np.array_equal(low.stress, again[0].stress)
+
+
+def test_clay_whose_strength_follows_the_stress_is_left_to_no_other_solver() -> None:
+    """Nearly dependent volume conditions left a residual of 2e-8, and each of the upper bounds of an embankment on such
+    clay was solved again by Clarabel; the mechanism is corrected to rounding and passes its check all the same."""
+    data = {
+        "name": "embankment",
+        "surface": [[0, 2], [40, 2], [52, 8], [60, 8], [72, 2], [112, 2]],
+        "base": {"elevation": -10},
+        "strata": [
+            soil("Fill", bottom={"elevation": [[40, 2], [72, 2]]}, cohesion="1 kPa", friction_angle="33 deg"),
+            soil(
+                "Clay",
+                bottom={"elevation": -7},
+                density="16 kN/m^3",
+                cohesion="0 kPa",
+                friction_angle="0 deg",
+                strength_ratio=0.24,
+                ocr=1.5,
+                cohesion_minimum="8 kPa",
+            ),
+            soil("Sand", cohesion="0 kPa", friction_angle="36 deg"),
+        ],
+    }
+    section = Section.parse(data)
+    mesh = first_mesh(section, 2300, "smooth")
+    body = body_of(section, mesh, FemSettings(sides="smooth"), smooth_sides=True)
+    high, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)))
+    assert mechanism is not None
+    assert not high.solution.fallback
+
+
+def test_errors_of_equilibrium_are_not_judged_beside_velocities() -> None:
+    """With errors of 2e-7, small beside the velocities and larger than what was left of the equilibrium, δ stayed too
+    small: the residual of a lower bound of a levee (12,000 triangles) stopped at 7e-8, and Clarabel began again."""
+    one = sparse.identity(1)
+    method = SimpleNamespace(a=one, a_t=one, squared=np.zeros_like, compliance=1e-4)
+    trial = SimpleNamespace(dy=np.array([0.05]), dz=np.array([2.1e-7]))
+    is_exact = interior_point.InteriorPointMethod.is_exact
+    assert is_exact(cast("Any", method), np.array([1e-8]), np.array([0.05]), cast("Any", trial), 1e-5)
+    assert method.compliance == pytest.approx(1e-3)
 
 
 def test_bare_sand_after_a_drawdown_does_not_break_down() -> None:
