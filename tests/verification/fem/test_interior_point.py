@@ -71,7 +71,9 @@ def test_it_proves_the_bounds_that_clarabel_proves(kind, monkeypatch):
         assert np.array_equal(low.stress, again[0].stress)
 
 
-def test_a_mechanism_with_a_residual_of_nearly_dependent_equations_is_left_to_no_other_solver(monkeypatch) -> None:
+def test_a_mechanism_with_a_residual_of_nearly_dependent_equations_is_left_to_no_other_solver(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """On clay whose strength follows the stress a residual of 2e-8 stayed, and five of twelve upper bounds of an
     embankment were solved again by Clarabel. Velocities are corrected to rounding anyway; a stress field is not so."""
     run = interior_point.InteriorPointMethod.run
@@ -90,8 +92,8 @@ def test_a_mechanism_with_a_residual_of_nearly_dependent_equations_is_left_to_no
 def test_errors_of_equilibrium_are_not_judged_beside_velocities() -> None:
     """With errors of 2e-7, small beside the velocities and larger than what was left of the equilibrium, δ stayed too
     small: the residual of a lower bound of a levee (12,000 triangles) stopped at 7e-8, and Clarabel began again."""
-    one = sparse.identity(1)
-    method = SimpleNamespace(a=one, a_t=one, squared=np.zeros_like, compliance=1e-4)
+    identity = sparse.identity(1)
+    method = SimpleNamespace(a=identity, a_t=identity, squared=np.zeros_like, compliance=1e-4)
     trial = SimpleNamespace(dy=np.array([0.05]), dz=np.array([2.1e-7]))
     is_exact = interior_point.InteriorPointMethod.is_exact
     assert is_exact(cast("Any", method), np.array([1e-8]), np.array([0.05]), cast("Any", trial), 1e-5)
