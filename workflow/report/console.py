@@ -347,7 +347,7 @@ def run_lines(answer: Summary, texts: Texts | None = None) -> list[str]:
         for part in answer.headlines
     ]  # fmt: skip
     lines += crests_in_short(answer.crests or (), _)
-    lines += verdict_paragraph(list(answer.criteria or ()), _)
+    lines += verdict_paragraph(list(answer.criteria or ()), _, liquefies=bool(answer.liquefied or answer.cases))
     failed = [f"the stage {stage} has no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]
     lines += failed[:1]
     warnings = [

@@ -51,7 +51,11 @@ def summary(results: Results, report_seconds: float) -> Summary:
     short = [part.conclusion for part in numbers]
     return Summary(
         headlines=numbers,
-        in_short=(*short, *verdict_paragraph(judged, texts), *conclusions(results, texts)),
+        in_short=(
+            *short,
+            *verdict_paragraph(judged, texts, results.config.section.liquefies),
+            *conclusions(results, texts),
+        ),
         findings=(*findings(results), *agreeing(opinions)),
         warnings=(*contradicting(opinions), *warnings(results)),
         section=SectionLabel.of(config.section),

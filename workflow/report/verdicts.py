@@ -258,8 +258,9 @@ def _not_computed(results: Results) -> Iterator[Interval]:
         yield f"after liquefaction, {results.config.called(number)}", None, None, "no slide was computed"
 
 
-def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None) -> Iterator[str]:
-    """Yield a sentence on every criterion, with the governing quantities, in the language of the ``texts``."""
+def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None, liquefies: bool = False) -> Iterator[str]:
+    """Yield a sentence on every criterion, with the governing quantities, in the language of the ``texts``. If the
+    section ``liquefies``, the sentence says that factors of safety and critical Kh are those without liquefaction."""
     _, phrases = texts or Texts(), []
     for criterion in dict.fromkeys(part.criterion for part in parts):
         parts_of_criterion = [part for part in parts if part.criterion == criterion]
@@ -271,6 +272,7 @@ def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None) -> I
         limit = _number(criterion, parts_of_criterion[0].limit)
         limit = _("at least {limit}", limit=limit) if criterion in AT_LEAST else _("at most {limit}", limit=limit)
         limit += _kh_words(parts_of_criterion[0], _)
+        limit += _(", without liquefaction") if liquefies and criterion in OF_FACES else ""
         by_section = criterion not in OF_FACES or any(
             part.subject.startswith("the section") for part in parts_of_criterion
         )

@@ -140,6 +140,9 @@ def test_criteria_are_satisfied_or_not_or_not_decided() -> None:
     (paragraph,) = verdict_paragraph(result)
     assert "factor of safety of the faces of structures at least 1.30 at Kh = 0 [design brief]: satisfied;" in paragraph
     assert "crest settlement at most 0.40 m: not satisfied (" in paragraph
+    (paragraph,) = verdict_paragraph(result, liquefies=True)
+    assert "at least 1.30 at Kh = 0, without liquefaction [design brief]: satisfied;" in paragraph
+    assert "crest settlement at most 0.40 m: not satisfied (" in paragraph
 
 
 def test_finite_elements_are_held_against_a_criterion_where_a_crest_slides_with_them() -> None:
