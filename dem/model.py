@@ -28,6 +28,7 @@ from dem.liquefied_ground import change_areas, list_liquefied, match_strength
 from dem.pair_table import PairTable, pair_table, with_line_strengths
 from dem.springs import Law, LayerSprings, Mean, Strength
 from dem.state import LINE_MEMORY, MEMORY, ROLLING_MEMORY, DiscState
+from dem.undisturbed_contacts import still_undisturbed
 from meshes.files import read_checkpoint, write_checkpoint
 
 # what changes its sign when the two discs of a pair change places
@@ -166,6 +167,7 @@ class DiscModel(DiscState):
         sign = reversal_signs(self.pair_i, other, old)
         self._carry(old, sign, in_ranges)
         self.pair_i, self.pair_j = owner, other
+        self.undisturbed = still_undisturbed(self, self.undisturbed, old)
         disc, line = find_lines(xs, zs, rs, still, skin, self.lines, 4.0 * rs.max())
         places = {key: k for k, key in enumerate(zip(self.line_disc, self.line_id, strict=True))}
         self.line_disc, self.line_id = order[disc], line
@@ -227,7 +229,7 @@ class DiscModel(DiscState):
             raise ValueError(f"{len(layers)} layers were given; the discs have {len(self.springs.layers)} layers")
         new = _table(layers, self.mean, self.law, self.skin, self.line_strength)
         before = self._spring_forces()
-        kind = self.kind(self.pair_i, self.pair_j)
+        kind = self.pair_kind
         line_kind = self.line_kind
         for names, row, columns, old_table, new_table in (
             (("shear", "rolled", "torque"), KS, kind, self.springs.pairs, new.pairs),
@@ -296,7 +298,7 @@ class DiscModel(DiscState):
 
     def _spring_forces(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the normal and tangential force of contact and pore springs of all pairs, dashpots left out (N)."""
-        constants = self.springs.pairs[:, self.kind(self.pair_i, self.pair_j)]
+        constants = self.springs.pairs[:, self.pair_kind]
         distance = self.distance()
         radii = self.radius[self.pair_i] + self.radius[self.pair_j]
         over = radii - distance

@@ -21,8 +21,9 @@ class PairTable:
     """Holds contact constants by kind of pair: column a * (n + 1) + b for layers a and b; index n stands for the
     boundary.
 
-    pairs (CONSTANTS, (n + 1)**2): constants between discs; lines (CONSTANTS, n + 1): constants against rigid lines,
-    with an additional block for each special strength of lines; line_block: number of the block of every line;
+    pairs (CONSTANTS, 2 (n + 1)**2): constants between discs, then those of contacts of undisturbed ground
+    (`dem.undisturbed_contacts`); lines (CONSTANTS, n + 1): constants against rigid lines, with an additional block for
+    each special strength of lines; line_block: number of the block of every line;
     alpha ((n + 1)**2,): reach of new pore springs.
     """
 
@@ -83,15 +84,20 @@ def pair_table(
     lines[[row.MU, row.MU_OTHER, row.COHESION, row.COHESION_OTHER, row.MU_ROLLING], :n] *= 1.0 - np.array(
         [s.faded for s in layers]
     )
+    undisturbed = pairs.copy()
     if law == "soil":
-        _apply_weaker_strength(pairs[:, :n, :n], values)
-        pairs[[row.COHESION, row.COHESION_OTHER]] *= left
+        for table, friction in ((pairs, values[row.MU]), (undisturbed, _undisturbed_friction(layers))):
+            _apply_weaker_strength(table[:, :n, :n], _with_friction(values, friction))
+            table[row.MU, n, :n] = table[row.MU, :n, n] = table[row.MU_OTHER, n, :n] = friction
+            table[row.MU_OTHER, :n, n] = friction
+            table[[row.COHESION, row.COHESION_OTHER]] *= left
+    pairs = np.concatenate([table.reshape(row.CONSTANTS, -1) for table in (pairs, undisturbed)], axis=1)
     for table in (pairs, lines):
         for spring, flexibility in ((row.KS, row.FKS), (row.KPS, row.FKPS)):
             np.divide(1.0, table[spring], out=table[flexibility], where=table[spring] > 0.0)
     alpha = _square(np.array([[layer.alpha for layer in layers]]), mean)
     alpha[0, n, n] = 1.0
-    return PairTable(tuple(layers), pairs.reshape(row.CONSTANTS, -1), lines, alpha.ravel())
+    return PairTable(tuple(layers), pairs, lines, alpha.ravel())
 
 
 def _apply_weaker_strength(pairs: np.ndarray, values: np.ndarray) -> None:
@@ -100,6 +106,17 @@ def _apply_weaker_strength(pairs: np.ndarray, values: np.ndarray) -> None:
     for first_of_pair, second in ((row.MU, row.MU_OTHER), (row.COHESION, row.COHESION_OTHER)):
         pairs[first_of_pair], pairs[second] = first[first_of_pair], other[first_of_pair]
     pairs[row.MU_ROLLING] = np.minimum(first[row.MU_ROLLING], other[row.MU_ROLLING])
+
+
+def _undisturbed_friction(layers: Sequence[LayerSprings]) -> np.ndarray:
+    return np.array([s.friction if s.undisturbed_friction is None else s.undisturbed_friction for s in layers])
+
+
+def _with_friction(values: np.ndarray, friction: np.ndarray) -> np.ndarray:
+    """Return the constants of the layers (CONSTANTS, n) with other friction coefficients (n,)."""
+    changed = values.copy()
+    changed[[row.MU, row.MU_OTHER]] = friction
+    return changed
 
 
 def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:

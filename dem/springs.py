@@ -42,6 +42,8 @@ class LayerSprings:
     density : density of the discs by equation 5 of the paper, for inertia and horizontal force (kg/m3)
     effective_density : effective density of the discs, for weight (kg/m3)
     friction : Coulomb friction mu of contacts; negative for soil discs of clay, see `Strength`
+    undisturbed_friction : the same of contacts of undisturbed ground, see `dem.undisturbed_contacts`; `friction` if
+        None
     cohesion : cohesion of the pore springs: the force b C in equation 16 of the paper (N)
     alpha, beta : alpha: distance of the centres over the sum of the radii up to which a pore spring is set (equation 14
         of the paper); beta: length over initial length at which a pore spring cracks (equation 15 of the paper)
@@ -81,6 +83,7 @@ class LayerSprings:
     boundary: float = 0.0
     undrained_strength: float = 0.0
     faded: float = 0.0
+    undisturbed_friction: float | None = None
 
     def __post_init__(self) -> None:
         for key in ("kn", "density"):
@@ -111,6 +114,7 @@ class LayerSprings:
             self, name=f"{self.name}, liquefied", kn=self.kn * stiffness, ks=self.ks * stiffness,
             cn=self.cn * damping, ct=self.ct * damping, kpn=0.0, kps=0.0, pore_friction=0.0, cohesion=0.0,
             friction=max(self.friction, 0.0) * friction, contact_cohesion=0.0, boundary=max(self.kn, self.boundary),
+            undisturbed_friction=None,
         )  # fmt: skip
 
 

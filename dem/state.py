@@ -65,6 +65,9 @@ class DiscState:
         liquefaction
     reach : reach of the kernel of the pore water (m), 0 before liquefaction
     steps_between_looks : number of steps for which forces of liquefied ground are constant
+    undisturbed (pairs,) : whether each pair has been in contact since the ground came to rest; empty where this does
+        not matter, see `dem.undisturbed_contacts`
+    undisturbed_x, undisturbed_z (n,) : position of each disc when the ground came to rest (m)
     mean, law : kind of mean of the constants of two layers, and contact law
     period : length along x and rise along z of a period (m); None without periodic sides
     gravity : gravity (m/s2)
@@ -148,6 +151,9 @@ class DiscState:
     strength_factor: np.ndarray = field(default_factory=lambda: np.zeros(0))
     reach: float = 0.0
     steps_between_looks: int = 1
+    undisturbed: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
+    undisturbed_x: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    undisturbed_z: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __len__(self) -> int:
         return len(self.x)
@@ -198,6 +204,14 @@ class DiscState:
         """Return the column of the table of springs for pairs of discs."""
         code = np.where(self.layer < 0, self.springs.size - 1, self.layer).astype(np.uint16)
         return code[i] * np.uint16(self.springs.size) + code[j]
+
+    @property
+    def pair_kind(self) -> np.ndarray:
+        """Return the column of the table of springs of every listed pair (pairs,)."""
+        kind = self.kind(self.pair_i, self.pair_j)
+        if len(self.undisturbed):
+            kind[self.undisturbed] += np.uint16(self.springs.size**2)
+        return kind
 
     @property
     def line_kind(self) -> np.ndarray:

@@ -55,10 +55,10 @@ points have neither error. They move gently sloping ground as the discs do, and 
 form, layer by layer. Material points slide too far where a bank flows by its weight with the residual strength, but
 moved by less than a metre in the field: most of all at Wildlife, whose sand lies below 2.5 m of silt and reaches below
 the bed of the river. Level ground ends at smooth sides for points and at the walls of a box for discs. Both support the
-ground farthest behind a face, and the measured places are 25 to 180 m from there. Behind quays the rubble governs. A
-wall that moves into discs of sand meets the passive wedge of ψ = φ (`tests/verification/dem/test_passive_wall.py`),
-while material points have ψ = 0. A quay that hardly stands therefore stands in discs, and fails with material points.
-{{quay}}
+ground farthest behind a face, and the measured places are 25 to 180 m from there. Behind quays the rubble governs.
+Sand of discs hardly has a peak strength, and resists a wall that moves into it as ground of ψ = 0 does
+(`tests/verification/dem/test_passive_wall.py`); so do material points. Rubble of six discs is stronger in one packing
+than in another. {{quay}}
 Columns of dry sand and of clay that are released at once run farther with material points than with discs, because the
 grid hardly damps the motion that it resolves."""
 

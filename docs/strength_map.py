@@ -46,7 +46,7 @@ def patch_strength(place: tuple[bool, float, float, int]) -> PatchStrength | Non
 
 def row_of(cohesion_number: float, patches: Sequence[PatchStrength]) -> list[str]:
     """Return the values of the map at one of its points, from the patches tested there."""
-    after = np.array([patch.after for patch in patches]) / PRESSURE
+    after = np.array([patch.post_peak for patch in patches]) / PRESSURE
     peak = np.mean([patch.course for patch in patches], axis=0).max() / PRESSURE
     stiffness = ContactNumbers(True, 0.0, cohesion_number, strength_map.KAPPA).stiffness * PRESSURE
     modulus = np.mean([patch.E for patch in patches]) / stiffness

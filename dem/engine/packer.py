@@ -67,7 +67,7 @@ def pack(
     partners[chunk_start[-2] :, n % LANES] = n + 1 if (n + 1) % LANES else 0
     kinds = np.zeros(chunks * LANES, np.uint16)
     placed = partial(
-        place_links, owner, partner, turn, chunk_start, model.radius[order], model.kind(model.pair_i, model.pair_j),
+        place_links, owner, partner, turn, chunk_start, model.radius[order], model.pair_kind,
         tuple(getattr(model, name) for name in MEMORY + ROLLING_MEMORY), links.reshape(-1), rolling.reshape(-1),
         partners.reshape(-1), kinds,
     )  # fmt: skip
@@ -177,15 +177,17 @@ def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = serial) -> None
     unpack_motion(layout, model)
     start = count_links(layout, len(model))
     count = int(start[-1])
-    owner, other = np.empty(count, np.int32), np.empty(count, np.int32)
+    owner, other, kind = np.empty(count, np.int32), np.empty(count, np.int32), np.empty(count, np.uint16)
     memory = tuple(np.empty(count if name in model.memory else 0) for name in MEMORY + ROLLING_MEMORY)
 
     def listed(begin: int, end: int) -> None:
         slices = -(-begin // LANES), min(-(-end // LANES), len(start) - 1)
-        list_links(*slices, start, layout, model.order, owner, other, memory)
+        list_links(*slices, start, layout, model.order, owner, other, kind, memory)
 
     in_ranges(listed, len(model))
     model.pair_i, model.pair_j = owner, other
+    if len(model.undisturbed):
+        model.undisturbed = kind >= model.springs.size**2
     if len(layout.liquefied.disc_i):
         model.liquefied[model.order] = layout.liquefied.discs[: len(model)]
         model.bonds = _bonds(layout, model)

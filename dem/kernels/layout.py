@@ -268,13 +268,14 @@ def list_links(
     order: np.ndarray,
     owner: np.ndarray,
     other: np.ndarray,
+    kind: np.ndarray,
     memory: tuple[np.ndarray, ...],
 ) -> None:
     """List the contacts of slices begin to end from their lanes, slice by slice, slot by slot, lane by lane.
 
     start: as from `count_links`; layout: discs and contacts; order: original number of every disc. Writes `owner` and
-    `other` (original numbers) and `memory`, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for discs
-    with the law "paper").
+    `other` (original numbers), `kind` (column of the table of springs) and `memory`, as named in `state.MEMORY`, then
+    in `state.ROLLING_MEMORY` (empty for discs with the law "paper").
     """
     discs = len(order)
     for p in range(begin, end):
@@ -287,6 +288,7 @@ def list_links(
                     continue
                 owner[count] = order[i]
                 other[count] = order[j]
+                kind[count] = layout.kinds[chunk * LANES + lane]
                 base = chunk * LINK_FIELDS * LANES + lane
                 for k in range(5):
                     memory[k][count] = layout.links[base + (k + 1) * LANES]

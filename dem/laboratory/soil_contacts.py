@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dem.laboratory.element_table import SHARES, middle_stresses
-from dem.laboratory.strength_map import ContactStrength, strength_map
+from dem.laboratory.strength_map import EVEN_COHESION, ContactStrength, strength_map
 from dem.springs import ROLLING, LayerSprings, Strength, soil_discs
 from meshes.section.section import Section, Stratum
 
@@ -23,6 +23,7 @@ LEAST_RIGIDITY = 50.0  # E over strength; of clays some 150 to 1000
 # LARGEST_STIFFNESS.
 FIRM_STIFFNESS = 200.0
 STRENGTH_TOLERANCE = 0.09  # of the required strength
+DILATION_SHARE = 0.6  # of mu squared: share of dilation in the friction of undisturbed sand
 OVERLAP = 0.5  # of a radius, that soil discs may reach whatever softens
 
 
@@ -98,7 +99,15 @@ class SoilContacts:
         weight = density if buoyant_density is None else buoyant_density
         strength = self.strength(radius)
         discs = soil_discs(name, self.stiffness, strength, density, weight, radius, void_ratio, allowed_overlap=OVERLAP)
-        return replace(discs, undrained_strength=0.0 if self.turns else float(self.required_strength[0]))
+        if not self.turns:
+            return replace(discs, undrained_strength=float(self.required_strength[0]))
+        return replace(discs, undisturbed_friction=self.undisturbed_friction)
+
+    @property
+    def undisturbed_friction(self) -> float:
+        """Return the friction coefficient of contacts of undisturbed ground, see `dem.undisturbed_contacts`."""
+        without_cohesion = max(1.0 - self.cohesion / (0.5 * self.stress) / EVEN_COHESION, 0.0)
+        return self.friction * (1.0 - DILATION_SHARE * without_cohesion * max(self.friction, 0.0))
 
 
 @dataclass(frozen=True)

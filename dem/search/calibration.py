@@ -86,6 +86,7 @@ def changed(layers: Sequence[LayerSprings], parameter: str, factor: float) -> li
             contact_cohesion=s.contact_cohesion * pore, undrained_strength=s.undrained_strength * pore,
             beta=1.0 + (s.beta - 1.0) * pore,
             pore_friction=None if s.pore_friction is None else s.pore_friction * friction,
+            undisturbed_friction=None if s.undisturbed_friction is None else s.undisturbed_friction * friction,
         )
         for s in layers
     ]  # fmt: skip

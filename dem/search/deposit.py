@@ -29,6 +29,7 @@ from dem.search.levelling import levelled, misfit
 from dem.search.undrained_clay import replace_contacts_of_clay
 from dem.settings import DemSettings
 from dem.springs import LayerSprings
+from dem.undisturbed_contacts import mark_undisturbed
 from meshes.errors import InputError
 from meshes.section.polyline import downhill
 from meshes.section.quantity import GRAVITY
@@ -122,7 +123,19 @@ def deposit(
     shake(settled, ground)
     if replace_contacts_of_clay(settled, period(settled, ground), ground):
         damp_to_rest(settled, ground, "with clay that is undrained")
-    return Deposit(ground, list(settled.springs.layers), settled)
+    return Deposit(ground, list(settled.springs.layers), _undisturbed(settled, ground))
+
+
+def _undisturbed(settled: DiscModel, ground: Ground) -> DiscModel:
+    """Return discs at rest whose contacts have the friction of undisturbed ground. Single discs at the surface slip
+    with it; ground that fails by its weight is left to the searches and slides."""
+    mark_undisturbed(settled)
+    model = settled.copy()
+    try:
+        damp_to_rest(model, ground, "with the friction of undisturbed ground")
+    except DemError:
+        return settled
+    return model
 
 
 def densified_by_shaking(settled: DiscModel, ground: Ground) -> DiscModel:

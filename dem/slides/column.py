@@ -17,6 +17,7 @@ from dem.search.undrained_clay import replace_contacts_of_clay
 from dem.slides.surface import topmost
 from dem.slides.until_rest import UntilRest, run_until_rest
 from dem.springs import SMOOTH, LayerSprings
+from dem.undisturbed_contacts import mark_undisturbed
 
 G = 9.81  # m/s2
 WALL, FLOOR, GATE = range(3)  # numbers of the rigid lines
@@ -107,6 +108,7 @@ class SoilColumn:
         self._come_to_rest()
         if replace_contacts_of_clay(self.model, FADING_TIME * self.unit):
             self._come_to_rest()
+        mark_undisturbed(self.model)
 
     def _come_to_rest(self) -> None:
         free = ~self.model.fixed

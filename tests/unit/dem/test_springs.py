@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dem.kernels.contact import ALLOWED, BC, BETA, CN, KN, KPN, KS, MU, TAN
-from dem.pair_table import pair_table
+from dem.pair_table import PairTable, pair_table
 from dem.springs import LayerSprings, from_stratum, table2, wave_speeds
 from meshes.section.section import Stratum
 
@@ -108,9 +108,14 @@ def test_packaged_table_is_complete() -> None:
         table2({3: "case1"})
 
 
+def constants(table: PairTable) -> np.ndarray:
+    """Constants between discs (CONSTANTS, n + 1, n + 1)."""
+    return table.pairs[:, : table.size**2].reshape(-1, table.size, table.size)
+
+
 def test_means_between_layers_and_the_boundary() -> None:
     a, b = table2()[0], table2()[1]
-    pairs = pair_table([a, b]).pairs.reshape(-1, 3, 3)
+    pairs = constants(pair_table([a, b]))
     assert np.array_equal(pairs, pairs.transpose(0, 2, 1))
     assert pairs[KN, 0, 1] == 0.5 * (a.kn + b.kn)
     assert pairs[MU, 0, 1] == pairs[TAN, 0, 1] == 0.35
@@ -119,7 +124,7 @@ def test_means_between_layers_and_the_boundary() -> None:
     # a boundary disc takes its partner's values
     assert np.array_equal(pairs[:, 0, 2], pairs[:, 0, 0])
     assert np.array_equal(pairs[:, 1, 2], pairs[:, 1, 1])
-    harmonic = pair_table([a, b], "harmonic").pairs.reshape(-1, 3, 3)
+    harmonic = constants(pair_table([a, b], "harmonic"))
     assert harmonic[KN, 0, 1] == pytest.approx(2.0 / (1.0 / a.kn + 1.0 / b.kn))
     assert harmonic[MU, 0, 1] == 0.0
     assert harmonic[BETA, 0, 1] == pytest.approx(1.02)
@@ -132,9 +137,9 @@ def test_rigid_lines_are_as_stiff_as_the_stiffest_layer() -> None:
     assert table.lines[KN, 0] == table.lines[KN, 1] == b.kn
     assert table.lines[KS, 0] == a.ks
     assert table.lines[CN, 0] / np.sqrt(table.lines[KN, 0]) == pytest.approx(a.cn / np.sqrt(a.kn))
-    assert table.pairs.reshape(-1, 3, 3)[ALLOWED, 1, 1] == 0.35
-    assert table.pairs.reshape(-1, 3, 3)[TAN, 1, 1] == 0.1
-    assert table.pairs.reshape(-1, 3, 3)[KPN, 1, 1] == b.kpn
+    assert constants(table)[ALLOWED, 1, 1] == 0.35
+    assert constants(table)[TAN, 1, 1] == 0.1
+    assert constants(table)[KPN, 1, 1] == b.kpn
 
 
 @pytest.mark.parametrize(("name", "value"), [("kn", 0.0), ("ks", -1.0), ("beta", 1.0), ("density", -2.0)])
@@ -147,7 +152,7 @@ def test_a_liquefied_layer_is_as_stiff_against_the_boundary_as_before() -> None:
     """S-13, case 3: discs of a hundredth of their stiffness were pressed whole into those of the walls."""
     sand, loose = table2()[0], table2()[3].liquefied(0.01)
     table = pair_table([sand, loose])
-    normal = table.pairs[KN].reshape(3, 3)
+    normal = constants(table)[KN]
     assert normal[1, 1] == pytest.approx(0.01 * table2()[3].kn)
     assert normal[1, 2] == normal[2, 1] == table2()[3].kn
     assert normal[0, 2] == sand.kn
