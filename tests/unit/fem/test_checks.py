@@ -61,7 +61,7 @@ def test_less_dilation_cannot_bear_more():
 
 
 def test_strict_bounds_judge_answers_of_their_own_flow_and_every_smaller_dilation():
-    assert "19 %" in next(of_bounds(0.167, 0.123, 0.140, same_flow=False)).observation
+    assert "19.3 %" in next(of_bounds(0.167, 0.123, 0.140, same_flow=False)).observation
     assert list(of_bounds(0.100, 0.123, 0.140, same_flow=False)) == [], (
         "less dilation may bear less than the lower bound"
     )
