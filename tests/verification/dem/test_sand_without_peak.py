@@ -3,6 +3,8 @@
 A dry bare slope at the angle b fails at Kh = tan(phi - b), in planes parallel to its surface.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,7 @@ from dem.laboratory.compression import compress
 from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
 from dem.laboratory.loading import confine
 from dem.laboratory.patch import Patch
-from dem.laboratory.soil_contacts import soil_layers
+from dem.laboratory.soil_contacts import DILATION_SHARE, soil_layers
 from dem.search.deposit import deposit
 from dem.slides.drive import Shaking
 from dem.slides.liquefaction import Slider
@@ -29,6 +31,9 @@ def peak_over_post_peak(friction: float, marked: bool, monkeypatch: pytest.Monke
     def confined(sample: Patch, pressure: float) -> None:
         confine(sample, pressure)
         if marked:
+            (layer,) = sample.model.springs.layers
+            smaller = layer.friction * (1.0 - DILATION_SHARE * layer.friction)
+            sample.model.set_springs([replace(layer, undisturbed_friction=smaller)])
             mark_undisturbed(sample.model)
 
     monkeypatch.setattr(patch, "POROSITIES", {"soil": (POROSITY, POROSITY + 0.005)})
