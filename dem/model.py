@@ -167,7 +167,7 @@ class DiscModel(DiscState):
         sign = reversal_signs(self.pair_i, other, old)
         self._carry(old, sign, in_ranges)
         self.pair_i, self.pair_j = owner, other
-        self.undisturbed = still_undisturbed(self, self.undisturbed, old)
+        self.undisturbed = still_undisturbed(self, old)
         disc, line = find_lines(xs, zs, rs, still, skin, self.lines, 4.0 * rs.max())
         places = {key: k for k, key in enumerate(zip(self.line_disc, self.line_id, strict=True))}
         self.line_disc, self.line_id = order[disc], line

@@ -84,13 +84,17 @@ def pair_table(
     lines[[row.MU, row.MU_OTHER, row.COHESION, row.COHESION_OTHER, row.MU_ROLLING], :n] *= 1.0 - np.array(
         [s.faded for s in layers]
     )
+    if law == "soil":
+        _apply_weaker_strength(pairs[:, :n, :n], values)
+        pairs[[row.COHESION, row.COHESION_OTHER]] *= left
     undisturbed = pairs.copy()
     if law == "soil":
-        for table, friction in ((pairs, values[row.MU]), (undisturbed, _undisturbed_friction(layers))):
-            _apply_weaker_strength(table[:, :n, :n], _with_friction(values, friction))
-            table[row.MU, n, :n] = table[row.MU, :n, n] = table[row.MU_OTHER, n, :n] = friction
-            table[row.MU_OTHER, :n, n] = friction
-            table[[row.COHESION, row.COHESION_OTHER]] *= left
+        frictions = [row.MU, row.MU_OTHER]
+        values = values.copy()  # those of rigid lines stay
+        values[frictions] = [s.friction if s.undisturbed_friction is None else s.undisturbed_friction for s in layers]
+        weaker = _square(values, mean)
+        _apply_weaker_strength(weaker[:, :n, :n], values)
+        undisturbed[frictions] = weaker[frictions]
     pairs = np.concatenate([table.reshape(row.CONSTANTS, -1) for table in (pairs, undisturbed)], axis=1)
     for table in (pairs, lines):
         for spring, flexibility in ((row.KS, row.FKS), (row.KPS, row.FKPS)):
@@ -106,17 +110,6 @@ def _apply_weaker_strength(pairs: np.ndarray, values: np.ndarray) -> None:
     for first_of_pair, second in ((row.MU, row.MU_OTHER), (row.COHESION, row.COHESION_OTHER)):
         pairs[first_of_pair], pairs[second] = first[first_of_pair], other[first_of_pair]
     pairs[row.MU_ROLLING] = np.minimum(first[row.MU_ROLLING], other[row.MU_ROLLING])
-
-
-def _undisturbed_friction(layers: Sequence[LayerSprings]) -> np.ndarray:
-    return np.array([s.friction if s.undisturbed_friction is None else s.undisturbed_friction for s in layers])
-
-
-def _with_friction(values: np.ndarray, friction: np.ndarray) -> np.ndarray:
-    """Return the constants of the layers (CONSTANTS, n) with other friction coefficients (n,)."""
-    changed = values.copy()
-    changed[[row.MU, row.MU_OTHER]] = friction
-    return changed
 
 
 def _attraction(layers: Sequence[LayerSprings]) -> np.ndarray:

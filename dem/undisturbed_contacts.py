@@ -35,26 +35,21 @@ def mark_undisturbed(state: DiscState) -> None:
     """Mark the present contacts of soil discs as contacts of undisturbed ground."""
     if state.law == "soil":
         state.undisturbed_x, state.undisturbed_z = state.x.copy(), state.z.copy()
-        state.undisturbed = touching(state)
+        state.undisturbed = state.distance() < state.radius[state.pair_i] + state.radius[state.pair_j]
 
 
-def still_undisturbed(state: DiscState, before: np.ndarray, old: np.ndarray) -> np.ndarray:
-    """Return the mask (pairs,) of the listed pairs that are still contacts of undisturbed ground.
+def still_undisturbed(state: DiscState, old: np.ndarray) -> np.ndarray:
+    """Return the mask (pairs,) of the pairs of a new list that are still contacts of undisturbed ground; empty if none
+    were marked.
 
-    before: the mask of the list before this one; old: place of each pair in that list, -1 for new pairs.
+    old: place of each pair in the list before, to which the mask of the state belongs; -1 for new pairs.
     """
-    if not len(before):
-        return before
-    mask = np.append(before, False)[old] & touching(state)
-    i, j = state.pair_i[mask], state.pair_j[mask]
+    if not len(state.undisturbed):
+        return state.undisturbed
+    i, j = state.pair_i, state.pair_j
     apart = state.undisturbed_x[j] - state.undisturbed_x[i], state.undisturbed_z[j] - state.undisturbed_z[i]
-    then = np.array(nearest_image(*apart, state.repeats))
-    now = state.branch()[:, mask]
-    cosine = np.sum(now * then, axis=0) / (np.hypot(*now) * np.hypot(*then))
-    mask[mask] = cosine > np.cos(DISTURBING_ROTATION)
-    return mask
-
-
-def touching(state: DiscState) -> np.ndarray:
-    """Return the mask (pairs,) of the listed pairs whose discs overlap."""
-    return np.asarray(state.distance() < state.radius[state.pair_i] + state.radius[state.pair_j])
+    now, then = state.branch(), np.array(nearest_image(*apart, state.repeats))
+    distance = np.hypot(*now)
+    unturned = np.sum(now * then, axis=0) > np.cos(DISTURBING_ROTATION) * distance * np.hypot(*then)
+    touching = distance < state.radius[i] + state.radius[j]
+    return np.asarray(np.append(state.undisturbed, False)[old] & touching & unturned)
