@@ -57,10 +57,9 @@ def known_at_full_strength(start: TrialStart, mesh: TriMesh, direction: Directio
 
     They may be those of other sides, and serve to estimate a factor, not to prove it.
     """
-    known = start.kh_bounds
-    for bounds in (
-        known.directions[0].meshes if known is not None and known.directions[0].direction == direction else ()
-    ):
+    if start.kh_bounds is None or start.kh_bounds.directions[0].direction != direction:
+        return None
+    for bounds in start.kh_bounds.directions[0].meshes:
         if bounds.mesh is mesh:
             return BoundsTrial(1.0, len(mesh.cells), "kh", bounds.lower, bounds.upper, False, 0.0)
     return None
