@@ -4,9 +4,9 @@ triangles."""
 from collections.abc import Callable, Sequence
 
 import numpy as np
-import pyvista as pv
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgba
 from matplotlib.patches import Patch
 
 from fem.continuum.load_ends import soil_of_strip
@@ -17,9 +17,10 @@ from meshes.section.cutting import soil_of, without_film
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 from workflow.config import Config
-from workflow.figures.canvas import INK, Sheet, Window, in_classes, legend_columns, render, soil_colours, spread
+from workflow.figures.canvas import DPI, INK, Sheet, Window, in_classes, legend_columns, soil_colours, spread
 from workflow.figures.fem import MOBILISED, MOBILISED_COLOURS
 from workflow.figures.ground import borders, foot
+from workflow.figures.raster import BORDER, draw_border, fill_cells, painted
 from workflow.results.answer import FORCE
 from workflow.run.store import Store
 
@@ -75,19 +76,17 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
     every = every[window.holds(mesh.points[every])]
     window = window.with_room_for(mesh.points[every] + stretch * velocity[every])
 
-    def arrows(plotter: pv.Plotter) -> None:
-        grid = _grid(mesh)
-        plotter.add_mesh(grid, color="#efece4", lighting=False)
-        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
-        points = pv.PolyData(np.column_stack([mesh.points[every], np.full(len(every), 0.01)]))
-        points["v"] = np.column_stack([velocity[every] * stretch, np.zeros(len(every))])
-        tip = pv.Arrow(tip_length=0.3, tip_radius=0.10, shaft_radius=0.03)
-        plotter.add_mesh(points.glyph(orient="v", scale="v", factor=1.0, geom=tip), color=ARROWS, lighting=False)
+    def outline(axes: Axes) -> None:
+        fill_cells(axes, mesh.points, mesh.cells, ["#efece4"], np.zeros(len(mesh.cells), dtype=np.int64))
+        draw_border(axes, mesh.points, mesh.cells)
 
     title = f"{config.section.heading}: upper bound, Kh = {mechanism.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion] * 3, foot(config.section), legend_rows=3)
     title = "velocities of the mechanism; their magnitude is arbitrary"
-    _draw_borders(sheet.show(0, render(window, arrows), window, title), config.section)
+    axes = sheet.show(0, painted(window, outline), window, title)
+    _draw_borders(axes, config.section)
+    arrows = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.0016, "minlength": 0.6}
+    axes.quiver(*mesh.points[every].T, *stretch * velocity[every].T, color=ARROWS, **arrows)
     views = (
         (shear / max(float(shear.max()), 1e-300), "largest shear rate"),
         (
@@ -96,7 +95,7 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
         ),
     )
     for view, (values, what) in enumerate(views, start=1):
-        image = render(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS))
+        image = painted(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS))
         _draw_borders(sheet.show(view, image, window, what), config.section)
     label = "shear rate and dissipation per area, over the largest value (-)"
     sheet.colour_bar(in_classes(DISSIPATION, DISSIPATION_COLOURS), label, DISSIPATION)
@@ -123,7 +122,7 @@ def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window:
     mesh = stress.problem.mesh_in_metres
     title = f"{config.section.heading}: lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(config.section), legend_rows=3)
-    image = render(window, _classes(mesh, yield_use(stress), MOBILISED, MOBILISED_COLOURS))
+    image = painted(window, _classes(mesh, yield_use(stress), MOBILISED, MOBILISED_COLOURS))
     title = "mobilised strength, largest value of each triangle"
     _draw_borders(sheet.show(0, image, window, title), config.section)
     sheet.colour_bar(
@@ -145,18 +144,14 @@ def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
     ]
     columns = max(legend_columns(handles), 2)
 
-    def draw(plotter: pv.Plotter) -> None:
-        grid = _grid(mesh)
-        grid.cell_data["stratum"] = mesh.stratum
-        plotter.add_mesh(
-            grid, scalars="stratum", cmap=colours, clim=(-0.5, len(colours) - 0.5), lighting=False, show_edges=True,
-            edge_color=INK, edge_opacity=0.6, line_width=0.5, show_scalar_bar=False,
-        )  # fmt: skip
+    def paint(axes: Axes) -> None:
+        edges = {"edgecolors": to_rgba(INK, 0.6), "linewidths": 0.25 * 72.0 / DPI}
+        fill_cells(axes, mesh.points, mesh.cells, colours, mesh.stratum, **edges)
 
     title = f"{section.heading}: {len(mesh.cells)} triangles of the bounds"
     sheet = Sheet(title, [window.proportion], foot(section), legend_rows=-(-len(handles) // columns))
     sheet.legend(handles, columns)
-    sheet.show(0, render(window, draw), window, "small triangles where the bounds differ")
+    sheet.show(0, painted(window, paint), window, "small triangles where the bounds differ")
     return sheet
 
 
@@ -165,21 +160,11 @@ def _draw_borders(axes: Axes, section: Section) -> None:
     axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=0.5, alpha=0.7))
 
 
-def _grid(mesh: TriMesh) -> pv.UnstructuredGrid:
-    points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
-    return pv.UnstructuredGrid({pv.CellType.TRIANGLE: mesh.cells.astype(np.int64)}, points)
-
-
 def _classes(
     mesh: TriMesh, values: np.ndarray, limits: Sequence[float], colours: Sequence[str]
-) -> Callable[[pv.Plotter], None]:
-    def draw(plotter: pv.Plotter) -> None:
-        grid = _grid(mesh)
-        grid.cell_data["class"] = np.digitize(values, limits[1:-1])
-        plotter.add_mesh(
-            grid, scalars="class", cmap=list(colours), clim=(-0.5, len(colours) - 0.5), lighting=False,
-            show_scalar_bar=False,
-        )  # fmt: skip
-        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=1)
+) -> Callable[[Axes], None]:
+    def paint(axes: Axes) -> None:
+        fill_cells(axes, mesh.points, mesh.cells, colours, np.digitize(values, limits[1:-1]))
+        draw_border(axes, mesh.points, mesh.cells, 0.5 * BORDER)
 
-    return draw
+    return paint

@@ -1,4 +1,4 @@
-"""Provides the common parts of pictures: ground rendered by pyvista, axes in metres, legends and notes.
+"""Provides the common parts of pictures: discs rendered by pyvista, axes in metres, legends and notes.
 
 A picture has true proportions; a flat section is drawn a second time with exaggerated heights. pyvista renders without
 a screen; matplotlib sets the axes, legend and notes.
@@ -126,6 +126,14 @@ class Window:
         ]
 
 
+def image_size(window: Window, width: int, exaggeration: int) -> tuple[int, int]:
+    """Return width and height (pixels) of the image of a window that is at most ``width`` wide; the image of a tall
+    window is narrower."""
+    proportion = exaggeration * window.proportion
+    width = max(2, round(width * min(1.0, TALLEST / proportion)))
+    return width, max(2, round(width * proportion))
+
+
 def render(
     window: Window,
     draw: "Callable[[pv.Plotter], object]",
@@ -134,14 +142,12 @@ def render(
 ) -> np.ndarray:
     """Render what ``draw`` adds to a plotter as an image (height, width, 3) of exactly the window.
 
-    Heights are multiplied by ``exaggeration``; a tall window gets a narrower image. The image is rendered twice as
+    Heights are multiplied by ``exaggeration``. The image is rendered twice as
     large and averaged: VTK's own supersampling takes four times each way, and 0.2 s for a picture.
     """
     import pyvista as pv
 
-    proportion = exaggeration * window.proportion
-    width = max(2, round(width * min(1.0, TALLEST / proportion)))
-    height = max(2, round(width * proportion))
+    width, height = image_size(window, width, exaggeration)
     plotter = pv.Plotter(off_screen=True, window_size=[SAMPLES * width, SAMPLES * height])
     try:
         plotter.set_background("white")

@@ -4,25 +4,26 @@ path under rising Kh."""
 from typing import NamedTuple, assert_never
 
 import numpy as np
-import pyvista as pv
+from matplotlib.axes import Axes
 
 from fem.continuum.fields import FieldState
 from fem.continuum.strength import flow_of
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from workflow.config import Config
-from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
+from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, Sheet, Window, in_classes, spread
 from workflow.figures.ground import Overlay, foot, section_sheet
+from workflow.figures.raster import draw_border, fill_cells, painted
 from workflow.results.answer import FORCE
 from workflow.results.continuum import FemAnswer
 from workflow.results.fem_states import FemResults
-from workflow.results.mesh_grids import unstructured
 from workflow.run.store import Store
 
 # Mobilised over available shear strength: pale where much is in reserve, red at failure.
 MOBILISED = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
 MOBILISED_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 SLIP = "#111111"
+MOST_CELLS_WITH_EDGES = 5000  # of more cells the edges would hide the colours
 ARROWS = 36  # across the section
 SAFETY = "figures/fem_safety.png"
 DASHES = ((0, ()), (0, (5, 2)), (0, (2, 2)), (0, (1, 2)))
@@ -106,26 +107,23 @@ class Views(NamedTuple):
 
 def views_of(mesh: QuadMesh, state: FieldState) -> Views:
     """Render the views of a state."""
-    grid = unstructured(mesh)
     largest = float(np.hypot(*state.displacement.T).max())
     stretch = nice_number(0.06 * float(np.ptp(mesh.points[:, 0])) / largest) if largest > 0.0 else 1.0
     arrow_nodes = spread(mesh.points, Window.around(mesh.points), ARROWS)
     tips = mesh.points[arrow_nodes] + stretch * state.displacement[arrow_nodes]
     window = Window.around(np.vstack([mesh.points, tips]))
 
-    def outline(plotter: pv.Plotter) -> None:
-        plotter.add_mesh(grid, color="#efece4", lighting=False)
-        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
+    def outline(axes: Axes) -> None:
+        fill_cells(axes, mesh.points, mesh.cells, ["#efece4"], np.zeros(len(mesh.cells), dtype=np.int64))
+        draw_border(axes, mesh.points, mesh.cells)
 
-    def safety(plotter: pv.Plotter) -> None:
-        grid.cell_data["safety"] = np.digitize(state.mobilised, MOBILISED[1:-1])
-        plotter.add_mesh(
-            grid, scalars="safety", cmap=list(MOBILISED_COLOURS), clim=(-0.5, len(MOBILISED_COLOURS) - 0.5),
-            lighting=False, show_scalar_bar=False,
-            show_edges=len(mesh.cells) < 5000, edge_color="#8a8578", line_width=0.5,
-        )  # fmt: skip
+    def safety(axes: Axes) -> None:
+        few = len(mesh.cells) < MOST_CELLS_WITH_EDGES
+        edges = {"edgecolors": "#8a8578", "linewidths": 0.25 * 72.0 / DPI} if few else {}
+        classes = np.digitize(state.mobilised, MOBILISED[1:-1])
+        fill_cells(axes, mesh.points, mesh.cells, MOBILISED_COLOURS, classes, **edges)
 
-    return Views(render(window, outline), arrow_nodes, render(window, safety), stretch, largest, window)
+    return Views(painted(window, outline), arrow_nodes, painted(window, safety), stretch, largest, window)
 
 
 def state_sheet(config: Config, results: FemResults, state: FieldState, views: Views) -> Sheet:

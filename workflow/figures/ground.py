@@ -2,12 +2,13 @@
 
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
@@ -30,12 +31,8 @@ from workflow.figures.canvas import (
     Sheet,
     Window,
     legend_columns,
-    render,
     soil_colours,
 )
-
-if TYPE_CHECKING:
-    import pyvista as pv
 
 HATCH = "...."
 SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
@@ -132,10 +129,9 @@ def section_sheet(
 
 def mesh_sheet(section: Section, mesh: QuadMesh) -> Sheet:
     """Draw the quadrilaterals, coloured by stratum, with their quality."""
-    from workflow.results.mesh_grids import unstructured
+    from workflow.figures.raster import fill_cells, painted
 
     window = Window.around(mesh.points)
-    grid = unstructured(mesh)
     colours = soil_colours(mesh.strata)
     quality = mesh.quality()
     title = f"{section.heading}: mesh of {quality.quadrilaterals} quadrilaterals, {quality.nodes} nodes ({mesh.method})"
@@ -148,16 +144,15 @@ def mesh_sheet(section: Section, mesh: QuadMesh) -> Sheet:
     pixels = WIDTH * float(np.sqrt(mesh.stratum_areas().sum() / len(mesh.cells))) / (window.right - window.left)
     opacity = float(np.clip(pixels / 8.0, 0.15, 1.0))
 
-    def draw(plotter: "pv.Plotter") -> None:
-        plotter.add_mesh(
-            grid, scalars="stratum", cmap=colours, clim=(-0.5, len(colours) - 0.5), lighting=False,
-            show_edges=True, edge_color=INK, edge_opacity=opacity, line_width=line_width, show_scalar_bar=False,
-        )  # fmt: skip
+    edges = {"edgecolors": to_rgba(INK, opacity), "linewidths": 0.5 * line_width * 72.0 / DPI}
+
+    def paint(axes: Axes) -> None:
+        fill_cells(axes, mesh.points, mesh.cells, colours, mesh.stratum, **edges)
 
     sheet = _sheet(section, title, window, _legend_of(section, water=False))
     for view, exaggeration in enumerate(window.exaggerations()):
         text = f"{heights_in_words(exaggeration)}; {subtitle}" if view == 0 else heights_in_words(exaggeration)
-        sheet.show(view, render(window, draw, exaggeration=exaggeration), window, text, exaggeration)
+        sheet.show(view, painted(window, paint, exaggeration), window, text, exaggeration)
     return sheet
 
 

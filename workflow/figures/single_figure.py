@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pyvista as pv
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 
@@ -19,11 +20,11 @@ from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from workflow.figures import discs
 from workflow.figures import fem as fem_figures
-from workflow.figures.canvas import INK, Sheet, Window, render
+from workflow.figures.canvas import INK, Sheet, Window
 from workflow.figures.ground import foot, heights_in_words
+from workflow.figures.raster import draw_border, painted, shade_cells
 from workflow.results.discs import SETS
 from workflow.results.fem_states import FemResults
-from workflow.results.mesh_grids import unstructured
 from workflow.results.results import Results
 from workflow.run.stage import Job
 
@@ -177,7 +178,8 @@ def _states(results: FemResults, at: float | None) -> list[FieldState]:
 
 
 def _grid(mesh: QuadMesh, state: FieldState, field: Field) -> pv.UnstructuredGrid:
-    grid = unstructured(mesh)
+    points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
+    grid = pv.UnstructuredGrid({pv.CellType.QUAD: mesh.cells.astype(np.int64)}, points)
     data = grid.point_data if field.by_point else grid.cell_data
     data["shown"] = np.asarray(field.values(state), dtype=float)
     return grid
@@ -186,15 +188,17 @@ def _grid(mesh: QuadMesh, state: FieldState, field: Field) -> pv.UnstructuredGri
 def _sheet(job: Job, mesh: QuadMesh, state: FieldState, field: Field) -> Sheet:
     """Return the section in the colours of a field, in true proportions, with its scale."""
     view = Window.around(mesh.points)
-    grid = _grid(mesh, state, field)
-    low, high = float(grid["shown"].min()), float(grid["shown"].max())
+    values = np.asarray(field.values(state), dtype=float)
+    low, high = float(values.min()), float(values.max())
     high = high if high > low else low + 1.0
 
-    def paint(plotter: pv.Plotter) -> None:
-        plotter.add_mesh(
-            grid, scalars="shown", cmap=field.colours, clim=(low, high), lighting=False, show_scalar_bar=False
-        )
-        plotter.add_mesh(grid.extract_feature_edges(manifold_edges=False), color=INK, line_width=2)
+    points, cells = mesh.points, mesh.cells
+    if not field.by_point:  # each cell has corners of its own
+        values, points, cells = np.repeat(values, 4), points[cells].reshape(-1, 2), np.arange(cells.size).reshape(-1, 4)
+
+    def paint(axes: Axes) -> None:
+        shade_cells(axes, points, cells, values, field.colours, (low, high))
+        draw_border(axes, mesh.points, mesh.cells)
 
     title = f"{job.config.section.heading}: {field.label}"
     sheet = Sheet(
@@ -205,6 +209,6 @@ def _sheet(job: Job, mesh: QuadMesh, state: FieldState, field: Field) -> Sheet:
     )
     for number, exaggeration in enumerate(view.exaggerations()):
         title = f"FEM, {state.label}; {heights_in_words(exaggeration)}"
-        sheet.show(number, render(view, paint, exaggeration=exaggeration), view, title, exaggeration)
+        sheet.show(number, painted(view, paint, exaggeration), view, title, exaggeration)
     sheet.colour_bar(ScalarMappable(Normalize(low, high), field.colours), field.label)
     return sheet

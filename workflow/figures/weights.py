@@ -3,7 +3,7 @@
 import textwrap
 
 import numpy as np
-import pyvista as pv
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
@@ -11,9 +11,10 @@ from matplotlib.colors import Normalize
 from meshes.pore_loads import corner_pressure
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
-from meshes.triangles import triangulate
-from workflow.figures.canvas import INK, WATER, Sheet, Window, render
+from meshes.triangles import TriMesh, triangulate
+from workflow.figures.canvas import INK, WATER, Sheet, Window
 from workflow.figures.ground import borders, draw_loads, foot, pressure_of, room_for_loads
+from workflow.figures.raster import painted, shade_cells
 
 # Edges of the triangles over the height of the section: pore pressure is linear almost everywhere.
 FINE_SPACING = 1.0 / 15.0
@@ -28,19 +29,17 @@ def weights_sheet(section: Section) -> Sheet:
     window = _picture_window(section)
     height = float(np.ptp(section.outline()[:, 1]))
     mesh = triangulate(section, FINE_SPACING * height)
-    corners = mesh.points[mesh.cells].reshape(-1, 2)
-    points = np.column_stack([corners, np.zeros(len(corners))])
-    cells = np.arange(len(corners)).reshape(-1, 3)
-    grid = pv.PolyData(points, faces=np.column_stack([np.full(len(cells), 3), cells]).ravel())
     weights = GRAVITY * np.array([s.density_ordinary for s in section.strata]) / 1e3
-    grid["weight"] = np.repeat(weights[mesh.stratum], 3)
-    grid["pressure"] = corner_pressure(mesh, section.water_pressure.at_rest).ravel() / 1e3
+    values = {
+        "weight": np.repeat(weights[mesh.stratum], 3),
+        "pressure": corner_pressure(mesh, section.water_pressure.at_rest).ravel() / 1e3,
+    }
     views = ["weight", *(["pressure"] if section.water_pressure.present else [])]
     title = f"{section.heading}: unit weight" + (" and pore pressure" if len(views) > 1 else "")
     heights = [SHARE * exaggeration * window.proportion for exaggeration in window.exaggerations()[-1:]] * len(views)
     sheet = Sheet(title, heights, "\n".join(text for text in (_said(section), foot(section)) if text))
     for number, name in enumerate(views):
-        _show(sheet, number, section, window, grid, name)
+        _show(sheet, number, section, window, mesh, values[name], name)
     return sheet
 
 
@@ -51,22 +50,25 @@ def _picture_window(section: Section) -> Window:
     return Window.around(np.vstack([points, room_for_loads(section)]), 0.03)
 
 
-def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.PolyData, name: str) -> None:
-    most = float(grid[name].max())
-    limits = (0.0, most) if name == "pressure" else (0.8 * float(grid[name].min()), most + 0.05)  # room for its tick
+def _show(
+    sheet: Sheet, view: int, section: Section, window: Window, mesh: TriMesh, values: np.ndarray, name: str
+) -> None:
+    """Draw ``values`` (3 triangles,) at the corners of all triangles into a view."""
+    most = float(values.max())
+    limits = (0.0, most) if name == "pressure" else (0.8 * float(values.min()), most + 0.05)  # room for its tick
     colours = PRESSURES if name == "pressure" else WEIGHTS
     exaggeration = window.exaggerations()[-1]
 
-    def draw(plotter: pv.Plotter) -> None:
-        plotter.add_mesh(grid, scalars=name, cmap=colours, clim=limits, lighting=False, show_scalar_bar=False)
+    corners = mesh.points[mesh.cells].reshape(-1, 2)
+
+    def paint(axes: Axes) -> None:
+        shade_cells(axes, corners, np.arange(len(corners)).reshape(-1, 3), values, colours, limits)
 
     words = "unit weight on which gravity acts (kN/m³)" if name == "weight" else "pore pressure at rest (kPa)"
     exaggeration_words = "" if exaggeration == 1 else f", heights exaggerated {exaggeration} times"
     left, low, wide, high = sheet.views[view].get_position().bounds
     sheet.views[view].set_position((left, low, SHARE * wide, high))
-    axes = sheet.show(
-        view, render(window, draw, exaggeration=exaggeration), window, words + exaggeration_words, exaggeration
-    )
+    axes = sheet.show(view, painted(window, paint, exaggeration), window, words + exaggeration_words, exaggeration)
     axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=0.5))
     if (water := section.water_points()) is not None:
         axes.plot(*water.T, color=WATER, linewidth=1.2, linestyle=(0, (6, 3)))
@@ -84,7 +86,7 @@ def _show(sheet: Sheet, view: int, section: Section, window: Window, grid: pv.Po
         axes.tricontour(
             *flow.grid.points.T, flow.grid.cells[wet], flow.head, EQUIPOTENTIALS, colors=INK, linewidths=0.6
         )
-    ticks = None if name == "pressure" else _ticks(grid["weight"], TICK_DISTANCE * (limits[1] - limits[0]))
+    ticks = None if name == "pressure" else _ticks(values, TICK_DISTANCE * (limits[1] - limits[0]))
     scale = axes.inset_axes((1.012, 0.0, 0.015, 1.0))
     sheet.figure.colorbar(ScalarMappable(Normalize(*limits), colours), cax=scale, ticks=ticks)
     scale.tick_params(labelsize=7, colors=INK, length=2)

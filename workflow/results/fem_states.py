@@ -3,12 +3,12 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pyvista as pv
 
 from fem.continuum.fields import FieldState
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from workflow.results.continuum import FemAnswer
+from workflow.results.mesh_grids import StoredGrid
 from workflow.results.stored_mesh import fem_mesh
 from workflow.run.store import Store
 
@@ -38,7 +38,7 @@ class FemResults:
                 last = next(state for state in reversed(states) if not state.past_equilibrium)
                 states.append(replace(last, label=state_part.label, kh=state_part.kh, past_equilibrium=True))
             else:
-                grid = pv.read(store.folder / "fem" / fields_file(len(states)))
+                grid = StoredGrid(store.folder / "fem" / fields_file(len(states)))
                 states.append(_state(grid, state_part.label, state_part.kh))
         return cls(fem_mesh(section, store, answer.mesh.method), answer, states)
 
@@ -49,14 +49,13 @@ class FemResults:
         return np.array(stored.slip_surface).reshape(-1, 2)
 
 
-def _state(grid: pv.UnstructuredGrid, label: str, kh: float) -> FieldState:
-    cells = grid.cell_data
+def _state(grid: StoredGrid, label: str, kh: float) -> FieldState:
     return FieldState(
         label,
         kh,
-        np.array(grid.point_data["displacement_m"])[:, :2],
-        np.array(cells["stress_xx_yy_zz_xy_Pa"]),
-        np.array(cells["shear_strain"]),
-        np.array(cells["plastic_shear_strain"]),
-        np.array(cells["mobilised_strength"]),
+        grid.of_points("displacement_m")[:, :2],
+        grid.of_cells("stress_xx_yy_zz_xy_Pa"),
+        grid.of_cells("shear_strain"),
+        grid.of_cells("plastic_shear_strain"),
+        grid.of_cells("mobilised_strength"),
     )

@@ -36,11 +36,10 @@ def given_mesh(section: Section, path: Path) -> QuadMesh:
 
 def stored_mesh(section: Section, store: Store) -> QuadMesh:
     """Return the mesh that the stage `mesh` wrote; raise InputError if it is missing or belongs to another section."""
-    import pyvista as pv
+    from workflow.results.mesh_grids import StoredGrid
 
     mesh = given_mesh(section, store.folder / GMSH_FILE)
-    method = pv.read(store.folder / VTK_FILE).field_data["method"][0]
-    return replace(mesh, method=str(method))
+    return replace(mesh, method=StoredGrid(store.folder / VTK_FILE).text("method"))
 
 
 def fem_mesh(section: Section, store: Store, method: str) -> QuadMesh:

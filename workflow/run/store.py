@@ -76,7 +76,7 @@ class Store:
             what.save(path)
         return self.folder / name
 
-    def write_grid(self, name: str, grid: "pv.DataSet") -> Path:
+    def write_grid(self, name: str, grid: "Savable | pv.DataSet") -> Path:
         """Write a VTK file; returns its path.
 
         VTK writes the file to the temporary folder of the system first, since with a full disk VTK only prints a

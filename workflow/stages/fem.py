@@ -183,17 +183,17 @@ def write_fields(section: Section, mesh: "QuadMesh", states: list["FieldState"],
     ``store``: the folder of the run.
     """
     from workflow.results.fem_states import COLLECTION, fields_file
-    from workflow.results.mesh_grids import add_texts, grid_of
+    from workflow.results.mesh_grids import grid_of
 
     entries = []
     for number, state in enumerate(state for state in states if not state.past_equilibrium):
         grid = grid_of(section, mesh)
-        grid.point_data["displacement_m"] = np.column_stack([state.displacement, np.zeros(len(mesh.points))])
-        grid.cell_data["stress_xx_yy_zz_xy_Pa"] = state.stress
-        grid.cell_data["mobilised_strength"] = state.mobilised
-        grid.cell_data["shear_strain"] = state.shear_strain
-        grid.cell_data["plastic_shear_strain"] = state.plastic_shear_strain
-        add_texts(grid, "state", [state.label])
+        grid.add_to_points("displacement_m", np.column_stack([state.displacement, np.zeros(len(mesh.points))]))
+        grid.add_to_cells("stress_xx_yy_zz_xy_Pa", state.stress)
+        grid.add_to_cells("mobilised_strength", state.mobilised)
+        grid.add_to_cells("shear_strain", state.shear_strain)
+        grid.add_to_cells("plastic_shear_strain", state.plastic_shear_strain)
+        grid.add_texts("state", [state.label])
         store.write_grid(f"fem/{fields_file(number)}", grid)
         entries.append((state.kh, fields_file(number)))
     store.write_collection(COLLECTION, entries)

@@ -13,7 +13,7 @@ def work(job: Job) -> None:
     Raises InputError if the settings do not fit, BadMeshError if there is no usable mesh.
     """
     from meshes.gmsh_model import generate
-    from workflow.results.mesh_grids import add_texts, grid_of
+    from workflow.results.mesh_grids import grid_of
     from workflow.results.stored_mesh import GMSH_FILE, VTK_FILE, given_mesh
 
     job.progress("meshing", None)
@@ -24,7 +24,7 @@ def work(job: Job) -> None:
             mesh = given_mesh(job.config.section, job.mesh_file)
             shutil.copyfile(job.mesh_file, path)
     grid = grid_of(job.config.section, mesh)
-    add_texts(grid, "method", [mesh.method])
+    grid.add_texts("method", [mesh.method])
     job.store.write_grid(VTK_FILE, grid)
     quality = mesh.quality()
     smallest = quality.smallest_scaled_jacobian
