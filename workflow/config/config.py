@@ -16,6 +16,7 @@ from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, read_toml
 from meshes.section.sentences import sentences
+from workflow.config.bare_faces import falling_faces
 from workflow.config.contradictions import (
     FILES,
     contradictions,
@@ -130,7 +131,8 @@ class Config(Tables):
         """Return notices on the section, its mesh and its uncertain numbers."""
         cut_off = [line for reach in self.reach.values() for line in reach.notice.splitlines()]
         cracks = self.tension_crack.notices(self.section)
-        return [*self.section.notices, *self.mesh.notices(self.section), *cracks, *cut_off]
+        falling = falling_faces(self.section, self.fem)
+        return [*self.section.notices, *falling, *self.mesh.notices(self.section), *cracks, *cut_off]
 
     @property
     def notices_of_slides(self) -> list[str]:

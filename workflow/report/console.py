@@ -9,6 +9,7 @@ from meshes.section.section import Section
 from meshes.slip_line import extent_in_words
 from workflow.config import Config, notice_lines
 from workflow.earthquake.site_response import TOLERANCE as CAME_TO_REST
+from workflow.estimates.crest import embankments
 from workflow.report import post_liquefaction
 from workflow.report.bounds_text import bounds_sentences, edge_sentence, face_words, failing_at
 from workflow.report.contradictions import FALL_RATIO, SURFACE_FALL
@@ -239,6 +240,7 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
         phrases.append(f"{config.called(int(number))}, {layers}: {', '.join(left)}")
     if phrases:
         yield f"Factors and residual strengths of the layers that liquefy: {'; '.join(phrases)}."
+    two_faces = bool(embankments(config.section.ground))  # no upslope third: the settlement of the crest counts
     for name, which, case in answer.each():
         settled = "" if case.settled else f"; the slide is not at rest: {case.reason}"
         if not case.settled and lies_still(case):
@@ -249,10 +251,14 @@ def slide_sentences(config: Config, answer: CasesAnswer) -> Iterator[str]:
         if fall > max(SURFACE_FALL, FALL_RATIO * abs(case.settlement_uphill_m)):
             settled += f"; the surface falls by {metres(fall)} at x = {x:.0f} m"
         settled += "".join(f"; {note}" for note in case.notes)
+        third = (
+            ""
+            if two_faces
+            else f", and the upslope third {case.uphill} by {metres(abs(case.settlement_uphill_m))} (median)"
+        )
         yield (
             f"Case {which} ({name}): the largest slide is {metres(case.slide_max_m)} at x = "
-            f"{case.slide_max_at_x_m:.0f} m, and the upslope third {case.uphill} by "
-            f"{metres(abs(case.settlement_uphill_m))} (median){settled}."
+            f"{case.slide_max_at_x_m:.0f} m{third}{settled}."
         )
     yield from crest_sentences(crest_parts(config, answer))
 

@@ -6,6 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from dem.case import Case
+from workflow.estimates.crest import embankments
 from workflow.report.circles import against_elements, of_circles, of_longer_sections
 from workflow.report.numbers import coefficient, of_cases, span
 from workflow.results.cases import CaseAnswer, MovedSurface, RandomPackings
@@ -45,7 +46,9 @@ def contradictions(results: Results) -> Iterator[tuple[Weight, str]]:
     lengths = {number: case.slide_max_m for number, case in points.items()}
     yield from ((1, text) for text in of_order(config, _largest_slides(cases, random), strata))
     yield from ((1, text) for text in of_order(config, lengths, strata, "material points"))
-    yield from ((2, text) for text in of_settlement({k: (case, case.settlement_uphill_m) for k, case in cases.items()}))
+    if not embankments(results.config.section.ground):  # else the settlement of the crest is reported
+        thirds = {number: (case, case.settlement_uphill_m) for number, case in cases.items()}
+        yield from ((2, text) for text in of_settlement(thirds))
     crests = {number: (case, case.settlement_crest_m) for number, case in points.items()}
     yield from ((2, text) for text in of_settlement(crests, "material points"))
     yield from ((3, text) for text in (*of_circles(results), *against_elements(results)))

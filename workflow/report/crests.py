@@ -110,7 +110,9 @@ def _strains_of_borings(config: Config) -> dict[int, float]:
 
 def water_at_crest(config: Config, crest: Crest) -> float | None:
     """Return the elevation (m) of the water that a structure retains: the elevation in the criteria or, without one,
-    the higher water level at the feet of the structure."""
+    the higher water level at the feet of the structure; None where all water lies in the ground."""
+    if not holds_water(config):
+        return None
     limit = config.criteria.freeboard
     if limit is not None and limit.water is not None:
         return float(limit.water)

@@ -79,6 +79,20 @@ def test_the_crest_of_the_levee_after_a_slide() -> None:
     assert "the crest settles 0.50 m, 0.19 m of it by reconsolidation; the remaining freeboard is 4.7 m." in text
 
 
+def test_a_road_above_ground_water_has_no_freeboard_and_no_upslope_third() -> None:
+    """Water in the ground is retained by no embankment; both ends of the ground are level, so that neither is
+    upslope."""
+    config = levee()
+    dry = config.to_data()
+    dry["water"] = {"table": float(config.section.ground[:, 1].min()) - 1.0}
+    config = analysed(dry)
+    (part,) = crest_parts(config, slid(sunk(config, 0.5)))
+    assert (part.water_m, part.freeboard_m) == (None, None)
+    text = " ".join(slide_sentences(config, slid(sunk(config, 0.5))))
+    assert "freeboard" not in text
+    assert "upslope third" not in text
+
+
 def test_reconsolidation_is_added_to_slides_that_lose_no_volume() -> None:
     config = levee(slide={"cases": [{"stiffness": 0.1}]}, triggering={**_triggering(), "cases": []})
     (part,) = crest_parts(config, slid(sunk(config, 0.5)))
