@@ -1,4 +1,4 @@
-"""Provides the common parts of pictures: discs rendered by pyvista, axes in metres, legends and notes.
+"""Provides the common parts of pictures: failure zones and discs rendered by pyvista, axes in metres, legends, notes.
 
 A picture has true proportions; a flat section is drawn a second time with exaggerated heights. pyvista renders without
 a screen; matplotlib sets the axes, legend and notes.

@@ -1,7 +1,7 @@
 """Draws pictures of the finite element analysis: displacement and mobilised strength at each Kh, and the equilibrium
 path under rising Kh."""
 
-from typing import NamedTuple, assert_never
+from typing import TYPE_CHECKING, NamedTuple, assert_never
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +11,7 @@ from fem.continuum.strength import flow_of
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from workflow.config import Config
-from workflow.figures.canvas import CONTINUUM, CRITICAL, DPI, INK, Sheet, Window, in_classes, spread
+from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
 from workflow.figures.ground import Overlay, foot, section_sheet
 from workflow.figures.raster import draw_border, fill_cells, painted
 from workflow.results.answer import FORCE
@@ -19,10 +19,14 @@ from workflow.results.continuum import FemAnswer
 from workflow.results.fem_states import FemResults
 from workflow.run.store import Store
 
+if TYPE_CHECKING:
+    import pyvista as pv
+
 # Mobilised over available shear strength: pale where much is in reserve, red at failure.
 MOBILISED = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
 MOBILISED_COLOURS = ("#f4f1e6", "#e6e4c6", "#d9d49a", "#e9c46a", "#f0a04b", "#e2703a", "#b3202c")
 SLIP = "#111111"
+EDGES = "#8a8578"
 MOST_CELLS_WITH_EDGES = 5000  # of more cells the edges would hide the colours
 ARROWS = 36  # across the section
 SAFETY = "figures/fem_safety.png"
@@ -117,13 +121,18 @@ def views_of(mesh: QuadMesh, state: FieldState) -> Views:
         fill_cells(axes, mesh.points, mesh.cells, ["#efece4"], np.zeros(len(mesh.cells), dtype=np.int64))
         draw_border(axes, mesh.points, mesh.cells)
 
-    def safety(axes: Axes) -> None:
-        few = len(mesh.cells) < MOST_CELLS_WITH_EDGES
-        edges = {"edgecolors": "#8a8578", "linewidths": 0.25 * 72.0 / DPI} if few else {}
-        classes = np.digitize(state.mobilised, MOBILISED[1:-1])
-        fill_cells(axes, mesh.points, mesh.cells, MOBILISED_COLOURS, classes, **edges)
+    def failure_zones(plotter: "pv.Plotter") -> None:
+        import pyvista as pv
 
-    return Views(painted(window, outline), arrow_nodes, painted(window, safety), stretch, largest, window)
+        points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
+        grid = pv.UnstructuredGrid({pv.CellType.QUAD: mesh.cells.astype(np.int64)}, points)
+        grid.cell_data["mobilised strength"] = np.digitize(state.mobilised, MOBILISED[1:-1])
+        plotter.add_mesh(
+            grid, cmap=list(MOBILISED_COLOURS), clim=(-0.5, len(MOBILISED_COLOURS) - 0.5), lighting=False,
+            show_scalar_bar=False, show_edges=len(mesh.cells) < MOST_CELLS_WITH_EDGES, edge_color=EDGES, line_width=0.5,
+        )  # fmt: skip
+
+    return Views(painted(window, outline), arrow_nodes, render(window, failure_zones), stretch, largest, window)
 
 
 def state_sheet(config: Config, results: FemResults, state: FieldState, views: Views) -> Sheet:

@@ -1,7 +1,7 @@
 """Paints cells of a mesh into an image of exactly a window, by matplotlib alone.
 
-matplotlib takes a tenth of the time of VTK for some thousand flat cells, and half a second less to load. Pictures of
-discs are rendered by pyvista (``canvas.render``).
+matplotlib takes a tenth of the time of VTK for some thousand flat cells, and half a second less to load. Failure zones
+of the continuum and discs are rendered by pyvista (``canvas.render``).
 """
 
 from collections.abc import Callable, Sequence

@@ -37,8 +37,8 @@ def test_colours_change_linearly_between_the_points() -> None:
     assert np.abs(row - expected).max() < 4.0
 
 
-def test_pictures_of_meshes_do_without_pyvista() -> None:
-    """It takes half a second to load, in each process that draws."""
+def test_modules_of_pictures_load_without_pyvista() -> None:
+    """It takes half a second to load, in each process that draws anything but failure zones and discs."""
     names = "bounds, fem, ground, weights"
     look = f"import sys; from workflow.figures import {names}; from workflow.results import fem_states, mesh_grids; "
     subprocess.run(
