@@ -52,5 +52,5 @@ def step_to_limit(
     if known > limit:
         remedy = "raise the limit to search for larger values"
         return LimitLoad(path.factor, path.factor, "no failure", f"no failure up to {limit:g}", remedy), states
-    reason = f"the limit load of this mesh is known by limit analysis; the path was followed to Kh = {path.factor:.3f}"
+    reason = f"the limit load is known by limit analysis; the path was followed to Kh = {path.factor:.3f}"
     return LimitLoad(path.factor, known, "plateau", reason), states

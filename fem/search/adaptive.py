@@ -16,7 +16,7 @@ from fem.continuum.loads import Direction, counting_directions
 from fem.continuum.shallow_failure import ShallowFailure, faces_at, strengthened, without_strips
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
-from fem.limit_load.limit_load import LimitLoadResult, critical_limit_load, in_order, with_other_flow
+from fem.limit_load.limit_load import LimitLoadResult, LoadedGround, critical_limit_load, in_order, with_other_flow
 from fem.search.mesh_sequence import (
     FEWEST_CELLS,
     SMALLEST_KH,
@@ -354,6 +354,19 @@ class AdaptiveSearch:
             return generate(self.section, MeshSettings(size=size))
         except (NoAnswerError, InputError):
             return None
+
+
+def path_start(adapted: AdaptiveResult[LimitLoadResult]) -> tuple[QuadMesh, LoadedGround]:
+    """Return the coarsest mesh that is adapted to the mechanism, and its ground, from which an equilibrium path starts.
+    Its limit load, up to which the path is followed, is the smaller one of this mesh and the last mesh. Return the last
+    mesh if the ground does not fail on both.
+    """
+    first = adapted.earlier[0] if adapted.earlier else adapted
+    limits = first.result.ground.limit, adapted.result.ground.limit
+    if limits[0] is None or limits[1] is None or {first.result.verdict, adapted.result.verdict} != {"plateau"}:
+        return adapted.mesh, adapted.result.ground
+    smaller = min(limit.multiplier for limit in limits if limit is not None)
+    return first.mesh, replace(first.result.ground, limit=replace(limits[0], multiplier=smaller))
 
 
 def ordered(

@@ -16,7 +16,7 @@ from fem.errors import NoEquilibriumError, UnstableError, answer_or_none
 from fem.limit_load.limit_load import LimitLoadResult
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import element_for
-from fem.search.adaptive import AdaptiveSearch, failing_by_itself
+from fem.search.adaptive import AdaptiveSearch, failing_by_itself, path_start
 from fem.search.checks import SOLVER_ACCURACY, of_uplift, warnings_of
 from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.mesh_sequence import AdaptiveResult
@@ -51,6 +51,7 @@ class Assessment:
     ----------
     critical : the critical Kh, with the path to it
     mesh : mesh on which the critical Kh was computed
+    path_mesh : mesh on which the equilibrium path was followed, and of the states on it
     adapted : the limit loads of the sequence of meshes that ends with ``mesh``; None if the flow is not associated
     opposite : the result for the opposite direction, where both directions were analysed
     associated : the result for the same direction with ψ = φ, on its own meshes; None if ``critical`` has ψ = φ
@@ -63,6 +64,7 @@ class Assessment:
 
     critical: CriticalResult
     mesh: QuadMesh
+    path_mesh: QuadMesh
     adapted: AdaptiveResult[LimitLoadResult] | None
     opposite: AdaptiveResult[LimitLoadResult] | AdaptiveResult[CriticalResult] | None
     associated: AdaptiveResult[LimitLoadResult] | None
@@ -143,6 +145,7 @@ def critical_of_dem_counterpart(
 def _collected(
     critical: CriticalResult,
     mesh: QuadMesh,
+    path_mesh: QuadMesh,
     adapted: AdaptiveResult[LimitLoadResult] | None,
     opposite: AdaptiveResult[LimitLoadResult] | AdaptiveResult[CriticalResult] | None,
     compared: AdaptiveResult[LimitLoadResult] | None,
@@ -160,7 +163,7 @@ def _collected(
         davis = failing_by_itself(davis)
     warnings = warnings_of(critical, mesh, associated.result if associated else None)
     warnings += [future for future in outcomes if isinstance(future, ResultWarning)]
-    return Assessment(critical, mesh, adapted, opposite, associated, davis, factors, warnings)
+    return Assessment(critical, mesh, path_mesh, adapted, opposite, associated, davis, factors, warnings)
 
 
 def _place_of(weakened: AdaptiveResult[SafetyFactor]) -> str:
@@ -194,22 +197,29 @@ class _Search:
 
         ``safety`` are the factors of safety that are already being computed, or None. Raises UnstableError.
 
-        By Davis's estimate the equilibrium path starts on the mesh of the estimate, while the limit load on the mesh
-        for ψ = φ is still being computed. If the limit load on the mesh for ψ = φ is smaller, which is rare, the path
-        is computed again on this mesh.
+        The equilibrium path is followed on the coarsest mesh that is adapted to the mechanism, while limit loads on the
+        last mesh are still being computed: displacements and stresses below failure need no finer mesh, and an
+        iteration takes as long as one of the limit load. The critical Kh and its mechanism are those of the last mesh.
         """
         one_way = settings.changed(direction=adapted.result.direction)
         safety = self.begin_safety(one_way, adapted) if safety is None else safety
         limits = self.executor.submit(partial(self.limit_loads_by_both_rules, adapted, one_way))
         third = self.executor.submit(lambda: self.by_own_dilation(*limits.result(), one_way))
-        listener = self.path_listener("Kh")
         reduced = element_for(self.section, one_way) == "reduced"  # of the limit loads, whose ground the path takes on
+        listener = self.path_listener("Kh")
         follow = partial(critical_coefficient, self.section, settings=one_way, comm=self.comm, listener=listener)
-        critical = follow(mesh=adapted.mesh, ground=adapted.result.ground if reduced else None)
-        better, other = limits.result()
-        if better.mesh is not adapted.mesh:
-            critical = follow(mesh=better.mesh, ground=better.result.ground if reduced else None)
-        assessment = _collected(critical, better.mesh, better, better.opposite, other, safety)
+        if reduced:
+            mesh, ground = path_start(adapted)
+            critical = follow(mesh=mesh, ground=ground)
+            better, other = limits.result()
+            critical = critical.at_limit_load(better.result)
+        else:
+            critical = follow(mesh=adapted.mesh)
+            better, other = limits.result()
+            if better.mesh is not adapted.mesh:  # whose limit load is smaller, which is rare
+                critical = follow(mesh=better.mesh)
+            mesh = better.mesh
+        assessment = _collected(critical, better.mesh, mesh, better, better.opposite, other, safety)
         return replace(assessment, own_dilation=third.result())
 
     def by_path(self, settings: FemSettings, safety: list[Safety] | None) -> Assessment:
@@ -221,7 +231,7 @@ class _Search:
         if not is_dilating_fully(self.section.strata):
             other_flow = self.by_other_flow(one_way)
         safety = self.begin_safety(one_way) if safety is None else safety
-        return _collected(critical, mesh, None, opposite, other_flow, safety)
+        return _collected(critical, mesh, mesh, None, opposite, other_flow, safety)
 
     def begin_safety(self, settings: FemSettings, like: AdaptiveResult[LimitLoadResult] | None = None) -> list[Safety]:
         """Start the searches for the factors of safety at the Kh of the settings, on meshes ``like`` those of the

@@ -19,7 +19,13 @@ from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure
 from fem.continuum.strength import Flow, flow_of
 from fem.errors import NoEquilibriumError, UnstableError
-from fem.limit_load.limit_load import LoadedGround, cohesionless_faces, faces_failing_at_rest, loaded_ground
+from fem.limit_load.limit_load import (
+    LimitLoadResult,
+    LoadedGround,
+    cohesionless_faces,
+    faces_failing_at_rest,
+    loaded_ground,
+)
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import bring_to_rest, path_settings
 from fem.path.load_stepping import step_to_limit
@@ -115,6 +121,20 @@ class CriticalResult:
         if self.limit_mechanism is not None:
             return self.limit_mechanism
         return next(state for state in reversed(self.states) if not state.past_equilibrium)
+
+    def at_limit_load(self, limit: LimitLoadResult) -> "CriticalResult":
+        """Return this result with the critical Kh and the mechanism of a ``limit`` load, maybe of another mesh, if the
+        path reached a limit load by limit analysis."""
+        if self.limit_mechanism is None or limit.mechanism is None:
+            return self
+        return replace(
+            self,
+            kc=limit.kc,
+            lower=min(self.lower, limit.kc),
+            upper=limit.upper,
+            shallow_failures=[face for face in limit.ground.faces if face.kh < limit.kc],
+            limit_mechanism=limit.mechanism,
+        )
 
 
 def critical_coefficient(

@@ -84,13 +84,33 @@ class Cholesky:
         self._pointers = np.ascontiguousarray(pattern.indptr, dtype=np.int32)
         self._rows = np.ascontiguousarray(pattern.indices, dtype=np.int32)
         self._work = tuple(c_void_p() for _ in range(3))  # solution and work space, kept for the next call
-        matrix, order = self._matrix(np.zeros(len(self._rows))), np.zeros(self._size, dtype=np.int32)
-        dissect = self._library.cholmod_metis
-        ordered = nested and dissect(byref(matrix), None, 0, 1, order.ctypes.data_as(c_void_p), self._settings)
-        chosen = order.ctypes.data_as(c_void_p) if ordered else None
+        matrix, order = self._matrix(np.zeros(len(self._rows))), self._nested_order(pattern) if nested else None
+        chosen = None if order is None else order.ctypes.data_as(c_void_p)
         self._factor = c_void_p(self._library.cholmod_analyze_p(byref(matrix), chosen, None, 0, self._settings))
         if not self._factor:
             raise MemoryError("CHOLMOD could not analyse a matrix")
+
+    def _nested_order(self, pattern: sparse.csc_matrix) -> np.ndarray | None:
+        """Return an order of elimination (n,) by nested dissection of groups of unknowns with equal neighbours, such
+        as the components of a node: a graph with a quarter of the edges and an order as good. None if METIS fails.
+        """
+        lower = sparse.csc_matrix((np.ones(pattern.nnz, dtype=np.int8), pattern.indices, pattern.indptr), pattern.shape)
+        first, group = np.unique(_neighbourhoods(lower), return_index=True, return_inverse=True)[1:]
+        whole = (lower + sparse.triu(lower.T, 1, format="csc")).tocsc()
+        graph = sparse.tril(whole[first][:, first], format="csc")
+        graph.sort_indices()
+        pointers, rows = (np.ascontiguousarray(part, dtype=np.int32) for part in (graph.indptr, graph.indices))
+        values, order = np.zeros(len(rows)), np.zeros(len(first), dtype=np.int32)
+        data = (part.ctypes.data for part in (pointers, rows))
+        matrix = _Sparse(
+            len(first), len(first), len(rows), *data, None, values.ctypes.data, None, LOWER, 0, REAL, 0, 1, 1
+        )
+        at = order.ctypes.data_as(c_void_p)
+        if not self._library.cholmod_metis(byref(matrix), None, 0, 1, at, self._settings):
+            return None
+        place = np.empty_like(order)
+        place[order] = np.arange(len(order), dtype=np.int32)
+        return np.argsort(place[group], kind="stable").astype(np.int32)
 
     def factorise(self, values: np.ndarray) -> None:
         """Factorise the matrix with these ``values`` (entries of the pattern,); raise NotPositiveDefiniteError."""
@@ -127,6 +147,14 @@ class Cholesky:
                 self._library.cholmod_free_dense(byref(part), self._settings)
             self._library.cholmod_free_factor(byref(self._factor), self._settings)
             self._library.cholmod_finish(self._settings)
+
+
+def _neighbourhoods(lower: sparse.csc_matrix) -> np.ndarray:
+    """Return a number (n,) for every unknown, equal for unknowns that are coupled with the same unknowns: the sum of
+    random numbers of 64 bits of these unknowns, from the pattern of the ``lower`` triangle."""
+    numbers = np.random.default_rng(0).integers(1, 2**63, lower.shape[0], dtype=np.uint64)
+    ones = sparse.csc_matrix((np.ones(lower.nnz, dtype=np.uint64), lower.indices, lower.indptr), lower.shape)
+    return np.asarray(ones @ numbers + ones.T @ numbers - numbers)
 
 
 @cache

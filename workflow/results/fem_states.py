@@ -9,7 +9,7 @@ from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from workflow.results.continuum import FemAnswer
 from workflow.results.mesh_grids import StoredGrid
-from workflow.results.stored_mesh import fem_mesh
+from workflow.results.stored_mesh import path_mesh
 from workflow.run.store import Store
 
 COLLECTION = "fem/fields.pvd"
@@ -40,7 +40,7 @@ class FemResults:
             else:
                 grid = StoredGrid(store.folder / "fem" / fields_file(len(states)))
                 states.append(_state(grid, state_part.label, state_part.kh))
-        return cls(fem_mesh(section, store, answer.mesh.method), answer, states)
+        return cls(path_mesh(section, store, answer.mesh.method), answer, states)
 
     def slip_surface(self, state: FieldState) -> np.ndarray:
         """Return points (n, 2) in m of the slip surface of one of the ``states``; none where the ground does not

@@ -13,6 +13,8 @@ from workflow.run.store import Store
 
 # The mesh that the finite elements ended with: adapted to the mechanism, or the one that they were given.
 FEM_FILE = "fem/section.msh"
+# The mesh of the equilibrium path and its fields: the same, or an earlier one of the sequence that ended with it.
+PATH_FILE = "fem/path.msh"
 GMSH_FILE, VTK_FILE = "mesh/section.msh", "mesh/section.vtu"
 
 
@@ -43,5 +45,10 @@ def stored_mesh(section: Section, store: Store) -> QuadMesh:
 
 
 def fem_mesh(section: Section, store: Store, method: str) -> QuadMesh:
-    """Return the mesh of the fields of the stage `fem`; raise InputError as ``stored_mesh`` does."""
+    """Return the mesh of the critical Kh of the stage `fem`; raise InputError as ``stored_mesh`` does."""
     return replace(given_mesh(section, store.folder / FEM_FILE), method=method)
+
+
+def path_mesh(section: Section, store: Store, method: str) -> QuadMesh:
+    """Return the mesh of the fields of the stage `fem`; raise InputError as ``stored_mesh`` does."""
+    return replace(given_mesh(section, store.folder / PATH_FILE), method=method)

@@ -21,7 +21,7 @@ from workflow.results.continuum import (
     ShallowFailurePart,
     StoredState,
 )
-from workflow.results.stored_mesh import FEM_FILE
+from workflow.results.stored_mesh import FEM_FILE, PATH_FILE
 from workflow.run.ranks import Ranks
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
@@ -83,8 +83,10 @@ def work(job: Job) -> None:
     if ranks.is_first:
         with store.writing(FEM_FILE) as path:
             save(assessment.mesh, path)
+        with store.writing(PATH_FILE) as path:
+            save(assessment.path_mesh, path)
         answer_of(config, assessment).write(store)
-        write_fields(config.section, assessment.mesh, result.states, store)
+        write_fields(config.section, assessment.path_mesh, result.states, store)
         progress(f"Kh = {result.kc:.4f}", None)
     if result.verdict == "undecided":
         raise NoAnswerError(f"the finite elements found no limit load: {result.reason}", result.remedy)
@@ -133,7 +135,7 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
         gravity=Gravity(iterations=result.gravity_iterations, plastic_share=result.gravity_plastic_share),
         linear_solves=result.solves,
         curve=tuple(result.steps),
-        states=tuple(_stored_state(mesh, state, result, surface) for state in result.states),
+        states=tuple(_stored_state(assessment.path_mesh, state, result, surface) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in assessment.safety),
     )
 
@@ -210,7 +212,7 @@ STAGE = Stage(
     needs=("mesh",),
     reads=("fem",),
     ignores=lambda config: ("fem.threads", "fem.rigid_box"),
-    results=(FemAnswer.FILE, FEM_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
+    results=(FemAnswer.FILE, FEM_FILE, PATH_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
     read=FemAnswer.read,
     pictures=("figures/fem_*.png",),
 )

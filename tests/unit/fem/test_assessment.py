@@ -118,6 +118,21 @@ def assessed(section: Section, **settings: object) -> assessment.Assessment:
     return assess(section, MeshSettings(size=1.5), mesh, wish, MPI.COMM_SELF, lambda *_: None)
 
 
+def test_the_path_is_followed_on_an_earlier_mesh_of_the_sequence_to_the_critical_kh_of_the_last_one():
+    """Its iterations take twice as long on twice as many cells, and its fields are drawn, not measured."""
+    section, meshing = slope_with(cohesion="5 kPa", friction_angle="32 deg"), MeshSettings(size=1.5)
+    wish = FemSettings(accuracy=1e-3, max_cells=1300, direction="downhill", safety_factor_at=())
+    item = assess(section, meshing, generate(section, meshing), wish, MPI.COMM_SELF, lambda *_: None)
+    assert item.adapted is not None
+    assert len(item.adapted.rounds) == 3
+    assert len(item.path_mesh.cells) < 0.7 * len(item.mesh.cells)
+    assert item.critical.kc == item.adapted.result.kc == item.adapted.rounds[-1].value
+    assert item.critical.lower == pytest.approx(0.99 * item.critical.kc, rel=0.05)
+    for state in item.critical.states:
+        assert state.displacement.shape == item.path_mesh.points.shape
+    assert item.critical.mechanism.displacement.shape == item.mesh.points.shape
+
+
 def test_a_file_that_says_nothing_of_dilation_is_told_with_psi_equal_to_phi_and_davis_s_estimate_beside():
     """One that gives psi = 0 is told the other way round, in the same numbers; one with psi = phi has one number."""
     soil = {"cohesion": "5 kPa", "friction_angle": "32 deg"}

@@ -49,3 +49,13 @@ def test_what_is_not_positive_definite_is_refused_and_the_next_matrix_is_not(cap
     ones = np.ones((lower.shape[0], 1))
     assert np.abs(lower @ factors.solve(ones) + sparse.triu(lower.T, 1) @ factors.solve(ones) - ones).max() < 1e-12
     assert capfd.readouterr().out == ""
+
+
+def test_unknowns_are_grouped_by_their_neighbours() -> None:
+    """Both components of three nodes in a row, of which the last is coupled with the first two by one component."""
+    coupled = np.zeros((6, 6))
+    coupled[:4, :4] = coupled[4:, 4:] = 1.0
+    coupled[4, :4] = coupled[:4, 4] = 1.0
+    numbers = cholmod._neighbourhoods(sparse.csc_matrix(np.tril(coupled)))
+    assert len(set(numbers[:4].tolist())) == 1
+    assert len(set(numbers.tolist())) == 3
