@@ -5,9 +5,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from meshes.section.cutting import shown_name
 from meshes.section.section import Section
 from meshes.section.stratum import cases_of
 from workflow.config import notice_lines
+from workflow.estimates.level_ground import sliding_level_ground
 from workflow.report.contradictions import contradictions
 from workflow.report.numbers import SMALLEST_SLIDE, coefficient, of_cases, span
 from workflow.results.continuum import FemAnswer, Variant
@@ -20,6 +22,7 @@ from workflow.texts.report_texts import listed
 CALIBRATION_RATIO = 2.0  # times, or divided by it: a factor on the discs beyond this is reported
 SURFACE_DISTANCE = 0.25  # of the height of the section: slip surfaces farther apart than this are reported
 SIDE_EFFECT_RATIO = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
+LEVEL_GROUND_SHARE = 0.97  # of the Kh of level ground: a larger critical Kh is its failure, up to errors of meshes
 LIMIT_DISTANCE = 0.1  # of the critical Kh after liquefaction: a Kh of a slide that is nearer to it is reported
 UNRESOLVED_RATIO = 2.0  # times, or divided by it: a slide whose numerical error alone may be larger is reported
 OPEN_KH_RATIO = (
@@ -180,6 +183,9 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
     """Return a warning if the critical Kh depends on the condition at the sides, or may depend on it because no other
     condition was computed.
     """
+    if level_ground := _level_ground_governs(fem, section):
+        yield 3, level_ground
+        return
     longer = "a larger value of beyond" if section.beyond else 'beyond = "50 m"'
     remedy, at = f"move the sides away by {longer}", listed(fem.at_sides)
     if at and fem.settings.sides == "free-field":  # farther away it decides as much: level ground slides out there, too
@@ -205,6 +211,22 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
                 f"governs: {remedy}"
             ),
         )
+
+
+def _level_ground_governs(fem: FemAnswer, section: Section) -> str:
+    """Return a warning if the failing ground reaches a side whose level ground slides at the critical Kh or below it;
+    empty otherwise."""
+    decided_by_side = fem.settings.sides == "free-field"  # level ground slides out through it at any distance
+    for side in fem.at_sides if fem.kc > 0.0 and not decided_by_side else ():
+        failure = sliding_level_ground(section, side, fem.settings.vertical)
+        if failure is not None and fem.kc > LEVEL_GROUND_SHARE * failure.kh:
+            return (
+                f"the ground that fails reaches the {side} side, where level ground slides in "
+                f"{shown_name(failure.stratum)} by itself at Kh = {coefficient(failure.kh)} (infinite slope, at "
+                f"elevation {failure.elevation:.1f} m): a longer section changes this critical Kh little; see the "
+                "faces of structures for the slope alone"
+            )
+    return ""
 
 
 def _elsewhere(surfaces: SlipSurfaces, height: float) -> Iterator[str]:
