@@ -15,7 +15,7 @@ from meshes.section.section import Section
 
 SIDE_SHARE = 0.01  # of the length of the section: distance from a side at which the ground is examined
 LEVEL_SLOPE = 0.01  # slope (-) up to which the ground beside a side counts as level
-BESIDE_INTERFACE = 1e-4  # of the depth of a section: distance from the interface of two layers
+INTERFACE_DISTANCE = 1e-4  # of the depth of a section: distance from the interface of two layers
 
 
 class SlidingGround(NamedTuple):
@@ -49,7 +49,7 @@ def sliding_level_ground(section: Section, side: str, vertical: float) -> Slidin
     if abs(ends[1] - ends[0]) > LEVEL_SLOPE * 2.0 * SIDE_SHARE * length:
         return None
     levels = np.unique(section.layering.interfaces(np.array([x]))[0])[::-1]
-    step = BESIDE_INTERFACE * float(levels[0] - levels[-1])
+    step = INTERFACE_DISTANCE * float(levels[0] - levels[-1])
     depths = [levels[0] - level + shift for level in levels[1:] for shift in (-step, step)][:-1]
     return min((_failure(section, x, float(depth), vertical) for depth in depths), key=lambda failure: failure.kh)
 
