@@ -77,7 +77,7 @@ def buoyancy(section: Section, places: Places, discs: DiscState) -> np.ndarray |
 
 def excess(section: Section, places: Places, discs: DiscState) -> np.ndarray | None:
     """Return the acceleration (n, 2) in m/s2 of discs by excess pore pressure by shaking; None without any."""
-    if not any(s.excess_pore_pressure_ratio for s in section.strata):
+    if not section.water_pressure.rises_by_shaking:
         return None
     return _of_pores(section, places, discs, section.water_pressure.excess, None)
 

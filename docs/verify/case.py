@@ -10,7 +10,8 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from fem.settings import FemSettings
 from meshes.errors import InputError
-from meshes.section.section import Model, Section, read_toml
+from meshes.section.section import Model, Section
+from meshes.section.toml_file import read_toml
 from meshes.settings import MeshSettings
 from workflow.config.renamed import current
 

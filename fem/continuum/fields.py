@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meshes.quad_mesh import QuadMesh
+from meshes.quality import areas
 
 if TYPE_CHECKING:
     from fem.continuum.plane_strain import PlaneStrain
@@ -16,6 +17,8 @@ FAILURE_STRENGTH_RATIO = 0.99
 # A mechanism has formed if the plastic shear strain is this multiple of the elastic one; it reaches a side that moves
 # by this share of the largest displacement.
 MECHANISM_STRAIN_RATIO, SIDE_DISPLACEMENT_SHARE = 10.0, 0.1
+# A failure slides to a side if this share of its horizontal displacement, over its area, is towards the side.
+SLIDING_SHARE = 0.2
 
 
 @dataclass(frozen=True)
@@ -104,6 +107,14 @@ def touched_sides(mesh: QuadMesh, state: FieldState) -> tuple[str, ...]:
         for side in ("left", "right")
         if moved[mesh.boundaries[side]].max(initial=0.0) > SIDE_DISPLACEMENT_SHARE * max(moved.max(), 1e-300)
     )
+
+
+def sliding_sides(mesh: QuadMesh, state: FieldState) -> tuple[int, ...]:
+    """Return the sides to which the ground slides in a state: -1 for left, 1 for right, or both if the ground spreads,
+    as an embankment on soft ground does."""
+    moved = areas(mesh.points, mesh.cells) * state.displacement[mesh.cells, 0].mean(axis=1)
+    total = max(float(np.abs(moved).sum()), 1e-300)
+    return tuple(side for side in (-1, 1) if np.maximum(side * moved, 0.0).sum() >= SLIDING_SHARE * total)
 
 
 def is_mechanism(state: FieldState) -> bool:

@@ -40,7 +40,7 @@ def hydrostatic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> 
 
 def excess_pressure_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | None:
     """Return the nodal forces (dofs,) in N/m of the excess pore pressure by shaking, None without any."""
-    if not any(s.excess_pore_pressure_ratio for s in section.strata):
+    if not section.water_pressure.rises_by_shaking or section.water_pressure.after_shaking:
         return None
     return pore_force(problem, mesh, section.water_pressure.excess)
 

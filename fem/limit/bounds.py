@@ -7,6 +7,7 @@ of this weaker ground are strict, and check the finite elements with Davis's est
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -19,30 +20,19 @@ from fem.continuum.shallow_failure import (
     shallow_failures,
     strengthened,
 )
-from fem.continuum.strength import davis_factors, flow_of, is_dilating_fully, strengths, tensile_strengths
+from fem.continuum.strength import flow_of, is_dilating_fully
 from fem.continuum.water_exits import exits_of_directions
 from fem.errors import UnstableError
 from fem.limit.adaptive_bounds import BoundSearch, proven_upper_bound
 from fem.limit.bracket import Limits
 from fem.limit.directions import DirectionSearch, KhObserver, SectionSide, SmallerKhBounds, search_all
 from fem.limit.first_mesh import cells_of_first_search, first_mesh
-from fem.limit.limit_problem import (
-    CornerCohesion,
-    EdgeTraction,
-    Places,
-    RigidPlasticBody,
-    Side,
-    limit_problem,
-    units_of,
-)
-from fem.limit.side_stress import SideStress, side_stresses
+from fem.limit.limit_problem import limit_problem, units_of
+from fem.limit.section_body import body_of
 from fem.settings import LEAST_KH, BoundsSettings, FemSettings
 from meshes.errors import InputError
-from meshes.pore_loads import Pressure
 from meshes.section.least_strength import cut_at_least_strength
-from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
-from meshes.section.water_pressure import WaterPressure
 from meshes.triangles import TriMesh
 
 # Number of meshes of the size of the first one that the allowed work suffices for.
@@ -99,6 +89,26 @@ class KhBounds(SmallerKhBounds):
                 if mesh.upper - mesh.lower <= widest_gap:
                     return mesh.mesh
         return None
+
+
+class ProvenUnstableError(UnstableError):
+    """A mechanism proves that the ground fails without any seismic force.
+
+    Attributes
+    ----------
+    reason, remedy : str
+        As in ``UnstableError``.
+    bounds : KhBounds
+        The bounds of the critical Kh, whose upper bound is below 0.
+    """
+
+    def __init__(self, reason: str, remedy: str, bounds: KhBounds) -> None:
+        super().__init__(reason, remedy)
+        self.bounds = bounds
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return the error in the form in which it is sent to another process, without its meshes."""
+        return UnstableError, (self.reason, self.remedy)
 
 
 @dataclass(frozen=True)
@@ -185,8 +195,8 @@ def kh_bounds(
     ------
     InputError
         If the section lacks what the analysis needs, or its sides are periodic and differ.
-    UnstableError
-        If the section is proven to fail at every Kh.
+    ProvenUnstableError
+        If the section is proven to fail at every Kh; with the bounds.
     BadMeshError
         If the section cannot be divided into triangles.
     """
@@ -223,10 +233,8 @@ def kh_bounds(
             wet.append(way)
     if wet:
         bounds = search_all(section, tuple(searches.values()), limits, observer)
-    if bounds.upper < 0.0:
-        raise _unstable_error(section, bounds.upper)
     substitute, spent = None, dropped + sum(search.work for search in searches.values())
-    if with_davis:
+    if with_davis and bounds.upper >= 0.0:
         left = replace(limits, seconds=allowed - spent)
         weaker = [ground.search(left, after=searches[direction]) for direction, ground in grounds.items()]
         substitute = search_all(section, weaker, left, observer)
@@ -237,7 +245,7 @@ def kh_bounds(
     governed = bool(govern or wet)
     shallow = as_given if governed and as_given < min([bounds.upper, *(face.kh for face in govern)]) else None
     exits = () if governed else tuple(sorted({x for ground in grounds.values() for x in ground.water_exits}))
-    return KhBounds(
+    answer = KhBounds(
         **vars(bounds),
         shallow_failures=govern,
         shallow=shallow,
@@ -246,6 +254,9 @@ def kh_bounds(
         substitute=substitute,
         work=settings.seconds - allowed + spent,
     )
+    if answer.upper < 0.0:
+        raise _unstable_error(section, answer)
+    return answer
 
 
 def _drop_needless_strength(
@@ -283,19 +294,22 @@ def directions_of(fem: FemSettings) -> tuple[Direction, ...]:
     return ("downhill", "uphill") if fem.direction == "both" else (fem.direction,)
 
 
-def _unstable_error(section: Section, upper: float) -> UnstableError:
+def _unstable_error(section: Section, bounds: KhBounds) -> ProvenUnstableError:
     """Return the error for ground whose critical Kh is below zero. A number below -1 has no meaning and is left out of
     the message.
     """
     if section.uplift is not None:
-        return uplift_error(section.uplift, "the section fails under its own weight")
+        uplifted = uplift_error(section.uplift, "the section fails under its own weight")
+        return ProvenUnstableError(uplifted.reason, uplifted.remedy, bounds)
     limit_words = (
-        f"the critical Kh is at most {upper:.3g}" if upper > -1.0 else "no horizontal force could stabilise it"
+        f"the critical Kh is at most {bounds.upper:.3g}"
+        if bounds.upper > -1.0
+        else "no horizontal force could stabilise it"
     )
     advice = excess_pressure_advice(section.strata)
-    if advice:
-        return UnstableError(f"the section fails by excess pore pressure and its weight: {limit_words}", advice)
-    return UnstableError(f"the section fails under its own weight: {limit_words}; check strengths, densities")
+    cause = "by excess pore pressure and its weight" if advice else "under its own weight"
+    remedy = advice or "check strengths and densities"
+    return ProvenUnstableError(f"the section fails {cause}: {limit_words}", remedy, bounds)
 
 
 def as_analysed(section: Section, fem: FemSettings) -> Section:
@@ -314,87 +328,3 @@ def _coarse_upper_bound(section: Section, fem: FemSettings, most_work: float) ->
     body = body_of(ground, mesh, fem)
     bound, _, mechanism = proven_upper_bound(limit_problem(mesh, body, units_of(mesh, body)), most_work)
     return mechanism.multiplier if mechanism else np.inf, bound.solution.work
-
-
-def body_of(
-    section: Section,
-    mesh: TriMesh,
-    fem: FemSettings,
-    davis: bool = False,
-    excess_pressure: bool = True,
-    smooth_sides: bool = False,
-) -> RigidPlasticBody:
-    """Return the section as a problem of limit analysis whose multiplier is Kh; the strength is that of the strata, or
-    Davis's estimate.
-
-    Excess pore pressure by shaking acts with ``excess_pressure``. Smooth sides have no normal velocity and no shear
-    traction. Free-field sides carry the K0 stress and move horizontally; with ``smooth_sides`` free-field sides are
-    treated as smooth sides. ``mesh``: triangles of the section; ``fem``: sides and direction of the seismic force;
-    ``davis``: whether strengths are those of Davis's estimate.
-    """
-    cohesion, friction = strengths(section.strata, davis)
-    ordinary = GRAVITY * np.array([s.density_ordinary for s in section.strata])
-    seismic = GRAVITY * np.array([s.density_seismic for s in section.strata])
-    zeros = np.zeros(len(ordinary))
-    water = section.water_pressure
-    sides = {
-        "surface": _ground(section, seismic_sign(section, fem)),
-        **dict.fromkeys(("base", "left", "right"), Side("xy")),
-    }
-    if fem.sides == "periodic":
-        sides |= dict.fromkeys(("left", "right"), Side(periodic=True))
-    elif fem.sides == "smooth" or (fem.sides == "free-field" and smooth_sides):
-        sides |= {"left": Side("x"), "right": Side("x")}
-    elif fem.sides == "free-field":
-        for name, stress in side_stresses(section, mesh).items():
-            # The total stress stays when shaking adds to the pore pressure.
-            pressing = _pressure_traction(stress, -1.0 if name == "left" else 1.0)
-            sides[name] = Side("y", dead=pressing, pressure=lambda at: water.at_rest(at.points, at.middles, at.stratum))
-    return RigidPlasticBody(
-        cohesion=cohesion,
-        friction=friction,
-        dead_force=np.column_stack([zeros, fem.vertical * seismic - ordinary]),
-        live_force=np.column_stack([seismic_sign(section, fem) * seismic, zeros]),
-        sides=sides,
-        pore_pressure=_pore_pressure(water, excess_pressure) if water.present else None,
-        varying=_varying_cohesion(section, davis) if section.cohesion_field.varies.any() else None,
-        tension=tensile_strengths(section.strata),
-    )
-
-
-def _pore_pressure(water: WaterPressure, excess_pressure: bool) -> Pressure:
-    if not excess_pressure:
-        return water.at_rest
-    return lambda *places: water.at_rest(*places) + water.excess(*places)
-
-
-def _varying_cohesion(section: Section, davis: bool) -> CornerCohesion:
-    """Return the cohesion at corners of triangles for strata whose cohesion varies, reduced by Davis's factor if
-    ``davis``."""
-    field = section.cohesion_field
-    factor = davis_factors(section.strata) if davis else np.ones(len(section.strata))
-
-    def cohesion(mesh: TriMesh, above: bool) -> np.ndarray:
-        corners = mesh.points[mesh.cells]
-        return field.corners(corners, mesh.stratum, above) * factor[mesh.stratum][:, None]
-
-    return cohesion
-
-
-def _ground(section: Section, sign: int) -> Side:
-    """Return the ground surface with its loads and the water on it."""
-    water, loads = section.water_pressure, section.surface_loads
-    if not (water.present or loads.present):
-        return Side()
-    return Side(
-        dead=lambda at: loads.dead(at.points, at.middles, at.normal),
-        live=lambda at: loads.seismic(sign, at.points, at.middles, at.normal),
-        pressure=lambda at: water.on_ground(at.points, at.middles),
-    )
-
-
-def _pressure_traction(stress: SideStress, outwards: float) -> EdgeTraction:
-    def traction(at: Places) -> np.ndarray:
-        return np.column_stack([outwards * stress.at(at.points[:, 1], at.stratum), np.zeros(len(at.points))])
-
-    return traction

@@ -8,7 +8,6 @@ import numpy as np
 
 from fem.continuum.loads import direction_of
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound, share_of_lower_bound
-from fem.limit.bounds import body_of
 from fem.limit.bracket import BoundSide
 from fem.limit.factor_trial import (
     BoundsTrial,
@@ -21,6 +20,7 @@ from fem.limit.factor_trial import (
 )
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of, with_all_loads_live
 from fem.limit.lower_bound import LowerBound
+from fem.limit.section_body import body_of
 from fem.limit.upper_bound import UpperBound
 from fem.settings import BoundsSettings, FemSettings
 from fem.solvers.blas_threads import one_more_thread

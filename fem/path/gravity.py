@@ -1,6 +1,6 @@
 """Brings the section to equilibrium under its weight (K0 stage), from which the seismic load starts."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -79,12 +79,16 @@ def gravity_equilibrium(
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
     problem.use_strength(strength_factor)
-    path = apply_load(problem, np.zeros_like(weight), weight, settings)
-    constant = np.where(problem.free, weight, problem.forces_of(problem.stress))
+    path, constant = apply_load(problem, np.zeros_like(weight), weight, settings), weight
+    if excess_pressure and (excess := excess_pressure_load(problem, mesh, section)) is not None:
+        apply_load(problem, constant, excess, settings)  # level ground does not move sideways as its pressure rises
+        constant = constant + excess
+    constant = np.where(problem.free, constant, problem.forces_of(problem.stress))
     problem.hold(fixed_components(settings))
-    for load in _loads_after_weight(section, mesh, settings, problem, excess_pressure):
-        apply_load(problem, constant, load, settings)
-        constant = constant + load
+    if settings.vertical != 0.0:
+        inertia = vertical_inertia(problem, settings)
+        apply_load(problem, constant, inertia, settings)
+        constant = constant + inertia
     _begin_here(problem)
     return problem, constant, path
 
@@ -101,27 +105,20 @@ def at_the_sides(
     all constant nodal forces.
 
     On free-field sides the K0 stress is that of ``side_stress.py``, as in the bounds. Excess pore pressure by shaking
-    acts with ``excess_pressure``. Raises InputError.
+    acts with ``excess_pressure``, on the K0 stress, too: the effective horizontal stress of level ground falls with the
+    vertical one, while the total horizontal stress rises. Raises InputError.
     ``section``, ``mesh``, ``settings``, ``comm``, ``faces``: as in ``gravity_equilibrium``.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
-    constant = weight
-    if settings.sides == "free-field":
-        constant = constant + side_force(problem, mesh, section, weight)
-    problem.hold(fixed_components(settings))
-    for load in _loads_after_weight(section, mesh, settings, problem, excess_pressure):
-        constant = constant + load
-    return problem, weight, constant
-
-
-def _loads_after_weight(
-    section: Section, mesh: QuadMesh, settings: FemSettings, problem: PlaneStrain, excess_pressure: bool
-) -> Iterator[np.ndarray]:
-    """Yield the other constant nodal forces (N/m): of the vertical acceleration, and of the excess pore pressure."""
-    if settings.vertical != 0.0:
-        yield vertical_inertia(problem, settings)
+    constant, at_sides = weight, section
     if excess_pressure and (excess := excess_pressure_load(problem, mesh, section)) is not None:
-        yield excess
+        constant, at_sides = weight + excess, section.after_shaking()
+    if settings.sides == "free-field":
+        constant = constant + side_force(problem, mesh, at_sides, constant)
+    problem.hold(fixed_components(settings))
+    if settings.vertical != 0.0:
+        constant = constant + vertical_inertia(problem, settings)
+    return problem, weight, constant
 
 
 def bring_to_rest(

@@ -4,14 +4,13 @@ warnings.
 
 from collections.abc import Callable
 from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-import numpy as np
-
-from fem.continuum.loads import ADVICE_ON_UPLIFT, excess_pressure_advice, uplift_error
-from fem.continuum.strength import davis_words, flow_of, is_associated, is_dilating_fully
+from fem.continuum.loads import ADVICE_ON_UPLIFT, uplift_error
+from fem.continuum.strength import flow_of, is_associated, is_dilating_fully
 from fem.errors import NoEquilibriumError, UnstableError, answer_or_none
 from fem.limit_load.limit_load import LimitLoadResult
 from fem.path.equilibrium_path import EquilibriumPath
@@ -22,16 +21,15 @@ from fem.search.critical import CriticalResult, critical_coefficient
 from fem.search.mesh_sequence import AdaptiveResult
 from fem.search.own_dilation import OwnDilation, own_dilation
 from fem.search.result_warnings import ResultWarning
-from fem.search.slip_surface import slip_surface
 from fem.search.strength_reduction import SafetyFactor, safety_factor
-from fem.settings import FemSettings, FlowSetting
+from fem.search.unstable_ground import by, with_factors
+from fem.settings import FemSettings
 from fem.solvers.blas_threads import one_more_thread
 from meshes.errors import NoAnswerError
 from meshes.executor import Executor, check_cancelled
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
-from meshes.slip_line import extent_in_words
 
 # Is called with the present task and, on an equilibrium path, with the path.
 AssessmentListener = Callable[[str, EquilibriumPath | None], None]
@@ -60,6 +58,8 @@ class Assessment:
     safety : factors of safety at the Kh of the settings, the first one without shaking, each on its own meshes
     warnings : warnings: contradictions and notes on the answer
     own_dilation : the critical Kh for the dilation angles of the strata, if it was computed
+    after_shaking : factor of safety without a seismic force, with the excess pore pressure that shaking leaves behind;
+        None without such pressure
     """
 
     critical: CriticalResult
@@ -72,6 +72,7 @@ class Assessment:
     safety: list[AdaptiveResult[SafetyFactor]]
     warnings: list[ResultWarning]
     own_dilation: OwnDilation | None = None
+    after_shaking: AdaptiveResult[SafetyFactor] | None = None
 
 
 def assess(
@@ -108,9 +109,11 @@ def assess(
             if section.uplift is None:
                 raise
             raise NoEquilibriumError(f"{error.reason}: {section.uplift.description}", ADVICE_ON_UPLIFT) from error
-        below_one = [
-            factor for factor in assessment.safety if factor.result.kh == 0.0 and _is_unsafe(factor.result.factor)
-        ]
+        if section.water_pressure.rises_by_shaking and 0.0 in settings.safety_factor_at:
+            one_way = settings.changed(direction=assessment.critical.direction)
+            assessment = with_after_shaking(assessment, search.after_shaking.or_warning(one_way, 0.0, adapted))
+        of_kh = [assessment.after_shaking] if assessment.after_shaking else assessment.safety
+        below_one = [factor for factor in of_kh if factor.result.kh == 0.0 and _is_unsafe(factor.result.factor)]
         if adapted is not None and below_one:  # what little Kh there is, is the error of its mesh
             unstable = UnstableError(f"the section fails under its own weight{ON_SOME_MESHES}")
             raise search.fails(settings, unstable, below_one[0])
@@ -166,12 +169,14 @@ def _collected(
     return Assessment(critical, mesh, path_mesh, adapted, opposite, associated, davis, factors, warnings)
 
 
-def _place_of(weakened: AdaptiveResult[SafetyFactor]) -> str:
-    """Return where the ground slips with its strength divided by the factor of safety, as a clause; empty without a
-    mechanism."""
-    mechanism = weakened.result.mechanism
-    line = slip_surface(weakened.mesh, mechanism) if mechanism is not None else np.empty((0, 2))
-    return f"; the ground {extent_in_words(line)}" if len(line) else ""
+def with_after_shaking(assessment: Assessment, outcome: AdaptiveResult[SafetyFactor] | ResultWarning) -> Assessment:
+    """Return an assessment with the factor of safety after shaking, or with the warning why there is none."""
+    if isinstance(outcome, ResultWarning):
+        return replace(assessment, warnings=[*assessment.warnings, outcome])
+    davis = assessment.davis
+    if davis is not None and _is_unsafe(outcome.result.by_other_flow):
+        davis = failing_by_itself(davis)
+    return replace(assessment, after_shaking=outcome, davis=davis)
 
 
 def _is_unsafe(factor: float | None) -> bool:
@@ -332,7 +337,7 @@ class _Search:
         if is_dilating_fully(self.section.strata):
             return adapted
         other = settings.changed(flow="davis" if settings.flow == "associated" else "associated")
-        self.tell(f"factor of safety at Kh = {kh:g} {self.by(other.flow)}", None)
+        self.tell(f"factor of safety at Kh = {kh:g} {by(self.section.strata, other.flow)}", None)
         try:
             other_factor = self.on_meshes().safety_by_other_rule(adapted, other, kh)
         except NoAnswerError:
@@ -344,40 +349,30 @@ class _Search:
     ) -> UnstableError:
         """Return the ``error`` with the factor of safety in its message, by both flow rules if ψ < φ, and the place
         where the ground slips. If pore pressure exceeds the weight above it, the message has the factor of safety
-        against uplift instead. ``known`` is the factor of safety if it is already computed.
+        against uplift instead. ``known`` is the factor of safety if it is already computed: after shaking if the
+        ground has excess pore pressure.
         """
         if self.section.uplift is not None:
             reason = error.reason.removesuffix(ON_SOME_MESHES)
             return (
                 error if self.section.uplift.description in error.reason else uplift_error(self.section.uplift, reason)
             )
-        weakened = known or self.safety(settings, 0.0)
-        factor, place = weakened.result, _place_of(weakened) if weakened.result.factor <= 1.0 else ""
-        message, remedy = f"{error.reason}; its factor of safety is {factor.factor:.2f}", error.remedy
-        advice = excess_pressure_advice(self.section.strata)
-        if factor.factor > 1.0 and advice:  # the factor is that before shaking
-            message = (
-                "the section fails at any Kh by excess pore pressure, and stands without this pressure, with "
-                f"a factor of safety of {factor.factor:.2f}"
-            )
-            remedy = advice
-        elif factor.factor > 1.0 and settings.sides == "free-field":  # the factor is that between held sides
-            message = (
-                f"{error.reason} with the K0 stress on its free-field sides, and stands with its sides held "
-                f"horizontally, with a factor of safety of {factor.factor:.2f}"
-            )
-            remedy = 'make the section longer, or take fem.sides = "smooth"'
-        if is_dilating_fully(self.section.strata):
-            return UnstableError(message + place, remedy)
-        if not self.is_substituted(settings):
-            low = "" if factor.by_other_flow is None else f", and {factor.by_other_flow:.2f} {self.by('davis')}"
-            return UnstableError(f"{message} {self.by('associated')}{low}{place}", remedy)
-        full = factor.by_other_flow
-        if full is None:
-            full = self.safety(settings.changed(flow="associated"), 0.0).result.factor
-        rule = f" {self.by('davis')}" if settings.flow == "davis" else ""
-        remedy = 'with fem.flow = "associated" the ground stands, and has a critical Kh' if full > 1.0 else remedy
-        return UnstableError(f"{message}{rule}, and {full:.2f} {self.by('associated')}{place}", remedy)
+        rises = self.section.water_pressure.rises_by_shaking
+        before = self.safety(settings, 0.0) if rises or known is None else known
+        after = None
+        if rises and before.result.factor > 1.0:
+            with suppress(NoAnswerError):
+                after = (known or self.after_shaking.safety(settings, 0.0)).result.factor
+
+        def full() -> float:
+            return self.safety(settings.changed(flow="associated"), 0.0).result.factor
+
+        return with_factors(self.section, settings, error, before, after, full)
+
+    @property
+    def after_shaking(self) -> "_Search":
+        """Return the search in the ground at rest with the excess pore pressure that shaking leaves behind."""
+        return replace(self, section=self.section.after_shaking())
 
     def or_warning(
         self, settings: FemSettings, kh: float, like: AdaptiveResult[LimitLoadResult] | None = None
@@ -389,10 +384,6 @@ class _Search:
         except NoAnswerError as error:
             warning = f"There is no factor of safety at Kh = {kh:g}: {error}."
             return ResultWarning(warning, "use a smaller Kh", False)
-
-    def by(self, flow: FlowSetting) -> str:
-        """Return the name of a flow rule, such as "by Davis's estimate"."""
-        return f"by {davis_words(s.dilation for s in self.section.strata)}" if flow == "davis" else "with ψ = φ"
 
     def tell(self, what: str, path: EquilibriumPath | None) -> None:
         """Report progress to the listener; raise an error if the task was cancelled."""

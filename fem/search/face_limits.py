@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.continuum.fields import sliding_sides
+from fem.continuum.loads import direction_of, sign_of
 from fem.search.adaptive import AdaptiveSearch
 from fem.search.slip_surface import slip_surface
 from fem.settings import FemSettings
@@ -22,11 +24,14 @@ class FaceLimit:
     value : critical Kh, or factor of safety, with ψ = φ (-)
     davis : Davis's estimate of the same quantity (-); None without an answer
     surface (n, 2) : the slip surface with ψ = φ (m)
+    sides : sides to which the ground slides, -1 for left and 1 for right; the side of the lower end of the slip surface
+        if there are none
     """
 
     value: float
     davis: float | None
     surface: np.ndarray
+    sides: tuple[int, ...] = ()
 
 
 def critical_of_face(section: Section, meshing: MeshSettings, settings: FemSettings, direction: str) -> FaceLimit:
@@ -44,7 +49,8 @@ def critical_of_face(section: Section, meshing: MeshSettings, settings: FemSetti
         davis = search.with_davis(result, full)[1].result.kc
     except NoAnswerError:
         davis = None
-    return FaceLimit(result.result.kc, davis, slip_surface(result.mesh, result.result.mechanism))
+    sides = (sign_of(section, direction_of(full)),)
+    return FaceLimit(result.result.kc, davis, slip_surface(result.mesh, result.result.mechanism), sides)
 
 
 def safety_of_face(section: Section, meshing: MeshSettings, settings: FemSettings) -> FaceLimit:
@@ -59,4 +65,6 @@ def safety_of_face(section: Section, meshing: MeshSettings, settings: FemSetting
         davis = search.safety_by_other_rule(result, full.changed(flow="davis"), 0.0)
     except NoAnswerError:
         davis = None
-    return FaceLimit(result.result.factor, davis, slip_surface(result.mesh, result.result.mechanism))
+    mechanism = result.result.mechanism
+    sides = sliding_sides(result.mesh, mechanism)
+    return FaceLimit(result.result.factor, davis, slip_surface(result.mesh, mechanism), sides)

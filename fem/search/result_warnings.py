@@ -10,6 +10,17 @@ ORDER_TOLERANCE, REPEAT_TOLERANCE = 0.005, 0.03
 BOUND_TOLERANCE, KH_TOLERANCE = 0.005, 0.002
 
 
+# Bound of Kh below which a difference from the bound is stated in Kh: as a share of nearly nothing it says nothing.
+SMALL_KH = 0.02
+
+
+def difference_words(value: float, bound: float) -> str:
+    """Return how far a critical Kh or a factor of safety lies from a ``bound``: as a share, or in Kh if the bound is
+    small."""
+    difference = abs(value - bound)
+    return f"{difference:.3f}" if bound < SMALL_KH else f"{100.0 * difference / bound:.1f} %"
+
+
 @dataclass(frozen=True)
 class ResultWarning:
     """Holds a reason not to trust an answer.
@@ -59,7 +70,7 @@ def of_bounds(
     whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
     if upper is not None and kc > upper + max(BOUND_TOLERANCE * upper, KH_TOLERANCE):
         yield ResultWarning(
-            f"The {quantity} of {kc:.3f} lies {100.0 * (kc / upper - 1.0):.1f} % above the strict upper bound{whose}, "
+            f"The {quantity} of {kc:.3f} lies {difference_words(kc, upper)} above the strict upper bound{whose}, "
             f"{upper:.3f}.",
             f"take {upper:.3f} as an upper limit and refine the mesh",
             contradiction=kc > upper + max(REPEAT_TOLERANCE * upper, KH_TOLERANCE),

@@ -3,6 +3,7 @@
 from meshes.section.layering import Layering
 from meshes.section.naming import BOUNDARIES
 from meshes.section.polyline import Line
-from meshes.section.section import Model, Section, Stratum, read_toml
+from meshes.section.section import Model, Section, Stratum
+from meshes.section.toml_file import read_toml
 
 __all__ = ["BOUNDARIES", "Layering", "Line", "Model", "Section", "Stratum", "read_toml"]

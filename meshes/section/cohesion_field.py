@@ -196,7 +196,7 @@ class CohesionField:
         middle = corners.mean(axis=1, keepdims=True)
         points, near = np.concatenate([corners, middle], axis=1).reshape(-1, 2), np.repeat(middle[:, 0], 4, axis=0)
         stratum = np.repeat(stratum, 4)
-        pressure = self.water.at_rest(points, near, stratum).reshape(-1, 4)
+        pressure = self.water.static(points, near, stratum).reshape(-1, 4)
         pressure[:, 3] = pressure[:, :3].mean(axis=1)
         return self._of_strata(linear, points, near, stratum, pressure.ravel()).reshape(-1, 4)[:, :3]
 

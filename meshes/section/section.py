@@ -1,7 +1,6 @@
 """Defines the validated section of layered soil, read from and written to TOML."""
 
 import hashlib
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -33,6 +32,7 @@ from meshes.section.sentences import sentences
 from meshes.section.stratum import Stratum
 from meshes.section.structure import Structure, structure_problems
 from meshes.section.surcharge import Surcharge, SurfaceLoads
+from meshes.section.toml_file import read_toml
 from meshes.section.uplift import Uplift, uplift
 from meshes.section.water import Water
 from meshes.section.water_pressure import WaterPressure
@@ -84,6 +84,7 @@ class Section(Model):
     _zone_notices: tuple[str, ...] = PrivateAttr(default=())  # what became of zones, which are strata once it is read
     _line_notices: tuple[str, ...] = PrivateAttr(default=())  # what became of points that a mesh cannot use
     _seepage: Seepage | None = PrivateAttr(default=None)  # found once, for all sections that derive from this one
+    _after_shaking: bool = PrivateAttr(default=False)  # whether excess pore pressure acts without a seismic force
 
     @model_validator(mode="before")
     @classmethod
@@ -242,8 +243,9 @@ class Section(Model):
         ]
         normal = water.head == "normal"
         still = WaterPressure(
-            self.layering, self.strata, water.unit_weight, tuple(levels), before, after, normal, water.westergaard
-        )
+            self.layering, self.strata, water.unit_weight, tuple(levels), before, after, normal, water.westergaard,
+            after_shaking=self._after_shaking,
+        )  # fmt: skip
         return self._with_flow(still) if water.flow else still
 
     def _with_flow(self, still: WaterPressure) -> WaterPressure:
@@ -253,6 +255,12 @@ class Section(Model):
             walls = [] if self.water is None else [Wall(wall.x, wall.bottom) for wall in self.water.cutoffs]
             self._seepage = seepage_of(self.name, whole, lambda x: self._layers_with(x, whole).layering, still, walls)
         return replace(still, levels=(self._seepage.water_line,) * len(self.strata), flow=self._seepage)
+
+    def after_shaking(self) -> "Section":
+        """Return the section at rest with the excess pore pressure that shaking leaves behind."""
+        section = self._derived(self.strata)
+        section._after_shaking = True
+        return section
 
     @cached_property
     def cohesion_field(self) -> CohesionField:
@@ -331,7 +339,7 @@ class Section(Model):
     def _derived(self, strata: Sequence[Stratum]) -> "Section":
         """Return the section with other strata, without the checks of values that a user writes."""
         section = Section.model_construct(**{**dict(self), "strata": tuple(strata)})
-        for name in ("_line_notices", "_seepage", "_zone_notices"):
+        for name in ("_after_shaking", "_line_notices", "_seepage", "_zone_notices"):
             setattr(section, name, getattr(self, name))
         return section
 
@@ -379,21 +387,3 @@ class Section(Model):
             mode="python", exclude_none=True, by_alias=True, exclude={"name", "title", "structures"}
         )
         return hashlib.sha256(tomli_w.dumps(ground).encode()).hexdigest()
-
-
-def read_toml(path: Path | str) -> dict[str, Any]:
-    """Read a TOML file; raise InputError if there is none or it is not TOML."""
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")  # some editors on Windows begin a file with a mark
-    except FileNotFoundError:
-        raise InputError(str(path), ["there is no such file"]) from None
-    except (OSError, UnicodeDecodeError) as error:
-        reason = "it is a folder" if path.is_dir() else getattr(error, "strerror", None) or "it is not UTF-8 text"
-        raise InputError(str(path), [f"cannot be read: {reason}"]) from None
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(str(path), [f"is not TOML: {error}"]) from None
-    except RecursionError:
-        raise InputError(str(path), ["is not TOML that can be read: too many brackets within brackets"]) from None

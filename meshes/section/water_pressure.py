@@ -37,6 +37,7 @@ class WaterPressure:
     normal : whether the head is measured perpendicular to the flow: times cos² of the slope of the level
     moves : whether the inertia of water on the ground acts on the ground when it shakes
     flow : steady seepage whose pore pressure replaces the hydrostatic pressure below levels
+    after_shaking : whether the excess pore pressure by shaking is part of the pore pressure at rest
     """
 
     layers: Layering
@@ -48,11 +49,17 @@ class WaterPressure:
     normal: bool
     moves: bool
     flow: Seepage | None = None
+    after_shaking: bool = False
 
     @cached_property
     def present(self) -> bool:
         """Return whether there is any pore pressure, or any water on the ground."""
-        return self.still or any(s.excess_pore_pressure_ratio for s in self.strata)
+        return self.still or self.rises_by_shaking
+
+    @cached_property
+    def rises_by_shaking(self) -> bool:
+        """Return whether shaking raises the pore pressure in any stratum."""
+        return any(s.excess_pore_pressure_ratio for s in self.strata)
 
     @cached_property
     def still(self) -> bool:
@@ -61,7 +68,13 @@ class WaterPressure:
         return levels or self.table_after is not None or any(s.pore_pressure_ratio for s in self.strata)
 
     def at_rest(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
-        """Return the static pore pressure (n,), without shaking."""
+        """Return the pore pressure (n,) without a seismic force: the static one, or with the excess pore pressure that
+        shaking left behind if the water is that ``after_shaking``."""
+        pressure = self.static(points, near, stratum)
+        return pressure + self._excess(points, near, stratum) if self.after_shaking else pressure
+
+    def static(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
+        """Return the static pore pressure (n,), without any shaking."""
         pressure = np.zeros(len(points))
         for k in np.unique(stratum):
             in_stratum = stratum == k
@@ -84,12 +97,15 @@ class WaterPressure:
         return pressure
 
     def excess(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
-        """Return the excess pore pressure (n,) by shaking: the excess ratio times the vertical effective stress before
-        shaking.
+        """Return the excess pore pressure (n,) by shaking that is not part of the pore pressure ``at_rest``: the excess
+        ratio times the vertical effective stress before shaking.
 
         The vertical effective stress is the weight of the column of soil above, and of the water on it, less the pore
         pressure.
         """
+        return np.zeros(len(points)) if self.after_shaking else self._excess(points, near, stratum)
+
+    def _excess(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
         ratio = np.array([s.excess_pore_pressure_ratio for s in self.strata])[stratum]
         if not ratio.any():
             return np.zeros(len(points))
@@ -115,7 +131,7 @@ class WaterPressure:
             load = np.where(lowered, 0.0, load)
         free = 0.0 if self.table_after is None else self.hydrostatic(self.table_after, ground, near)
         total = self.overburden(points, near, top) + free + load
-        pressure = self.at_rest(points, near, stratum) if pressure is None else pressure
+        pressure = self.static(points, near, stratum) if pressure is None else pressure
         return np.maximum(total - pressure, 0.0)
 
     def inside(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, excess_pressure: bool) -> np.ndarray:

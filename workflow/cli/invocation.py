@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from meshes.errors import InputError
-from meshes.section.section import read_toml
 from meshes.section.stratum import cases_of
+from meshes.section.toml_file import read_toml
 from workflow.cli.unread_settings import keys_of, unread
 from workflow.config import Config, merged, renamed
 from workflow.config.after_triggering import load_config

@@ -60,7 +60,7 @@ def migrate(
     write: Annotated[bool, typer.Option("--write", help="Write the new form over the file itself.")] = False,
 ) -> None:
     """Rewrite a section file that has old names of settings; comments and layout stay unchanged."""
-    from meshes.section.section import read_toml
+    from meshes.section.toml_file import read_toml
     from workflow.cli.terminal import say
     from workflow.config.renamed import rewritten
 

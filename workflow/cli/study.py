@@ -119,7 +119,7 @@ def _opened(
 ) -> "tuple[Config, Store, list[str]]":
     """Return config and folder of a command, and its printed warnings: on old names of settings, and on settings of the
     command line that no part of a study reads."""
-    from meshes.section.section import read_toml
+    from meshes.section.toml_file import read_toml
     from workflow.cli.invocation import dotted
     from workflow.cli.terminal import warn
     from workflow.config import merged

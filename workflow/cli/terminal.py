@@ -16,7 +16,8 @@ from rich.table import Table
 
 from meshes.errors import InputError, NoAnswerError
 from meshes.executor import Processes
-from meshes.section.section import Section, read_toml
+from meshes.section.section import Section
+from meshes.section.toml_file import read_toml
 from workflow.config import Config, notice_lines
 from workflow.config.renamed import notices
 from workflow.report import data, tables

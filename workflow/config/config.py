@@ -14,8 +14,9 @@ from dem.settings import AVERAGE, CASES, SlideSettings
 from fem.settings import Sides, usual_point_sides, usual_sides
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
-from meshes.section.section import Section, read_toml
+from meshes.section.section import Section
 from meshes.section.sentences import sentences
+from meshes.section.toml_file import read_toml
 from workflow.config.bare_faces import falling_faces
 from workflow.config.contradictions import (
     FILES,

@@ -16,16 +16,16 @@ Surface = Sequence[Sequence[float]] | np.ndarray
 FACE_THICKNESS = 0.1
 
 
-def is_of_face(structure: CrestedStructure, towards: int, surface: Surface) -> bool:
+def is_of_face(structure: CrestedStructure, towards: int, surface: Surface, sides: Sequence[int] = ()) -> bool:
     """Return whether a part of the crest slides in a failure towards a side; ``surface``: points (m) of the slip
-    surface, from left to right."""
+    surface, from left to right; ``sides``: as in `zones_against`."""
     points = [(float(x), float(z)) for x, z in surface]
-    return bool(points) and structure.slides_with(points) and _slides(points) == towards
+    return bool(points) and structure.slides_with(points) and towards in (sides or _slides(points))
 
 
-def _slides(surface: Surface) -> int:
-    """Return the side to which a failure slides, which is the side of its lower end: LEFT (-1) or RIGHT (1)."""
-    return LEFT if surface[0][1] < surface[-1][1] else -LEFT
+def _slides(surface: Surface) -> tuple[int]:
+    """Return the side to which a failure slides by the lower end of its slip surface: LEFT (-1) or RIGHT (1)."""
+    return (LEFT,) if surface[0][1] < surface[-1][1] else (-LEFT,)
 
 
 def zones_against(
@@ -36,6 +36,7 @@ def zones_against(
     circle: Surface,
     zones: Sequence[StrongZone],
     least_depth: float,
+    sides: Sequence[int] = (),
 ) -> tuple[StrongZone, ...] | None:
     """Return the strong zones that exclude an earlier failure which does not belong to the face.
 
@@ -54,6 +55,8 @@ def zones_against(
     circle : critical circle of the face, from left to right (m); empty if there is none
     zones : the zones so far
     least_depth : smallest depth that a failure may have (m)
+    sides : sides to which the failure slides, both if it spreads; if none are given, the side of the lower end of its
+        slip surface. Both ends of a failure that carries a whole embankment away may be level with each other
 
     Returns
     -------
@@ -62,7 +65,7 @@ def zones_against(
     first, last = section.extent
     crest, middle = structure.crest, 0.5 * (surface[0][0] + surface[-1][0])
     near_edge, far_edge = (crest.left, crest.right) if towards == LEFT else (crest.right, crest.left)
-    if _slides(surface) != towards or (middle - far_edge) * towards < 0.0:
+    if towards not in (sides or _slides(surface)) or (middle - far_edge) * towards < 0.0:
         zone = StrongZone(far_edge, last) if towards == LEFT else StrongZone(first, far_edge)
     else:
         end = 0 if towards == LEFT else -1

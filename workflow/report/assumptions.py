@@ -137,7 +137,7 @@ def _water(section: Section) -> str:
             "0 above the phreatic line, without suction. Shaking and sliding do not change the flow. The horizontal "
             "force acts on all of the saturated mass. No excess pore pressure builds up with strain."
         )
-    if any(s.excess_pore_pressure_ratio for s in section.strata):
+    if section.water_pressure.rises_by_shaking:
         phrase += " Shaking adds the given excess pore pressure, all of it before Kh acts."
     if section.water is not None and section.water.after_drawdown is not None:
         phrase += " After the drawdown undrained ground keeps its pore pressure, less the load of the removed water."

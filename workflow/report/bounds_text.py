@@ -71,7 +71,7 @@ def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
     yield f"{name} with ψ = φ (the upper bound holds for every ψ ≤ φ): {answer.description}."
     if answer.verdict != "bracketed":
         yield answer.reason
-    for factor in answer.safety:
+    for factor in answer.factors:
         name_of_factor = proven(factor.shallow_failure is not None, ends, False)
         yield f"{name_of_factor} for the factor of safety, ψ = φ: {factor.description}."
         if factor.reason:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from fem.search.result_warnings import difference_words
 from meshes.section.cutting import shown_name
 from meshes.section.section import Section
 from meshes.slip_line import extent_in_words
@@ -11,6 +12,7 @@ from workflow.config import Config, notice_lines
 from workflow.earthquake.site_response import TOLERANCE as CAME_TO_REST
 from workflow.estimates.crest import embankments
 from workflow.report import post_liquefaction
+from workflow.report.at_rest import failure_at_rest
 from workflow.report.bounds_text import bounds_sentences, edge_sentence, face_words, failing_at
 from workflow.report.contradictions import FALL_RATIO, SURFACE_FALL
 from workflow.report.crests import crest_parts, crest_sentences, crests_in_short
@@ -39,7 +41,7 @@ from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.faces import FacesAnswer
-from workflow.results.governing import governing_kh, governing_value
+from workflow.results.governing import governing_factor, governing_kh, governing_value
 from workflow.results.lengths import metres
 from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.results import Results
@@ -90,19 +92,23 @@ def fem_sentences(
     if every or answer.end_reason not in ("plateau", "limit load"):
         most = f", at most {coefficient(answer.kc_upper)} on this mesh" if answer.kc_upper > answer.kc else ""
         how = f"; {answer.reason}" if answer.by_limit_analysis else f": {answer.end_reason}{most}, {answer.reason}"
-    yield (
-        f"Critical Kh {critical_with_flow(answer, coefficient, governing)}.{how_to_get_own_dilation(answer)} The "
-        f"seismic force acts {FORCE[answer.direction]}, to the {answer.towards}{how}.{where}{interval}"
-    )
+    if results is not None and results.fails_at_rest:
+        yield f"No critical Kh. {failure_at_rest(results)}"
+    else:
+        yield (
+            f"Critical Kh {critical_with_flow(answer, coefficient, governing)}.{how_to_get_own_dilation(answer)} The "
+            f"seismic force acts {FORCE[answer.direction]}, to the {answer.towards}{how}.{where}{interval}"
+        )
     if every:
         if answer.davis is not None or answer.associated is not None:
             yield WHEN
         yield from meshes_sentences(answer)
     yield from own_dilation_sentences(answer)
     yield from comparison_sentences(answer, results)
-    for factor in answer.safety_factors:
+    for factor in answer.factors:
         strict = strict_factor(results, answer, factor, answer.flow) if results is not None else None
-        yield safety_sentence(factor, answer, every, strict)
+        counts = factor.factor if results is None else governing_factor(results, factor)
+        yield safety_sentence(factor, answer, every, strict, counts)
     for warning in (*answer.warnings, *(results.warnings_by_bounds() if results is not None else ())):
         kind = "Contradiction" if warning.contradiction else "Warning"
         yield f"{kind}: {warning.observation} To do: {warning.remedy}."
@@ -111,11 +117,16 @@ def fem_sentences(
 
 
 def safety_sentence(
-    factor: FactorOfSafety, answer: FemAnswer, every: bool = True, strict: SafetyPart | None = None
+    factor: FactorOfSafety,
+    answer: FemAnswer,
+    every: bool = True,
+    strict: SafetyPart | None = None,
+    governing: float | None = None,
 ) -> str:
     """Return a factor of safety and the extent of its slip surface; with ``every`` also details of its computation.
 
-    ``strict``: strict bounds of the factor, which limit the error by the mesh.
+    ``strict``: strict bounds of the factor, which limit the error by the mesh; ``governing``: the factor that counts,
+    by default that of the finite elements.
     """
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
     mesh_error = (
@@ -124,18 +135,17 @@ def safety_sentence(
         else ""
     )
     compared = factor.davis if factor.davis is not None else factor.associated
-    ends = (None, None) if strict is None else (strict.lower, strict.upper)
-    governing = governing_value(factor.factor, *ends)
+    governing = factor.factor if governing is None else governing
     number = with_flow(governing, answer.flow, compared, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
-        return f"Factor of safety at Kh = {factor.kh:g}: above {factor.factor:.3g}, where the search ended."
+        return f"Factor of safety {_when(factor, answer)}: above {factor.factor:.3g}, where the search ended."
     of_mesh = factor.reason.startswith("the factor of safety")
     end = "This is " if of_mesh else f"{factor.verdict.capitalize()}{most}, "
-    phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}. {end}{factor.reason}{mesh_error}."
+    phrase = f"Factor of safety {_when(factor, answer)}: {number}. {end}{factor.reason}{mesh_error}."
     if not every:
         gain = remaining_error(factor, strict) or 0.0 if factor.remaining_error is not None else 0.0
         finer = f" A finer mesh may give {100 * gain:.1f} % less." if gain >= REPORTED_ERROR else ""
-        phrase = f"Factor of safety at Kh = {factor.kh:g}: {number}.{finer}"
+        phrase = f"Factor of safety {_when(factor, answer)}: {number}.{finer}"
     if factor.slip_surface:
         phrase += f" The ground {extent_in_words(np.array(factor.slip_surface))}."
     if factor.shallow_failure is not None and factor.shallow_failure < factor.factor:
@@ -148,11 +158,19 @@ def safety_sentence(
     return phrase
 
 
+def _when(factor: FactorOfSafety, answer: FemAnswer) -> str:
+    """Return the Kh of a factor of safety in words. If shaking raises the pore pressure, the factors without a seismic
+    force are those before and after shaking."""
+    at_kh = f"at Kh = {factor.kh:g}"
+    if factor.after_shaking:
+        return f"{at_kh} after shaking, with its excess pore pressure"
+    return f"{at_kh} before shaking" if factor.kh == 0.0 and answer.after_shaking is not None else at_kh
+
+
 def _beyond(value: float, bound: float) -> str:
     """Return how far a value by finite elements lies beyond the strict bound that counts, in words."""
     side_words = "above the strict upper bound" if value > bound else "below the strict lower bound"
-    share = f"{100.0 * abs(value / bound - 1.0):.1f} % " if bound > 0.0 else ""
-    return f"{share}{side_words}, which is reported"
+    return f"{difference_words(value, bound)} {side_words}, which is reported"
 
 
 def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
@@ -312,7 +330,7 @@ def _slides(config: Config, store: Store) -> Iterator[str]:
 
 
 def _slices(config: Config, answer: SlicesAnswer, results: Results | None) -> Iterator[str]:
-    yield from slices_sentences(answer)
+    yield from slices_sentences(answer, config.section.water_pressure.rises_by_shaking)
     yield from contradicted_circles(results) if results is not None else ()
     if config.tension_crack.description:
         yield config.tension_crack.description

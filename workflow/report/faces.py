@@ -207,7 +207,7 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
     """Yield the failure of the section by finite elements, if no crest is part of this failure."""
     fem, slices, config = results.fem, results.slices, results.config
     surface = [(float(x), float(z)) for x, z in results.slip_surface]
-    if fem is None or slices is None or results.kc is None or not surface:
+    if fem is None or slices is None or not fem.has_kc or results.no_answer("fem") is not None or not surface:
         return
     if any(structure.slides_with(surface) for structure in structures_of(config.section)):
         return
@@ -317,7 +317,12 @@ def faces_sentences(answer: FacesAnswer, results: Results | None = None) -> Iter
     for face in (bounded or answer).faces:
         phrases = []
         for name, value, digits in (("critical Kh", face.critical, 3), ("factor of safety", face.safety, 2)):
-            if value is None or not value.reaches_crest:
+            if value is None:
+                continue
+            if not value.reaches_crest:
+                phrases.append(
+                    f"no {name}: with ψ = φ ground without the crest fails first, at {value.value:.{digits}f}"
+                )
                 continue
             low = "" if value.davis is None else f", {value.davis:.{digits}f} with Davis reduced strength"
             bounds = "" if value.lower is None or value.upper is None else (
@@ -328,6 +333,6 @@ def faces_sentences(answer: FacesAnswer, results: Results | None = None) -> Iter
                 end = "upper" if governing < value.value else "lower"
                 bound_words = f" (the {end} bound counts: the finite elements give {value.value:.{digits}f})"
             phrases.append(f"{name} {governing:.{digits}f} with ψ = φ{low}{bounds}{bound_words}")
-        reasons = [reason.rstrip(".") for reason in face.reasons]
+        reasons = [f"no {reason.rstrip('.')}" for reason in face.reasons]
         words = "; ".join([*phrases, *reasons]) or "no failure includes the crest"
         yield f"{face.structure}, towards the {face.towards}: {words}."

@@ -5,9 +5,11 @@ from typing import Literal
 
 import numpy as np
 
+from fem.search.result_warnings import difference_words
 from meshes.section.cutting import shown_name
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.structures import structures_of
+from workflow.report.at_rest import after_shaking, failure_at_rest
 from workflow.report.crests import crest_parts, crests_in_short
 from workflow.report.faces import face_lines
 from workflow.report.numbers import coefficient, of_cases, rounded_up
@@ -58,6 +60,8 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
     if fem is None or entry is not None:
         reason = entry.reason if entry is not None else _("the finite element analysis was not run")
         return HeadlinePart(name=name, value="–", interval="", conclusion=_("No critical Kh: {reason}.", reason=reason))
+    if results.fails_at_rest:
+        return HeadlinePart(name=name, value="< 0", interval="", conclusion=failure_at_rest(results, _))
     if not fem.has_kc:
         least = coefficient(fem.kc_lower)
         if fem.verdict == "no failure":
@@ -179,25 +183,25 @@ def _contradicted(
     ``excluded``: sentence on an excluded shallow failure, added at the end.
     """
     word = (
-        "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give a Kh that is {excess} % higher, "
+        "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give a Kh that is {excess} higher, "
         "but the section cannot resist more than the strict upper bound, which is therefore reported."
     )
     if kh.bound == "lower":
         word = (
-            "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give a Kh that is {excess} % "
+            "The section fails {way} at Kh = {kc} ({conditions}). The finite elements give a Kh that is {excess} "
             "lower, but a stress field in equilibrium proves that the section resists the strict lower bound, which is "
             "therefore reported."
         )
     if kh.is_limit and kh.bound == "upper":
         word = (
             "The section fails {way} at Kh = {kc} or less ({conditions}). The finite elements give a Kh that is "
-            "{excess} % higher, but the section cannot resist more than the strict upper bound, which is therefore "
+            "{excess} higher, but the section cannot resist more than the strict upper bound, which is therefore "
             "reported as an upper limit."
         )
     if kh.is_limit and kh.bound == "lower":
         word = (
             "The section fails {way} at Kh = {kc} or more ({conditions}). The finite elements give a Kh that is "
-            "{excess} % lower, but a stress field in equilibrium proves that the section resists the strict lower "
+            "{excess} lower, but a stress field in equilibrium proves that the section resists the strict lower "
             "bound, which is therefore reported as a lower limit."
         )
     phrase = _(
@@ -205,7 +209,7 @@ def _contradicted(
         way=_direction_words(results, fem, _),
         kc=coefficient(kh.value),
         conditions=conditions,
-        excess=f"{abs(100.0 * (fem.kc / kh.value - 1.0)):.1f}",
+        excess=difference_words(fem.kc, kh.value),
     )
     phrase += excluded
     return HeadlinePart(name=_("critical Kh"), value=kh.text, interval=_interval(kh.interval, _), conclusion=phrase)
@@ -244,8 +248,12 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
         return HeadlinePart(name=name, value=f"> {factor.factor:.2f}", interval="", conclusion=phrase)
     governing = governing_factor(results, factor)
     word = "Without shaking the section stands, with a factor of safety of {factor} ({flow})."
-    if governing < 1.0:
+    if results.fails_at_rest and factor == fem.at_rest:
+        word = "Without shaking the section does not stand: its factor of safety is at most {factor} ({flow})."
+    elif governing < 1.0:
         word = "Without shaking the section does not stand: its factor of safety is {factor} ({flow})."
+    elif fem.after_shaking is not None:
+        word = "Before shaking the section stands, with a factor of safety of {factor} ({flow})."
     phrase = _(word, factor=f"{governing:.2f}", flow=_(FLOW[fem.flow]))
     if governing < factor.factor:
         phrase += " " + _(
@@ -261,10 +269,15 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
         )
     if factor.davis is not None:
         phrase += " " + _("With Davis reduced strength the factor of safety is {factor}.", factor=f"{factor.davis:.2f}")
+    if fem.after_shaking is not None:
+        phrase += " " + after_shaking(results, _)
     interval = _of_safety(results, fem, factor, _)
     value = f"{governing:.2f}" if interval else "–"  # a number without a known error is no headline
-    unknown = _("numerical error not known: one mesh, no strict bounds")
-    return HeadlinePart(name=name, value=value, interval=interval or unknown, conclusion=phrase)
+    interval = interval or _("numerical error not known: one mesh, no strict bounds")
+    if fem.after_shaking is not None:
+        name = _("factor of safety before shaking")
+        interval += _("; {value} after shaking", value=f"{governing_factor(results, fem.after_shaking):.2f}")
+    return HeadlinePart(name=name, value=value, interval=interval, conclusion=phrase)
 
 
 def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> str:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from fem.search.result_warnings import difference_words
 from workflow.results.accuracy import Accuracy, exceeds, falls_below
 from workflow.results.continuum import FemAnswer
 from workflow.results.lengths import metres
@@ -119,9 +120,9 @@ def range_sentence(answer: FemAnswer, error: Accuracy) -> str:
     if not answer.has_kc:
         return f"The range {error.method} is {range_of([error.low, error.high])}."
     if exceeds(answer.kc, error.high):
-        beyond = f"{100.0 * (answer.kc / error.high - 1.0):.1f} % above this range, whose upper end is"
+        beyond = f"{difference_words(answer.kc, error.high)} above this range, whose upper end is"
     elif falls_below(answer.kc, error.low):
-        beyond = f"{100.0 * (1.0 - answer.kc / error.low):.1f} % below this range, whose lower end is"
+        beyond = f"{difference_words(answer.kc, error.low)} below this range, whose lower end is"
     else:  # their last digit may be the next one
         return f"The range {error.method} is {range_of([error.low, error.high, answer.kc])}."
     return (

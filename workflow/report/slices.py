@@ -15,15 +15,21 @@ from workflow.results.results import Results
 from workflow.results.slices import CirclePart, SlicesAnswer
 
 
-def slices_sentences(answer: SlicesAnswer) -> Iterator[str]:
-    """Yield the critical circles, one sentence for each factor of safety and for the critical Kh."""
+def slices_sentences(answer: SlicesAnswer, rises_by_shaking: bool = False) -> Iterator[str]:
+    """Yield the critical circles, one sentence for each factor of safety and for the critical Kh.
+
+    ``rises_by_shaking``: whether shaking raises the pore pressure, which then acts with Kh and not before shaking.
+    """
     if answer.reason:
         yield f"No slip circle: {answer.reason}."
     for factors in answer.factors:
         if factors.circles:
-            yield f"Factor of safety at Kh = {factors.kh:g} by slip circles: {_circle_list(factors.circles, 2)}."
+            when = " before shaking" if rises_by_shaking and factors.kh == 0.0 else ""
+            yield f"Factor of safety at Kh = {factors.kh:g}{when} by slip circles: {_circle_list(factors.circles, 2)}."
     if answer.critical:
         fails = ": the ground fails without shaking" if min(circle.bishop for circle in answer.critical) < 0.0 else ""
+        if fails and rises_by_shaking:
+            fails = ": the ground fails by the excess pore pressure of shaking, without any seismic force"
         yield f"Critical Kh by slip circles: {_circle_list(answer.critical, 3)}{fails}."
     for text in of_longer_sections(answer.critical):
         observation, _, remedy = text.partition(": ")

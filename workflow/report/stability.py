@@ -80,8 +80,10 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
 
 def _factors(results: Results, fem: FemAnswer, _: Texts) -> Iterator[StabilityRow]:
     """Yield the factors of safety by finite elements, by the flow rule of the analysis and by the other one."""
-    for factor in fem.safety_factors:
+    for factor in fem.factors:
         of = _("factor of safety at Kh = {kh}, finite elements", kh=f"{factor.kh:g}")
+        if factor.after_shaking:
+            of = _("factor of safety after shaking, finite elements")
         value = f"> {factor.factor:.2f}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
         strict = strict_factor(results, fem, factor, fem.flow)
         yield StabilityRow(of, value, "", _(FLOW[fem.flow]) + _factor_bound_words(factor.factor, strict, _))
@@ -139,9 +141,11 @@ def _bounds(results: Results, _: Texts) -> Iterator[StabilityRow]:
         interval = _("{low} to {high}", low=number(davis.lower, 3), high=number(davis.upper, 3))
         of_davis = conditions.replace(_(FLOW["associated"]), _(FLOW["davis"]))
         yield StabilityRow(_("critical Kh, strict bounds"), "", interval, of_davis)
-    for factor in bounds.safety:
+    for factor in bounds.factors:
         interval = _("{low} to {high}", low=number(factor.lower, 2), high=number(factor.upper, 2))
         of = _("factor of safety at Kh = {kh}, strict bounds", kh=f"{factor.kh:g}")
+        if factor.after_shaking:
+            of = _("factor of safety after shaking, strict bounds")
         yield StabilityRow(of, "", interval, conditions)
 
 

@@ -82,7 +82,8 @@ def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety, flow
     bounds = results.bounds
     if bounds is None or bounds.sides != fem.settings.sides or flow != "associated":
         return None
-    part = next((part for part in bounds.safety if part.kh == factor.kh), None)
+    place = (factor.kh, factor.after_shaking)
+    part = next((part for part in bounds.factors if (part.kh, part.after_shaking) == place), None)
     if part is None or (part.lower is None and part.upper is None):
         return None
     other_ground = part.shallow_failure is not None and factor.shallow_failure is None

@@ -138,6 +138,9 @@ class SafetyPart(Part):
         ),
     )
     direction: Direction | None = Field(default=None, description="direction of the seismic force at failure")
+    after_shaking: bool = Field(
+        default=False, description="whether the excess pore pressure of shaking acts, though Kh is 0"
+    )
     reason: str = Field(default="", description="reason why the gap of the bounds is larger than required")
     work: float = Field(
         default=0.0, description="computing work, from the number of iterations, in seconds of a reference machine"
@@ -150,7 +153,8 @@ class SafetyPart(Part):
         high = "" if self.upper is None else f" <= {self.upper:.3f}"
         between = f"{low}FS{high}" if low or high else "none found of FS"
         force = f", force {FORCE[self.direction]}" if self.direction else ""
-        return f"{between} at Kh = {self.kh:g}{force}, {self.cells} triangles{self._shallow_words}"
+        after = " after shaking, with its excess pore pressure" if self.after_shaking else ""
+        return f"{between} at Kh = {self.kh:g}{after}{force}, {self.cells} triangles{self._shallow_words}"
 
     @property
     def _shallow_words(self) -> str:
@@ -177,6 +181,10 @@ class BoundsAnswer(BracketPart, Answer):
     safety: tuple[SafetyPart, ...] = Field(
         default=(), description="bounds of the factors of safety, if they were requested"
     )
+    after_shaking: SafetyPart | None = Field(
+        default=None,
+        description="bounds of the factor of safety at Kh = 0 with the excess pore pressure of shaking, if any",
+    )
     shallow_failures: tuple[ShallowBoundPart, ...] = Field(
         description="cohesionless faces that fail first; the bounds are those of the whole slope"
     )
@@ -202,14 +210,24 @@ class BoundsAnswer(BracketPart, Answer):
     settings: BoundsSettings
 
     @property
+    def fails_at_rest(self) -> bool:
+        """Return whether a mechanism proves that the section fails without a seismic force."""
+        return self.upper is not None and self.upper < 0.0
+
+    @property
     def has_interval(self) -> bool:
         """Return whether there are both bounds of any quantity: of a critical Kh, with the seismic force in one
         direction at least, or of a factor of safety."""
         substitute = self.substitute.directions if self.substitute is not None else ()
         ends = [(self.lower, self.upper)]
         ends += [(part.lower, part.upper) for part in (*self.directions, *substitute)]
-        ends += [(part.lower, part.upper) for part in self.safety]
+        ends += [(part.lower, part.upper) for part in self.factors]
         return any(lower is not None and upper is not None for lower, upper in ends)
+
+    @property
+    def factors(self) -> tuple[SafetyPart, ...]:
+        """Return the bounds of all factors of safety, the one after shaking last."""
+        return (*self.safety, *(() if self.after_shaking is None else (self.after_shaking,)))
 
     @property
     def strengthened_faces(self) -> bool:

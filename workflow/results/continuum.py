@@ -72,6 +72,12 @@ class FactorOfSafety(Part):
         default=None, description="remaining discretisation error of the factor, as a share of the factor"
     )
     slip_surface: Line = Field(default=(), description="points [x, elevation] of the slip surface (m)")
+    slides_to: tuple[Literal["left", "right"], ...] = Field(
+        default=(), description="sides to which the ground slides, both if it spreads"
+    )
+    after_shaking: bool = Field(
+        default=False, description="whether the excess pore pressure of shaking acts, though Kh is 0"
+    )
 
 
 class OtherCriticalKh(Part):
@@ -191,6 +197,22 @@ class FemAnswer(Answer):
     curve: tuple[PathStep, ...]
     states: tuple[StoredState, ...]
     safety_factors: tuple[FactorOfSafety, ...]
+    after_shaking: FactorOfSafety | None = Field(
+        default=None,
+        description="factor of safety at Kh = 0 with the excess pore pressure of shaking, which also acts with every "
+        "other Kh, if there is any",
+    )
+
+    @property
+    def factors(self) -> tuple[FactorOfSafety, ...]:
+        """Return all factors of safety, the one after shaking last."""
+        return (*self.safety_factors, *(() if self.after_shaking is None else (self.after_shaking,)))
+
+    @property
+    def at_rest(self) -> FactorOfSafety | None:
+        """Return the factor of safety at Kh = 0 of the ground that has the critical Kh: after shaking if its excess
+        pore pressure acts with Kh; None if it was not computed."""
+        return self.after_shaking or next((factor for factor in self.safety_factors if factor.kh == 0.0), None)
 
     @property
     def estimate(self) -> str:

@@ -65,10 +65,16 @@ def governing_kh(results: Results) -> GoverningKh | None:
 
 def governing_factor(results: Results, factor: FactorOfSafety) -> float:
     """Return the factor of safety that counts: the value by finite elements or, if this value lies beyond a strict
-    bound, the bound."""
+    bound, the bound. A factor of the ground that has the critical Kh is at most 1 if any strict bound proves that this
+    ground fails without a seismic force."""
     fem = results.fem
-    strict = strict_factor(results, fem, factor, fem.flow) if fem is not None else None
-    return factor.factor if strict is None else governing_value(factor.factor, strict.lower, strict.upper)
+    if fem is None:
+        return factor.factor
+    strict = strict_factor(results, fem, factor, fem.flow)
+    lower, upper = (None, None) if strict is None else (strict.lower, strict.upper)
+    if results.fails_at_rest and factor == fem.at_rest and (upper is None or upper > 1.0):
+        lower, upper = None, 1.0
+    return governing_value(factor.factor, lower, upper)
 
 
 def governing_value(value: float, lower: float | None, upper: float | None) -> float:

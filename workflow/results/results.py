@@ -27,8 +27,16 @@ from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 
 AnswerOf = TypeVar("AnswerOf", bound=Answer)
+KH_OF_ROUNDING = 5e-4  # below 1: half of the last digit of a factor of safety
 # What is judged by bounds: what it is, its value, lower and upper bound, and whether these are of its own flow rule.
 Judged = tuple[str, float, float | None, float | None, bool]
+
+
+def _hold_for(bounds: BoundsAnswer, fem: FemAnswer) -> bool:
+    """Return whether upper ``bounds`` hold for the sides of the finite elements: a mechanism that does not move at
+    fixed sides does no work there, whatever the sides are."""
+    sides = fem.settings.sides
+    return bounds.sides == sides or (bounds.sides == "fixed" and sides != "periodic")
 
 
 @dataclass(frozen=True)
@@ -37,8 +45,8 @@ class Results:
     have no result, ``older`` the stages computed by another version of the program, and ``stages`` the stages of the
     report.
 
-    The answers are those of the files, None if a stage has none. ``bounds`` is None unless both bounds were
-    found.
+    The answers are those of the files, None if a stage has none. ``bounds`` is None unless both bounds of a quantity
+    were found, or an upper bound that proves failure without a seismic force.
     """
 
     config: Config
@@ -91,7 +99,7 @@ class Results:
             missing,
             fem=left("fem", FemAnswer),
             variants=left("variants", VariantsAnswer),
-            bounds=bounds if bounds is not None and bounds.has_interval else None,
+            bounds=bounds if bounds is not None and (bounds.has_interval or bounds.fails_at_rest) else None,
             dem=left("calibrate", DiscsAnswer),
             calibration=left("calibrate", CalibrationAnswer),
             dem_counterpart=left("calibrate", DemCounterpart),
@@ -114,10 +122,28 @@ class Results:
 
     @property
     def kc(self) -> float | None:
-        """Return the critical Kh of the FEM, if it has one."""
-        if self.fem is None or self.no_answer("fem") or not self.fem.has_kc:
+        """Return the critical Kh of the FEM, if it has one: none if strict bounds prove that the section fails without
+        a seismic force."""
+        if self.fem is None or self.no_answer("fem") or not self.fem.has_kc or self.fails_at_rest:
             return None
         return self.fem.kc
+
+    @property
+    def fails_at_rest(self) -> bool:
+        """Return whether a strict bound proves that the section fails without a seismic force: an upper bound of Kh
+        below 0, or of the factor of safety at Kh = 0 below 1. If excess pore pressure acts with Kh, the factor of
+        safety is the one after shaking.
+
+        This is the one rule for all answers on the same ground. Elements whose cells are too coarse for a small
+        mechanism may have a critical Kh or a factor above 1 all the same.
+        """
+        fem, bounds = self.fem, self.bounds
+        if bounds is None or (fem is not None and not _hold_for(bounds, fem)):
+            return False
+        rises = self.config.section.water_pressure.rises_by_shaking
+        at_rest = (part for part in bounds.factors if part.kh == 0.0 and part.after_shaking == rises)
+        upper = min((part.upper for part in at_rest if part.upper is not None), default=None)
+        return bounds.fails_at_rest or (upper is not None and upper < 1.0 - KH_OF_ROUNDING)
 
     @property
     def slip_surface(self) -> np.ndarray:
@@ -156,7 +182,7 @@ class Results:
         if fem is None or bounds is None or self.kc is None:
             return []
         same_sides = bounds.sides == fem.settings.sides
-        if not same_sides and (bounds.sides != "fixed" or fem.settings.sides == "periodic"):
+        if not _hold_for(bounds, fem):
             return []
         judged = [*self._judged_by(bounds), *(self._safety_judged_by(bounds) if same_sides else ())]
         return [
@@ -187,11 +213,12 @@ class Results:
 
     def _safety_judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
         """Yield the factors of safety with ψ = φ for which there are bounds."""
-        strict = {part.kh: part for part in bounds.safety}
-        for factor in self.fem.safety_factors if self.fem is not None else ():
+        strict = {(part.kh, part.after_shaking): part for part in bounds.factors}
+        for factor in self.fem.factors if self.fem is not None else ():
             full = factor.factor if self.fem is not None and self.fem.flow == "associated" else factor.associated
-            if full is not None and (part := strict.get(factor.kh)) is not None:
-                yield f"factor of safety at Kh = {factor.kh:g} with ψ = φ", full, part.lower, part.upper, True
+            if full is not None and (part := strict.get((factor.kh, factor.after_shaking))) is not None:
+                when = "after shaking" if factor.after_shaking else f"at Kh = {factor.kh:g}"
+                yield f"factor of safety {when} with ψ = φ", full, part.lower, part.upper, True
 
     def case_set(self) -> tuple[str, dict[int, CaseAnswer]]:
         """Return the governing set of cases (the calibrated one if there is one), and its cases by number."""

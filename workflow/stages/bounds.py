@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, assert_never
 from fem.errors import UnstableError
 from fem.settings import LEAST_KH, BoundsSettings
 from meshes.errors import NoAnswerError
+from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.answer import FORCE, SectionLabel, way_out
 from workflow.results.bounds import (
@@ -42,29 +43,31 @@ def work(job: Job) -> None:
     """Compute strict bounds of the critical Kh, with ψ = φ and by Davis's estimate; writes fem/bounds.json,
     figures/bounds_*.png.
 
-    The verdict is "bracketed", "wide" (the gap is larger than required), or "no bracket" (a bound is missing). Raises
-    InputError, BadMeshError, UnstableError if the section is proven to fail under its own weight, and, when all is
-    written, NoAnswerError if a bound is missing.
+    The verdict is "bracketed", "wide" (the gap is larger than required), "no bracket" (a bound is missing), or
+    "unstable" (the upper bound is below 0). Raises InputError, BadMeshError, and, when all is written, UnstableError if
+    the section is proven to fail without a seismic force, and NoAnswerError if a bound is missing.
     """
     from fem.continuum.loads import ADVICE_ON_UPLIFT
-    from fem.limit.bounds import kh_bounds
+    from fem.limit.bounds import ProvenUnstableError, kh_bounds
 
     config, settings = job.config, job.config.bounds
     started = time.perf_counter()
     job.progress("first mesh", None)
     # Kh with ψ = φ and with Davis's estimate may take as much as each factor of safety.
-    count = 2 + (len(config.fem.safety_factor_at) if settings.safety_factor else 0)
-    of_kh = settings.model_copy(update={"seconds": 2.0 * settings.seconds / count})
+    of_kh = settings.model_copy(update={"seconds": 2.0 * settings.seconds / (2 + len(_factor_places(config)))})
+    failure = None
     try:
         bounds = kh_bounds(config.section, config.fem, of_kh, lambda so_far: job.progress(in_words(so_far), None))
-    except UnstableError as error:
-        factors = tuple(_factors(job, config, settings, None))
-        raise UnstableError("; ".join([str(error), *(factor.description for factor in factors)])) from None
-    factors = tuple(_factors(job, config, settings, bounds))
+    except ProvenUnstableError as error:
+        bounds, failure = error.bounds, error
+    factors, after_shaking = _factors(job, config, settings, bounds if failure is None else None)
     answer = answer_of(config, bounds, settings, time.perf_counter() - started)
-    answer = answer.model_copy(update={"safety": factors})
+    answer = answer.model_copy(update={"safety": factors, "after_shaking": after_shaking})
     answer.write(job.store)
     job.executor.submit(_draw, config, bounds, job.store).result()  # where the pictures of the stage before were drawn
+    if failure is not None:
+        parts = (*factors, *([after_shaking] if after_shaking is not None else []))
+        raise UnstableError("; ".join([str(failure), *(part.description for part in parts)]))
     if answer.verdict == "no bracket":
         uplift = config.section.uplift
         why, remedy = "", _remedy(bounds.end_reason)
@@ -80,30 +83,49 @@ def _draw(config: Config, bounds: "KhBounds", store: Store) -> None:
     draw_all(config, bounds, store)
 
 
-def _factors(job: Job, config: Config, settings: BoundsSettings, known: "KhBounds | None") -> Iterator[SafetyPart]:
-    """Yield the factors of safety at every Kh of the settings, if they are wanted. All factors share the computing work
-    that the search for the ``known`` bounds of Kh did not use. The searches begin on the triangles of these bounds.
-    Without shaking, sides that are not fixed are held horizontally, as in the finite elements.
+def _factor_places(config: Config) -> list[tuple[Section, float]]:
+    """Return the sections and Kh of which factors of safety are wanted: that of the file at every Kh of the settings
+    and, last, the section after shaking if it has excess pore pressure."""
+    if not config.bounds.safety_factor:
+        return []
+    places = [(config.section, kh) for kh in config.fem.safety_factor_at]
+    if config.section.water_pressure.rises_by_shaking and 0.0 in config.fem.safety_factor_at:
+        places.append((config.section.after_shaking(), 0.0))
+    return places
+
+
+def _factors(
+    job: Job, config: Config, settings: BoundsSettings, known: "KhBounds | None"
+) -> tuple[tuple[SafetyPart, ...], SafetyPart | None]:
+    """Return the factors of safety at every Kh of the settings, and the one after shaking, if they are wanted. All
+    factors share the computing work that the search for the ``known`` bounds of Kh did not use. The searches begin on
+    the triangles of these bounds. Without shaking, sides that are not fixed are held horizontally, as in the finite
+    elements.
     """
     from fem.limit.safety_bounds import safety_bounds
 
-    coefficients = config.fem.safety_factor_at if settings.safety_factor else ()
+    places, parts = _factor_places(config), list[SafetyPart]()
     left = settings.seconds - (known.work if known else 0.0)
-    for position, kh in enumerate(coefficients):
-        job.progress(f"factor of safety at Kh = {kh:g}", None)
-        share = settings.of_factors.model_copy(update={"seconds": max(left, 0.0) / (len(coefficients) - position)})
-        bounds = safety_bounds(config.section, config.fem, share, kh, smooth_sides=kh == 0.0, known=known)
+    for position, (section, kh) in enumerate(places):
+        job.progress(f"factor of safety at Kh = {kh:g}{'' if section is config.section else ', after shaking'}", None)
+        share = settings.of_factors.model_copy(update={"seconds": max(left, 0.0) / (len(places) - position)})
+        bounds = safety_bounds(section, config.fem, share, kh, smooth_sides=kh == 0.0, known=known)
         left -= sum(trial.work for trial in bounds.trials)
-        yield SafetyPart(
-            kh=kh,
-            lower=bounds.lower or None,
-            upper=bounds.upper if math.isfinite(bounds.upper) else None,
-            cells=bounds.cells,
-            shallow_failure=bounds.shallow_failure,
-            direction=bounds.direction,
-            reason=_reason(bounds, settings),
-            work=sum(trial.work for trial in bounds.trials),
+        parts.append(
+            SafetyPart(
+                kh=kh,
+                lower=bounds.lower or None,
+                upper=bounds.upper if math.isfinite(bounds.upper) else None,
+                cells=bounds.cells,
+                shallow_failure=bounds.shallow_failure,
+                direction=bounds.direction,
+                after_shaking=section is not config.section,
+                reason=_reason(bounds, settings),
+                work=sum(trial.work for trial in bounds.trials),
+            )
         )
+    at_kh = tuple(part for part in parts if not part.after_shaking)
+    return at_kh, next((part for part in parts if part.after_shaking), None)
 
 
 def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
@@ -186,10 +208,11 @@ def _direction_part(bounds: "DirectionBounds") -> DirectionPart:
 
 def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[BoundsVerdict, str]:
     gap = f"The gap of {_gap(bracket)}"
+    if bracket.upper < 0.0 or bracket.end_reason == "enough":
+        limit = f": the critical Kh is at most {bracket.upper:.4f}" if bracket.upper > -1.0 else ""
+        return "unstable", f"The section fails under its own weight{limit}."
     if bracket.end_reason == "gap":
         return "bracketed", f"{gap} is within the required {_required_gap(bracket, settings)}."
-    if bracket.end_reason == "enough":
-        return "unstable", f"The section fails under its own weight: the critical Kh is at most {bracket.upper:.4f}."
     last = bracket.meshes[-1]
     x, z = bracket.open_at or (math.nan, math.nan)
     why = (

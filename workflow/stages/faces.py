@@ -124,14 +124,13 @@ def _of_elements(config: Config, fem: FemAnswer) -> "Iterator[tuple[tuple[Quanti
     mechanism = fem.last_in_equilibrium()
     if fem.has_kc and mechanism is not None:
         low = None if fem.davis is None else fem.davis.kc
-        yield (
-            ("critical Kh", sign_of(config.section, fem.direction)),
-            FaceLimit(fem.kc, low, np.array(mechanism.slip_surface)),
-        )
+        towards = sign_of(config.section, fem.direction)
+        yield ("critical Kh", towards), FaceLimit(fem.kc, low, np.array(mechanism.slip_surface), (towards,))
     for factor in fem.safety_factors:
         if factor.kh == 0.0 and factor.slip_surface:
-            for side in (LEFT, RIGHT):
-                yield ("factor of safety", side), FaceLimit(factor.factor, factor.davis, np.array(factor.slip_surface))
+            surface, to = np.array(factor.slip_surface), {"left": LEFT, "right": RIGHT}
+            limit = FaceLimit(factor.factor, factor.davis, surface, tuple(to[side] for side in factor.slides_to))
+            yield from ((("factor of safety", side), limit) for side in (LEFT, RIGHT))
 
 
 def unchanged_value(config: Config, task: tuple[Quantity, int], tell: Tell) -> "FaceLimit | str":
@@ -168,11 +167,11 @@ def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
         for attempt in range(ATTEMPTS + 1):
             if not len(result.surface):
                 return NO_SURFACE.format(value=result.value)
-            if is_of_face(task.structure, task.side, result.surface) or attempt == ATTEMPTS:
+            if is_of_face(task.structure, task.side, result.surface, result.sides) or attempt == ATTEMPTS:
                 break
             more = zones_against(
                 task.config.section, task.structure, task.side, result.surface, task.circle, zones,
-                task.config.fem.least_depth,
+                task.config.fem.least_depth, result.sides,
             )  # fmt: skip
             if more is None:
                 break
@@ -189,7 +188,7 @@ def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
         upper=high,
         slip_surface=line(result.surface),
         strong_zones=tuple(StrongZonePart.model_validate(each) for each in zones),
-        reaches_crest=is_of_face(task.structure, task.side, result.surface),
+        reaches_crest=is_of_face(task.structure, task.side, result.surface, result.sides),
     )
 
 
@@ -212,7 +211,7 @@ def _computed(config: Config, quantity: Quantity, side: int, zones: tuple[Strong
 def _bounded(task: FaceTask, zones: tuple[StrongZone, ...], tell: Tell) -> tuple[float | None, float | None]:
     """Return strict bounds with ψ = φ in ground with strong zones, and tell when they are computed. Return None without
     strong zones: faces that fail first have the bounds of the section."""
-    from fem.limit.bounds import kh_bounds
+    from fem.limit.bounds import ProvenUnstableError, kh_bounds
     from fem.limit.safety_bounds import safety_bounds
 
     config = task.config
@@ -226,7 +225,10 @@ def _bounded(task: FaceTask, zones: tuple[StrongZone, ...], tell: Tell) -> tuple
     try:
         if task.quantity == "critical Kh":
             tell("strict bounds")
-            of_kh = kh_bounds(ground, full, share)
+            try:
+                of_kh = kh_bounds(ground, full, share)
+            except ProvenUnstableError as error:  # a bound below 0 counts as any other
+                of_kh = error.bounds
             return (of_kh.lower if of_kh.stress else None), (of_kh.upper if of_kh.mechanism else None)
         if config.bounds.safety_factor:
             tell("strict bounds")

@@ -1,6 +1,6 @@
 """Defines the stage `fem`: the critical seismic coefficient of a meshed section, its files and its pictures."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -137,6 +137,7 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
         curve=tuple(result.steps),
         states=tuple(_stored_state(assessment.path_mesh, state, result, surface) for state in result.states),
         safety_factors=tuple(_factor_of_safety(factor, result.flow) for factor in assessment.safety),
+        after_shaking=_factor_of_safety(after, result.flow, True) if (after := assessment.after_shaking) else None,
     )
 
 
@@ -166,7 +167,9 @@ def _stored_state(mesh: "QuadMesh", state: "FieldState", result: "CriticalResult
     )
 
 
-def _factor_of_safety(adapted: "AdaptiveResult[SafetyFactor]", flow: Flow) -> FactorOfSafety:
+def _factor_of_safety(
+    adapted: "AdaptiveResult[SafetyFactor]", flow: Flow, after_shaking: bool = False
+) -> FactorOfSafety:
     result, remaining_error = adapted.result, adapted.rounds[-1].remaining_error if adapted.rounds else np.inf
     return FactorOfSafety.taken(
         result,
@@ -175,7 +178,19 @@ def _factor_of_safety(adapted: "AdaptiveResult[SafetyFactor]", flow: Flow) -> Fa
         associated=result.by_other_flow if flow == "davis" else None,
         remaining_error=float(remaining_error) if np.isfinite(remaining_error) else None,
         slip_surface=_slip_line(adapted.mesh, result.mechanism) if result.mechanism is not None else (),
+        slides_to=_sides_of(adapted),
+        after_shaking=after_shaking,
     )
+
+
+def _sides_of(adapted: "AdaptiveResult[SafetyFactor]") -> tuple[Literal["left", "right"], ...]:
+    """Return the sides to which the ground slides at its factor of safety; none without a mechanism."""
+    from fem.continuum.fields import sliding_sides
+
+    mechanism = adapted.result.mechanism
+    if mechanism is None:
+        return ()
+    return tuple("left" if side < 0 else "right" for side in sliding_sides(adapted.mesh, mechanism))
 
 
 def write_fields(section: Section, mesh: "QuadMesh", states: list["FieldState"], store: Store) -> None:

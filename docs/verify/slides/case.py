@@ -11,7 +11,8 @@ from dem.case import Case
 from docs.verify.case import case_files
 from meshes.errors import InputError
 from meshes.section.quantity import Angle, Length
-from meshes.section.section import Model, read_toml
+from meshes.section.section import Model
+from meshes.section.toml_file import read_toml
 from workflow.config import Config
 from workflow.config.after_triggering import config_after_triggering
 

@@ -10,11 +10,12 @@ from fem.errors import UnstableError
 from fem.limit import adaptive_bounds
 from fem.limit.adaptive_bounds import gap_shares, proven_lower_bound, proven_upper_bound
 from fem.limit.bound_checks import StressCheck, check_stress, check_velocity, corner_rates
-from fem.limit.bounds import body_of, kh_bounds
+from fem.limit.bounds import kh_bounds
 from fem.limit.bracket import Bracket
 from fem.limit.first_mesh import first_mesh
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of
 from fem.limit.lower_bound import lower_bound
+from fem.limit.section_body import body_of
 from fem.limit.side_stress import side_stresses
 from fem.limit.upper_bound import upper_bound
 from fem.settings import BoundsSettings, FemSettings

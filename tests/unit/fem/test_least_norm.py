@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from fem.limit.bounds import body_of
 from fem.limit.first_mesh import first_mesh
 from fem.limit.limit_problem import limit_problem, units_of
 from fem.limit.lower_bound import equations, independent_equations
+from fem.limit.section_body import body_of
 from fem.settings import FemSettings
 from fem.solvers.least_norm import smallest_correction
 from meshes.section.section import Section

@@ -8,7 +8,7 @@ import pytest
 
 from fem.continuum.shallow_failure import shallow_failures, strengthened
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
-from fem.limit.bounds import as_analysed, body_of, kh_bounds
+from fem.limit.bounds import as_analysed, kh_bounds
 from fem.limit.bracket import Limits
 from fem.limit.factor_search import FactorSearch
 from fem.limit.factor_trial import FactorWork, TrialStart
@@ -16,6 +16,7 @@ from fem.limit.first_mesh import first_mesh
 from fem.limit.limit_problem import LimitProblem, Side, limit_problem, units_of
 from fem.limit.point_freedom import pressed_all_round, stress_free_corners, unstrained_points
 from fem.limit.safety_bounds import safety_bounds
+from fem.limit.section_body import body_of
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.section import Section
 from meshes.triangles import triangulate

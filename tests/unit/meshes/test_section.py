@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 
 from meshes.errors import InputError
-from meshes.section.section import Section, read_toml
+from meshes.section.section import Section
+from meshes.section.toml_file import read_toml
 from tests.support import SECTIONS
 from tests.support.sections import layer, problems, sections, slope, spoiled
 

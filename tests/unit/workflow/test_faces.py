@@ -6,10 +6,19 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from fem.continuum.fields import sliding_sides
+from fem.continuum.loads import sign_of
+from fem.limit_load.limit_load import critical_limit_load
 from fem.search.face_limits import FaceLimit
+from fem.search.strength_reduction import limit_load_safety_factor
 from fem.search.strong_zones import UNLIMITED_DEPTH, StrongZone
+from fem.settings import FemSettings
 from meshes.executor import OneThread
+from meshes.gmsh_model import generate
+from meshes.section.section import Section
+from meshes.settings import MeshSettings
 from tests.support.answers import bounds, fem, results
+from tests.support.sections import layer
 from tests.unit.workflow.test_verdicts import by_slices, levee, sunk
 from workflow.config import Config
 from workflow.estimates.face_zones import is_of_face, zones_against
@@ -35,6 +44,47 @@ def test_a_failure_is_of_the_face_whose_crest_slides_to_its_side() -> None:
     assert is_of_face(structure, RIGHT, LANDWARD)
     assert not is_of_face(structure, LEFT, BANK)
     assert not is_of_face(structure, LEFT, ())
+
+
+def test_a_failure_that_carries_the_whole_embankment_away_slides_to_the_side_of_its_displacement() -> None:
+    """Both of its ends are level with each other, and the lower one by a millimetre gave the side: a strong zone was
+    put behind the crest, nothing else failed there, and the face had neither Kh nor factor of safety."""
+    section = levee().section
+    (structure,) = structures_of(section)
+    surface = ((40.0, 6.001), (70.0, 2.0), (95.0, 6.0))
+    assert is_of_face(structure, LEFT, surface, (LEFT,))
+    assert not is_of_face(structure, RIGHT, surface, (LEFT,))
+    assert all(is_of_face(structure, side, surface, (LEFT, RIGHT)) for side in (LEFT, RIGHT))
+    assert zones_against(section, structure, RIGHT, surface, (), (), 0.5, (LEFT,)) == (
+        StrongZone(0.0, 66.0, UNLIMITED_DEPTH),
+    )
+
+
+def test_an_embankment_on_soft_clay_slides_to_both_sides() -> None:
+    """Its factor of safety is that of both faces; under a seismic force it slides with the force alone."""
+    soft = {"poissons_ratio": 0.4, "cohesion": "26 kPa", "friction_angle": "0 deg"}
+    embankment = Section.parse({
+        "name": "embankment", "surface": [[0, 0], [30, 0], [39, 6], [45, 6], [54, 0], [84, 0]],
+        "base": {"elevation": -10}, "strata": [layer("Fill", bottom={"elevation": 0}), layer("Clay", **soft)],
+    })  # fmt: skip
+    mesh = generate(embankment, MeshSettings(size=2.5))
+    at_rest = limit_load_safety_factor(embankment, mesh, FemSettings(), 0.0).mechanism
+    loaded = critical_limit_load(embankment, mesh, FemSettings(direction="downhill")).mechanism
+    assert at_rest is not None
+    assert loaded is not None
+    assert sliding_sides(mesh, at_rest) == (LEFT, RIGHT)
+    assert sliding_sides(mesh, loaded) == (sign_of(embankment, "downhill"),)
+
+
+def test_a_face_without_a_value_says_why() -> None:
+    value = FaceValue(value=0.053, reaches_crest=False)
+    face = FaceStrength(structure="Levee", towards="left", critical=value, safety=None,
+                        reasons=("factor of safety: no mesh",))  # fmt: skip
+    spared = FacesAnswer(section=SectionLabel.of(levee().section), faces=(face,))
+    assert list(faces_sentences(spared)) == [
+        "Levee, towards the left: no critical Kh: with ψ = φ ground without the crest fails first, at 0.053; "
+        "no factor of safety: no mesh."
+    ]
 
 
 @pytest.mark.parametrize("first", [True, False])
@@ -170,7 +220,7 @@ def test_the_command_prints_every_face() -> None:
         "embankment at x = 69 m, towards the left: critical Kh 0.148 with ψ = φ, 0.102 with Davis reduced strength, "
         "strict bounds 0.140 to 0.149; factor of safety 1.65 with ψ = φ, 1.55 with Davis reduced strength."
     )
-    assert right.endswith("critical Kh 0.253 with ψ = φ; factor of safety: no.")
+    assert right.endswith("critical Kh 0.253 with ψ = φ; no factor of safety: no.")
 
 
 def test_a_face_of_finite_elements_above_their_strict_bound_has_the_value_of_the_bound() -> None:

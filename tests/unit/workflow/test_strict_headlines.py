@@ -25,7 +25,7 @@ HALF_DIGIT = 0.0005 + 1e-9  # of the last digit of a critical Kh; ten times this
 ROUNDING = 0.001  # elements this share beyond a bound do not contradict it
 
 kh_values = st.floats(0.02, 0.8)
-factors = st.floats(0.5, 4.0)
+factors = st.floats(1.3, 4.0)  # an upper bound below 1 proves that there is no critical Kh
 shares = st.floats(0.9, 1.1)
 widths = st.floats(1.0, 1.1)
 

@@ -10,10 +10,10 @@ from scipy import sparse
 
 from fem.continuum.shallow_failure import shallow_failures, strengthened
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
-from fem.limit.bounds import body_of
 from fem.limit.first_mesh import first_mesh
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of
 from fem.limit.lower_bound import lower_bound
+from fem.limit.section_body import body_of
 from fem.settings import FemSettings
 from fem.solvers import cholmod, cone_program, interior_point
 from fem.solvers.cone_matrices import ConeProgram

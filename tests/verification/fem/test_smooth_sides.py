@@ -9,10 +9,11 @@ from mpi4py import MPI
 from scipy.optimize import minimize_scalar
 
 from fem.limit.adaptive_bounds import proven_lower_bound
-from fem.limit.bounds import DirectionGround, body_of, kh_bounds
+from fem.limit.bounds import DirectionGround, kh_bounds
 from fem.limit.first_mesh import first_mesh
 from fem.limit.limit_problem import limit_problem, units_of
 from fem.limit.safety_bounds import safety_bounds
+from fem.limit.section_body import body_of
 from fem.limit_load.limit_load import critical_limit_load
 from fem.path.gravity import gravity_equilibrium
 from fem.search.critical import critical_coefficient

@@ -5,9 +5,10 @@ import itertools
 import pytest
 
 from fem.limit.adaptive_bounds import BoundSearch
-from fem.limit.bounds import DirectionGround, body_of
+from fem.limit.bounds import DirectionGround
 from fem.limit.bracket import Limits
 from fem.limit.first_mesh import first_mesh
+from fem.limit.section_body import body_of
 from fem.settings import FemSettings
 from meshes.section.section import Section
 from tests.support.random_sections import random_section

@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from mpi4py import MPI
 
-from fem.limit.bounds import body_of, kh_bounds
+from fem.limit.bounds import kh_bounds
 from fem.limit.bracket import Limits
 from fem.limit.limit_problem import Side, limit_problem, units_of
+from fem.limit.section_body import body_of
 from fem.path.gravity import gravity_equilibrium
 from fem.search.critical import critical_coefficient
 from fem.search.strength_reduction import safety_factor

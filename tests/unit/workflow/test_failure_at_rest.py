@@ -1,0 +1,152 @@
+"""Kh and factors of safety of one ground must not contradict each other: a proof that it fails without a seismic force
+governs every number."""
+
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.support.answers import bounds, fem, results
+from tests.support.sections import analysed, slope
+from workflow.config import Config
+from workflow.report.console import fem_sentences
+from workflow.report.first_page import headlines
+from workflow.report.stability import stability_rows
+from workflow.report.summary import summary
+from workflow.results.bounds import DirectionPart, SafetyPart
+from workflow.results.continuum import FactorOfSafety
+from workflow.results.governing import estimates_of, governing_factor, governing_kh
+from workflow.results.results import Results
+from workflow.texts.report_texts import Texts
+
+HALF_DIGIT = 0.0005  # of a critical Kh; ten times this of a factor of safety
+
+
+def with_excess_pressure() -> Config:
+    """Return the config of a slope whose pore pressure rises by shaking."""
+    data = slope()
+    data["strata"][0]["excess_pore_pressure_ratio"] = 0.3
+    return analysed(data)
+
+
+def factor(value: float, after_shaking: bool = False) -> FactorOfSafety:
+    return FactorOfSafety(
+        kh=0.0, factor=value, upper=value, verdict="plateau", reason="", curve=(), shallow_failure=None,
+        after_shaking=after_shaking, remaining_error=0.001,
+    )  # fmt: skip
+
+
+def dam(rises: bool = True, upper: float | None = -0.0015) -> Results:
+    """Return results as those of a dam whose toe is too small for the finite elements: 0.0127 for -0.0015."""
+    run = with_excess_pressure() if rises else analysed(slope())
+    answer = fem(run, 0.0127).model_copy(
+        update={"safety_factors": (factor(1.26),), "after_shaking": factor(1.02, True) if rises else None}
+    )
+    of_factor = SafetyPart(kh=0.0, lower=1.258, upper=1.264, cells=9)
+    lower = None if upper is None else -0.0024
+    strict = bounds(run, -0.0024, -0.0015).model_copy(update={"upper": upper, "lower": lower, "safety": (of_factor,)})
+    return results(run, fem=answer, bounds=strict)
+
+
+def printed_text(answers: Results) -> str:
+    """Return what a command prints of the finite elements."""
+    assert answers.fem is not None
+    return " ".join(fem_sentences(answers.fem, answers.config.section, False, answers))
+
+
+def test_a_proof_of_failure_without_shaking_governs_every_number() -> None:
+    """The headline was Kh = 0.013 beside bounds that ended with "at most -0.0015"."""
+    answers = dam()
+    assert answers.kc is None
+    assert governing_kh(answers) is None
+    kh, safety, _ = headlines(answers, Texts())
+    assert kh.value == "< 0"
+    assert "by its weight and the excess pore pressure of shaking: its critical Kh is at most -0.002" in kh.conclusion
+    assert "give a critical Kh of 0.013, which does not count" in kh.conclusion
+    assert safety.name == "factor of safety before shaking"
+    assert safety.value == "1.26"
+    assert safety.interval.endswith("; 1.00 after shaking")
+    assert "the section does not stand: its factor of safety is at most 1.00" in safety.conclusion
+    printed = printed_text(answers)
+    assert printed.startswith("No critical Kh. Strict bounds prove that the section fails without a seismic force")
+    assert "Factor of safety at Kh = 0 before shaking: 1.260" in printed
+    assert "Factor of safety at Kh = 0 after shaking, with its excess pore pressure: 1.000" in printed
+    short = summary(answers, 1.0).fem
+    assert short is not None
+    assert short.kc is short.kc_governing is None
+    assert not any("kc = 0.013" in (estimate.note or "") for estimate in estimates_of(answers))
+    rows = [row for row in stability_rows(answers, Texts()) if "after shaking" in row.quantity]
+    assert [row.value for row in rows] == ["1.02"]
+
+
+def test_ground_without_excess_pore_pressure_has_one_factor() -> None:
+    """Its factor of safety of 1.26 is no factor of ground that a mechanism of its Kh proves to fail."""
+    answers = dam(rises=False)
+    kh, safety, _ = headlines(answers, Texts())
+    assert kh.value == "< 0"
+    assert "under its own weight" in kh.conclusion
+    assert safety.name == "factor of safety"
+    assert safety.value == "1.00"
+    assert "does not stand: its factor of safety is at most 1.00" in safety.conclusion
+    assert "Factor of safety at Kh = 0: 1.000 with" in printed_text(answers)
+
+
+def test_an_upper_bound_of_the_factor_below_1_proves_the_failure_too() -> None:
+    """Here the bounds of Kh are missing, as where the solver failed."""
+    answers = dam(upper=None)
+    assert not answers.fails_at_rest
+    assert answers.bounds is not None
+    of_factor = SafetyPart(kh=0.0, lower=0.96, upper=0.98, cells=9, after_shaking=True)
+    strict = answers.bounds.model_copy(update={"after_shaking": of_factor})
+    proven = results(answers.config, fem=answers.fem, bounds=strict)
+    kh, safety, _ = headlines(proven, Texts())
+    assert kh.value == "< 0"
+    assert "its factor of safety is at most 0.98" in kh.conclusion
+    assert safety.interval.endswith("; 0.98 after shaking")
+    before = SafetyPart(kh=0.0, lower=0.96, upper=0.98, cells=9)
+    other = results(answers.config, fem=answers.fem, bounds=answers.bounds.model_copy(update={"safety": (before,)}))
+    assert not other.fails_at_rest  # of other ground: that without excess pore pressure
+
+
+@given(
+    st.booleans(), st.floats(0.002, 0.5), st.floats(0.8, 3.0), st.floats(-0.3, 0.4), st.floats(0.0, 0.05),
+    st.floats(0.7, 2.0), st.floats(1.0, 1.05),
+)  # fmt: skip
+def test_kh_and_factor_agree_whatever_elements_and_bounds_are(
+    rises: bool, kc: float, by_elements: float, lower: float, gap: float, of_factor: float, ratio: float
+) -> None:
+    """A number above 0 and a factor below 1, or none above 0 and a factor above 1, contradict each other; no number is
+    above the upper bound of its ground."""
+    run = with_excess_pressure() if rises else analysed(slope())
+    at_rest = factor(by_elements, rises)
+    answer = fem(run, kc).model_copy(
+        update={"safety_factors": (at_rest,), "after_shaking": None} if not rises
+        else {"safety_factors": (factor(3.0),), "after_shaking": at_rest}
+    )  # fmt: skip
+    part = SafetyPart(kh=0.0, lower=of_factor, upper=ratio * of_factor, cells=9, after_shaking=rises)
+    strict = bounds(run, lower, lower + gap).model_copy(
+        update={"after_shaking": part} if rises else {"safety": (part,)}
+    )
+    answers = results(run, fem=answer, bounds=strict)
+    counts = governing_factor(answers, at_rest)
+    [kh, *_] = headlines(answers, Texts())
+    number = re.fullmatch(r"[≤≥]? ?([0-9.]+)", kh.value)
+    assert (number is None) == answers.fails_at_rest
+    if number is not None:
+        assert float(number[1]) <= lower + gap + 2.0 * HALF_DIGIT
+        assert counts >= 1.0 - 2.0 * HALF_DIGIT or by_elements < 1.0
+        assert lower + gap >= 0.0
+    else:
+        assert counts <= 1.0 + HALF_DIGIT
+    assert counts <= ratio * of_factor * (1.0 + HALF_DIGIT) + HALF_DIGIT
+
+
+@pytest.mark.parametrize(("upper", "none"), [(-0.001, True), (0.001, False)])
+def test_an_upper_bound_alone_proves_failure(upper: float, none: bool) -> None:
+    """Without a lower bound the bounds were not read at all."""
+    strict = bounds(analysed(slope()), 0.0, upper)
+    part = DirectionPart(direction="downhill", towards="right", lower=None, upper=upper, leaves=(), history=())
+    alone = strict.model_copy(update={"lower": None, "directions": (part,)})
+    assert alone.fails_at_rest == none
+    assert not alone.has_interval
