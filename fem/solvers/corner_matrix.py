@@ -1,8 +1,9 @@
-"""Assembles and factorises the stiffness matrix of an interior-point method, Σ Bᵀ D B over the corners of a program."""
+"""Provides the matrix B of strain rates at the corners of a program: products, and the stiffness matrix Σ Bᵀ D B."""
 
 import numpy as np
 from scipy import sparse
 
+from fem.kernels.corner_products import add_forces, strain_rates
 from fem.kernels.corner_stiffness import add_stiffnesses
 from fem.solvers.lower_triangle import LowerTriangle
 
@@ -29,12 +30,28 @@ class CornerMatrix:
         self._values = np.zeros((touched.nnz, 3))
         place = np.searchsorted(keys, (entries.row // 3).astype(np.int64) * rates.shape[1] + entries.col)
         self._values[place, entries.row % 3] = entries.data
+        self._size = rates.shape[1]
         self._triangle = LowerTriangle(self._starts, self._columns, rates.shape[1])
+
+    @property
+    def size(self) -> int:
+        """Return the number of velocities, n."""
+        return self._size
 
     @property
     def entries(self) -> int:
         """Return the entries of the lower triangle of the stiffness matrix Σ Bᵀ D B."""
         return len(self._triangle.entries)
+
+    def rates(self, velocity: np.ndarray) -> np.ndarray:
+        """Return the strain rates B v (k, 3) of a velocity (n,)."""
+        rates = np.empty((len(self._starts) - 1, 3))
+        strain_rates(self._starts, self._columns, self._values, velocity, rates)
+        return rates
+
+    def add_forces(self, stress: np.ndarray, force: np.ndarray) -> None:
+        """Add Bᵀ m of a stress (k, 3) to a ``force`` (n,)."""
+        add_forces(self._starts, self._columns, self._values, stress, force)
 
     def factorise(self, stiffness: np.ndarray) -> None:
         """Factorise the matrix for D (k, 3, 3); raise NotPositiveDefiniteError."""

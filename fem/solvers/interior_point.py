@@ -18,6 +18,7 @@ from fem.kernels.corner_cones import add_products, centrality, corrections, long
 from fem.kernels.corner_stiffness import condense, expand, stiffnesses
 from fem.solvers.convergence import Iterate, Place, Tolerance
 from fem.solvers.corner_matrix import CornerMatrix
+from fem.solvers.program_matrix import ProgramMatrix
 from meshes.executor import check_cancelled
 
 MOST_ITERATIONS = 60
@@ -114,9 +115,8 @@ class InteriorPointMethod:
         self.program, self.tolerance, self.stiffness_matrix = standard, tolerance, matrix
         self.smallest_multiplier, self.floor = tolerance.smallest_multiplier * unit, tolerance.floor * unit
         corners = standard.corners
-        self.a, self.a_t = standard.matrix, standard.matrix.T.tocsr()
+        self.matrix = ProgramMatrix(standard.matrix, corners.sine, corners.clay, matrix)
         self.b, self.c = standard.offset, standard.cost
-        self.q, self.q_t = standard.rates, standard.rates.T.tocsr()
         self.load = np.asarray(standard.matrix[0].todense()).ravel()
         clays, singles, triples = (
             int(part.max(initial=-1)) + 1 for part in (corners.clay, corners.single, corners.triple)
@@ -151,7 +151,7 @@ class InteriorPointMethod:
         iterations_below_gap, smallest_residual, last_halving = 0, np.inf, 0
         for iteration in range(1 + (most_iterations if start is None else min(most_iterations, MOST_WARM_ITERATIONS))):
             check_cancelled()
-            ry, rz = self.a_t @ z + self.c, self.b - self.a @ y - s
+            ry, rz = self.matrix.transposed_times(z) + self.c, self.b - self.matrix.times(y) - s
             primal, dual = float(self.c @ y), -float(self.b @ z)
             product = float(s[self.first_cone_row :] @ z[self.first_cone_row :])
             of_velocities = np.abs(rz).max() / max(1.0, np.abs(self.b).max() + np.abs(y).max() + np.abs(s).max())
@@ -246,14 +246,17 @@ class InteriorPointMethod:
 
     def is_exact(self, ry: np.ndarray, rz: np.ndarray, trial: "_Trial", within: float) -> bool:
         """Return whether a direction was refined well enough; if not, change the compliance δ."""
-        ey = np.abs(ry - self.a_t @ trial.dz).max()
-        ez = np.abs(rz - self.a @ trial.dy + self.squared(trial.dz)).max()
+        ey, ez = (float(np.abs(error).max()) for error in self.errors(ry, rz, trial.dy, trial.dz))
         beyond = max(ey, ez) / (1e-12 + within * max(np.abs(ry).max(), np.abs(rz).max()))
         grows = ey > max(np.abs(ry).max(), EQUILIBRIUM_RESIDUAL)
         if beyond > 1.0 or grows:
             ratio = COMPLIANCE_RATIO if ey > ez or grows else 1.0 / COMPLIANCE_RATIO
             self.compliance = min(max(self.compliance * ratio, SMALLEST_COMPLIANCE), LARGEST_COMPLIANCE)
         return bool(beyond <= POOR_RESIDUAL_RATIO)
+
+    def errors(self, ry: np.ndarray, rz: np.ndarray, dy: np.ndarray, dz: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return ry - Aᵀ dz and rz - A dy + W² dz."""
+        return ry - self.matrix.transposed_times(dz), rz - self.matrix.times(dy) + self.squared(dz)
 
     def centring(self, s: np.ndarray, z: np.ndarray, trial: "_Trial", aim: float) -> np.ndarray:
         """Return Gondzio's corrector, which centres the products that a longer step would move far from the mean."""
@@ -298,8 +301,10 @@ class InteriorPointMethod:
         at = self.c_inverse, self.square, self.single_scaling, *self.eliminated
         condense(ry, rz, *at, g, force)
         n = self.velocities
-        dy[:n] = self.stiffness_matrix.solve(ry[:n] + self.q_t @ force.ravel())
-        expand((self.q @ dy[:n]).reshape(-1, 3), g, ry, rz, *at, dy, dz)
+        right = ry[:n].copy()
+        self.stiffness_matrix.add_forces(force, right)
+        dy[:n] = self.stiffness_matrix.solve(right)
+        expand(self.stiffness_matrix.rates(dy[:n]), g, ry, rz, *at, dy, dz)
         return dy, dz
 
     def once(self, ry: np.ndarray, rz: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -320,14 +325,14 @@ class InteriorPointMethod:
         iterative refinement would converge slowly, because the factors contain a compliance δ of clay and rounding.
         """
         (dy, dz), size = start, max(np.abs(ry).max(), np.abs(rz).max())
-        ey, ez = ry - self.a_t @ dz, rz - self.a @ dy + self.squared(dz)
+        ey, ez = self.errors(ry, rz, dy, dz)
         before: list[tuple[np.ndarray, ...]] = []
         for _ in range(most):
             error = max(np.abs(ey).max(), np.abs(ez).max())
             if error <= 1e-12 + within * size or not np.isfinite(error):
                 break
             y, z = self.once(ey, ez)
-            image_y, image_z = self.a_t @ z, self.a @ y - self.squared(z)
+            image_y, image_z = self.matrix.transposed_times(z), self.matrix.times(y) - self.squared(z)
             for old_y, old_z, old_image_y, old_image_z in before:
                 share = image_y @ old_image_y + image_z @ old_image_z
                 y, z = y - share * old_y, z - share * old_z
@@ -346,7 +351,7 @@ class InteriorPointMethod:
 
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the y, z and s of least norm that fulfil the equations, moved into the cones (Mehrotra 1992)."""
-        squares = self.a.multiply(self.a).sum(axis=1)
+        squares = self.program.matrix.multiply(self.program.matrix).sum(axis=1)
         rows = np.sqrt(np.asarray(squares).ravel())
         weight = np.maximum(self.cone(rows).max(axis=1), 1e-12)
         lone = np.maximum(rows[self.first_single_row :], 1e-12)

@@ -92,12 +92,33 @@ def test_a_mechanism_with_a_residual_of_nearly_dependent_equations_is_left_to_no
 def test_errors_of_equilibrium_are_not_judged_beside_velocities() -> None:
     """With errors of 2e-7, small beside the velocities and larger than what was left of the equilibrium, δ stayed too
     small: the residual of a lower bound of a levee (12,000 triangles) stopped at 7e-8, and Clarabel began again."""
-    identity = sparse.identity(1)
-    method = SimpleNamespace(a=identity, a_t=identity, squared=np.zeros_like, compliance=1e-4)
+    method = SimpleNamespace(errors=lambda ry, rz, dy, dz: (ry - dz, rz - dy), compliance=1e-4)
     trial = SimpleNamespace(dy=np.array([0.05]), dz=np.array([2.1e-7]))
     is_exact = interior_point.InteriorPointMethod.is_exact
     assert is_exact(cast("Any", method), np.array([1e-8]), np.array([0.05]), cast("Any", trial), 1e-5)
     assert method.compliance == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize("kind", ["sand on clay", "cracked"])
+def test_products_at_the_corners_are_those_of_the_whole_matrix(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the matrix of the program only what is no strain rate is stored beside the strain rates, with openings."""
+    run, seen = interior_point.InteriorPointMethod.run, []
+
+    def checked(method: interior_point.InteriorPointMethod, *arguments: Any) -> Any:
+        whole, numbers = method.program.matrix, np.random.default_rng(0)
+        y, z = (numbers.normal(size=size) for size in whole.shape[::-1])
+        np.testing.assert_allclose(method.matrix.times(y), whole @ y, atol=1e-9)
+        np.testing.assert_allclose(method.matrix.transposed_times(z), whole.T @ z, atol=1e-9)
+        seen.append(method)
+        return run(method, *arguments)
+
+    monkeypatch.setattr(cone_program, "FEWEST_VELOCITIES", 0)
+    monkeypatch.setattr(interior_point.InteriorPointMethod, "run", checked)
+    lower_bound(ground(kind))
+    proven_upper_bound(ground(kind))
+    assert len(seen) == 2
+    special = 1 if kind == "sand on clay" else 3  # corners of clay, and openings with three unknowns
+    assert any((method.corners[special] >= 0).any() for method in seen)
 
 
 def test_bare_sand_after_a_drawdown_does_not_break_down() -> None:
