@@ -134,24 +134,35 @@ def image_size(window: Window, width: int, exaggeration: int) -> tuple[int, int]
     return width, max(2, round(width * proportion))
 
 
-def render(
-    window: Window,
-    draw: "Callable[[pv.Plotter], object]",
-    width: int = round((RIGHT - LEFT) * WIDTH),
-    exaggeration: int = 1,
-) -> np.ndarray:
-    """Render what ``draw`` adds to a plotter as an image (height, width, 3) of exactly the window.
+class Renderer:
+    """Renders images in one window of pyvista, which takes as long to open as an image; used as a context manager."""
 
-    Heights are multiplied by ``exaggeration``. The image is rendered twice as
-    large and averaged: VTK's own supersampling takes four times each way, and 0.2 s for a picture.
-    """
-    import pyvista as pv
+    def __enter__(self) -> "Renderer":
+        import pyvista as pv
 
-    width, height = image_size(window, width, exaggeration)
-    plotter = pv.Plotter(off_screen=True, window_size=[SAMPLES * width, SAMPLES * height])
-    try:
+        self._plotter = pv.Plotter(off_screen=True, window_size=[2, 2])
+        self._plotter.disable_anti_aliasing()
+        return self
+
+    def __exit__(self, *what: object) -> None:
+        self._plotter.close()
+
+    def image(
+        self,
+        window: Window,
+        draw: "Callable[[pv.Plotter], object]",
+        width: int = round((RIGHT - LEFT) * WIDTH),
+        exaggeration: int = 1,
+    ) -> np.ndarray:
+        """Render what ``draw`` adds to a plotter as an image (height, width, 3) of exactly the window.
+
+        Heights are multiplied by ``exaggeration``. The image is rendered twice as large and averaged: VTK's own
+        supersampling takes four times each way, and 0.2 s for a picture.
+        """
+        plotter = self._plotter
+        plotter.clear()
+        plotter.window_size = [SAMPLES * size for size in image_size(window, width, exaggeration)]
         plotter.set_background("white")
-        plotter.disable_anti_aliasing()
         draw(plotter)
         plotter.set_scale(yscale=exaggeration, render=False)
         x, z = 0.5 * (window.left + window.right), 0.5 * exaggeration * (window.bottom + window.top)
@@ -159,9 +170,19 @@ def render(
         plotter.camera.parallel_projection = True
         plotter.camera.parallel_scale = 0.5 * exaggeration * (window.top - window.bottom)
         plotter.camera.clipping_range = (0.1, 10.0)
+        plotter.render()
         return np.asarray(Image.fromarray(plotter.screenshot(return_img=True)).reduce(SAMPLES))
-    finally:
-        plotter.close()
+
+
+def render(
+    window: Window,
+    draw: "Callable[[pv.Plotter], object]",
+    width: int = round((RIGHT - LEFT) * WIDTH),
+    exaggeration: int = 1,
+) -> np.ndarray:
+    """Render a single image, see `Renderer.image`."""
+    with Renderer() as renderer:
+        return renderer.image(window, draw, width, exaggeration)
 
 
 class Drawing:

@@ -11,7 +11,7 @@ from fem.continuum.strength import flow_of
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from workflow.config import Config
-from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, render, spread
+from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Renderer, Sheet, Window, in_classes, spread
 from workflow.figures.ground import Overlay, foot, section_sheet
 from workflow.figures.raster import draw_border, fill_cells, painted
 from workflow.results.answer import FORCE
@@ -39,12 +39,13 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
     """
     drawn: dict[int, Views] = {}
     names = ["figures/fem_curve.png"]
-    for state in results.states:
-        same = id(state.displacement)  # what is past equilibrium shows the plateau's state
-        if same not in drawn:
-            drawn[same] = views_of(results.mesh, state)
-        names.append(picture_of(state))
-        store.save(names[-1], state_sheet(config, results, state, drawn[same]))
+    with Renderer() as renderer:
+        for state in results.states:
+            same = id(state.displacement)  # what is past equilibrium shows the plateau's state
+            if same not in drawn:
+                drawn[same] = views_of(results.mesh, state, renderer)
+            names.append(picture_of(state))
+            store.save(names[-1], state_sheet(config, results, state, drawn[same]))
     store.save(names[0], _curve_sheet(config, results.answer))
     if slips := _slip_surfaces(results.answer):
         names.append(SAFETY)
@@ -109,7 +110,7 @@ class Views(NamedTuple):
     window: Window
 
 
-def views_of(mesh: QuadMesh, state: FieldState) -> Views:
+def views_of(mesh: QuadMesh, state: FieldState, renderer: Renderer) -> Views:
     """Render the views of a state."""
     largest = float(np.hypot(*state.displacement.T).max())
     stretch = nice_number(0.06 * float(np.ptp(mesh.points[:, 0])) / largest) if largest > 0.0 else 1.0
@@ -132,7 +133,7 @@ def views_of(mesh: QuadMesh, state: FieldState) -> Views:
             show_scalar_bar=False, show_edges=len(mesh.cells) < MOST_CELLS_WITH_EDGES, edge_color=EDGES, line_width=0.5,
         )  # fmt: skip
 
-    return Views(painted(window, outline), arrow_nodes, render(window, failure_zones), stretch, largest, window)
+    return Views(painted(window, outline), arrow_nodes, renderer.image(window, failure_zones), stretch, largest, window)
 
 
 def state_sheet(config: Config, results: FemResults, state: FieldState, views: Views) -> Sheet:

@@ -23,6 +23,7 @@ from workflow.figures.canvas import (
     CRITICAL,
     DISCS,
     INK,
+    Renderer,
     Sheet,
     Window,
     legend_columns,
@@ -162,7 +163,10 @@ def animate(config: Config, paths: Sequence[Path], springs: str, out: Mapping[in
     last = Frame.read(paths[-1])
     norm, window = last.scale(), shown_window([Frame.read(paths[0]), last], springs)
     states = [Frame.read(path) for path in paths]
-    pictures = [render(window, partial(draw_frame, frame=frame, norm=norm), FRAME_WIDTH) for frame in states]
+    with Renderer() as renderer:
+        pictures = [
+            renderer.image(window, partial(draw_frame, frame=frame, norm=norm), FRAME_WIDTH) for frame in states
+        ]
     durations = [FRAME_MS] * (len(states) - 1) + [HOLD_MS]
     for number, file in out.items():
         name = name_of(config, springs, number)

@@ -2,11 +2,12 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
 
 import numpy as np
 
 from tests.support import TOP
-from workflow.figures.canvas import LEFT, RIGHT, WIDTH, Window, image_size
+from workflow.figures.canvas import LEFT, RIGHT, WIDTH, Renderer, Window, image_size, render
 from workflow.figures.raster import fill_cells, painted, shade_cells
 
 POINTS = np.array([[x, z] for z in (0.0, 1.3, 4.0) for x in (0.0, 3.1, 7.7, 10.0)])
@@ -44,3 +45,21 @@ def test_modules_of_pictures_load_without_pyvista() -> None:
     subprocess.run(
         [sys.executable, "-c", f"{look}assert 'pyvista' not in sys.modules"], cwd=TOP, check=True, timeout=120
     )
+
+
+def test_an_image_does_not_depend_on_the_images_rendered_before_it_in_one_window() -> None:
+    """Neither size nor camera, scale of heights or ground of one image stay for the next."""
+    import pyvista as pv
+
+    def plane(size: float, colour: str) -> Callable[[pv.Plotter], object]:
+        ground = pv.Plane(center=(5.0, 1.0, 0.0), i_size=size, j_size=0.3 * size)
+        return lambda plotter: plotter.add_mesh(ground, color=colour, lighting=False)
+
+    requests = [(WINDOW, plane(6.0, "red"), 300, 1), (Window(2.0, 9.0, 0.0, 2.0), plane(3.0, "blue"), 400, 2)]
+    with Renderer() as renderer:
+        together = [renderer.image(*request) for request in requests * 2]
+    for request, first, second in zip(requests, together[:2], together[2:], strict=True):
+        alone = render(*request)
+        np.testing.assert_array_equal(first, alone)
+        np.testing.assert_array_equal(second, alone)
+        assert 0.05 < (alone < 100).any(axis=2).mean() < 0.95
