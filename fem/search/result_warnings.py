@@ -58,14 +58,20 @@ class ComparedKh:
 
 
 def of_bounds(
-    kc: float, lower: float | None, upper: float | None, same_flow: bool, quantity: str = "critical Kh"
+    kc: float,
+    lower: float | None,
+    upper: float | None,
+    same_flow: bool,
+    quantity: str = "critical Kh",
+    mesh_error: float = 0.0,
 ) -> Iterator[ResultWarning]:
     """Compare a ``quantity``, a critical Kh or a factor of safety, with strict bounds of the same flow rule
     (``same_flow``) or of ψ = φ.
 
     If the critical Kh has a smaller ψ, only the upper bound of ψ = φ is used: ground that dilates less does not resist
-    more. A difference within the error of a mesh (`REPEAT_TOLERANCE`) is a note, a larger one a contradiction. ``kc``:
-    the value that is checked; ``lower``, ``upper``: the bounds, None if there is none.
+    more. A difference within the error of a mesh (`REPEAT_TOLERANCE`, or the ``mesh_error`` by the sequence of meshes
+    if it is larger) is a note, a larger one a contradiction. ``kc``: the value that is checked; ``lower``, ``upper``:
+    the bounds, None if there is none.
     """
     whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
     if upper is not None and kc > upper + max(BOUND_TOLERANCE * upper, KH_TOLERANCE):
@@ -73,7 +79,7 @@ def of_bounds(
             f"The {quantity} of {kc:.3f} lies {difference_words(kc, upper)} above the strict upper bound{whose}, "
             f"{upper:.3f}.",
             f"take {upper:.3f} as an upper limit and refine the mesh",
-            contradiction=kc > upper + max(REPEAT_TOLERANCE * upper, KH_TOLERANCE),
+            contradiction=kc > upper + max(REPEAT_TOLERANCE * upper, KH_TOLERANCE, mesh_error),
         )
     if same_flow and lower is not None and kc < lower - max(ORDER_TOLERANCE * lower, KH_TOLERANCE):
         yield ResultWarning(

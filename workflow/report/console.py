@@ -109,7 +109,10 @@ def fem_sentences(
         strict = strict_factor(results, answer, factor, answer.flow) if results is not None else None
         counts = factor.factor if results is None else governing_factor(results, factor)
         yield safety_sentence(factor, answer, every, strict, counts)
-    for warning in (*answer.warnings, *(results.warnings_by_bounds() if results is not None else ())):
+    # What lies beyond a bound by no more than the error of its mesh is part of the sentences on this quantity.
+    by_bounds = [] if results is None else results.warnings_by_bounds()
+    by_bounds = [warning for warning in by_bounds if warning.contradiction or answer.flow != "associated"]
+    for warning in (*answer.warnings, *by_bounds):
         kind = "Contradiction" if warning.contradiction else "Warning"
         yield f"{kind}: {warning.observation} To do: {warning.remedy}."
     for _, text in sides_warning(answer, section):

@@ -28,8 +28,11 @@ from workflow.run.store import Store
 
 AnswerOf = TypeVar("AnswerOf", bound=Answer)
 KH_OF_ROUNDING = 5e-4  # below 1: half of the last digit of a factor of safety
-# What is judged by bounds: what it is, its value, lower and upper bound, and whether these are of its own flow rule.
-Judged = tuple[str, float, float | None, float | None, bool]
+# What is judged by bounds: what it is, its value, lower and upper bound, whether these are of its own flow rule, and
+# the error of its mesh.
+Judged = tuple[str, float, float | None, float | None, bool, float]
+# Error of a sequence of meshes over the distance to its limit, which is extrapolated from two meshes.
+MESH_ERROR_RATIO = 2.0
 
 
 def _hold_for(bounds: BoundsAnswer, fem: FemAnswer) -> bool:
@@ -187,8 +190,8 @@ class Results:
         judged = [*self._judged_by(bounds), *(self._safety_judged_by(bounds) if same_sides else ())]
         return [
             warning
-            for quantity, value, low, high, same_flow in judged
-            for warning in of_bounds(value, low if same_sides else None, high, same_flow, quantity)
+            for quantity, value, low, high, same_flow, error in judged
+            for warning in of_bounds(value, low if same_sides else None, high, same_flow, quantity, error)
         ]
 
     def _judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
@@ -199,17 +202,18 @@ class Results:
             other = fem.opposite if part.direction != fem.direction else None
             if other is not None and other.verdict in ("plateau", "peak"):
                 name = f"critical Kh {FORCE[part.direction]}"
-                yield name, other.kc, part.lower, part.upper, fem.flow == "associated"
+                yield name, other.kc, part.lower, part.upper, fem.flow == "associated", 0.0
         full = bounds.towards(fem.direction)
         if full is None:
             return
-        yield "critical Kh", fem.kc, full.lower, full.upper, fem.flow == "associated"
+        error = 0.0 if fem.kc_limit is None else MESH_ERROR_RATIO * abs(fem.kc - fem.kc_limit)
+        yield "critical Kh", fem.kc, full.lower, full.upper, fem.flow == "associated", error
         if fem.associated is not None:
-            yield "critical Kh with ψ = φ", fem.associated.kc, full.lower, full.upper, True
+            yield "critical Kh with ψ = φ", fem.associated.kc, full.lower, full.upper, True, 0.0
         low = fem.kc if fem.flow == "davis" else fem.davis.kc if fem.davis is not None else None
         substitute = bounds.substitute.towards(fem.direction) if bounds.substitute is not None else None
         if substitute is not None and low is not None:
-            yield f"critical Kh by {fem.estimate}", low, substitute.lower, substitute.upper, True
+            yield f"critical Kh by {fem.estimate}", low, substitute.lower, substitute.upper, True, 0.0
 
     def _safety_judged_by(self, bounds: BoundsAnswer) -> Iterator[Judged]:
         """Yield the factors of safety with ψ = φ for which there are bounds."""
@@ -218,7 +222,8 @@ class Results:
             full = factor.factor if self.fem is not None and self.fem.flow == "associated" else factor.associated
             if full is not None and (part := strict.get((factor.kh, factor.after_shaking))) is not None:
                 when = "after shaking" if factor.after_shaking else f"at Kh = {factor.kh:g}"
-                yield f"factor of safety {when} with ψ = φ", full, part.lower, part.upper, True
+                error = MESH_ERROR_RATIO * (factor.remaining_error or 0.0) * full
+                yield f"factor of safety {when} with ψ = φ", full, part.lower, part.upper, True, error
 
     def case_set(self) -> tuple[str, dict[int, CaseAnswer]]:
         """Return the governing set of cases (the calibrated one if there is one), and its cases by number."""

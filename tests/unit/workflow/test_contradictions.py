@@ -209,6 +209,19 @@ def test_elements_with_psi_equal_to_phi_above_a_strict_upper_bound_are_told(run:
     ))  # fmt: skip
 
 
+def test_a_difference_within_the_error_of_the_meshes_is_no_contradiction(run: Config) -> None:
+    """Above a thin seam elements had 0.0624 with a limit of 0.0611 by their meshes, the upper bound was 0.0602: the
+    bound was taken and told, then called a contradiction 0.0002 beyond the tolerance of a mesh."""
+    seam = fem(run, 0.06237).model_copy(update={"kc_limit": 0.06107})
+    for answer, expected in ((seam, False), (seam.model_copy(update={"kc_limit": 0.0622}), True)):
+        answers = results(run, fem=answer, bounds=bounds(run, 0.0589, 0.0602))
+        [warning] = answers.warnings_by_bounds()
+        assert warning.contradiction == expected
+        printed = " ".join(fem_sentences(answer, run.section, False, answers))
+        assert "The finite elements give 0.062, 3.6 % above this range" in printed
+        assert printed.count("above the strict upper bound") == expected
+
+
 def test_the_console_has_the_interval_of_strict_bounds_and_what_they_contradict(run: Config) -> None:
     """An endless clay slope under water: elements had 0.090 with a range by meshes of 0.089 to 0.092, strict bounds
     0.0875 to 0.0890, and `noshiro fem` printed the one beside the other without a word.
