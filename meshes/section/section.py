@@ -181,7 +181,7 @@ class Section(Model):
             notices += [*not_level(self.ground, after), *(not_lower(table, after) if table is before else [])]
         notices += [*nothing_flows(self.water_pressure), *([self.uplift.description] if self.uplift else [])]
         notices += [f"{key_in_file(self.strata, k)}: {words}" for k, words in self.cohesion_field.notices]
-        notices += [f"surcharges {number}: {words}" for number, words in self.surface_loads.notices]
+        notices += self.surface_loads.notices
         if self.beyond is not None:
             notices.append(continuation_words(self.beyond, self.beyond_slope, *self.given_extent))
         return list(dict.fromkeys(notices))  # parts of a soil have their notice once

@@ -139,16 +139,16 @@ class SurfaceLoads:
         return traction
 
     @property
-    def notices(self) -> list[tuple[int, str]]:
-        """Return notices on surcharges, as pairs of the number of the surcharge and a sentence."""
+    def notices(self) -> list[str]:
+        """Return a notice on the ends of all surcharges on ground without cohesion, for every such stratum."""
+        places: dict[str, list[float]] = {}
+        for _, x, name in self.bare_ends():
+            places.setdefault(name, []).append(x)
         return [
-            (
-                number,
-                f'it ends at x = {x:.4g} m on "{name}", which has no cohesion, and no bearing capacity next to bare '
-                "ground; elements and bounds give the ground within fem.least_depth of that end a cohesion of half of "
-                "this pressure",
-            )
-            for number, x, name in self.bare_ends()
+            f'surcharges: their ends at x = {", ".join(f"{x:.4g}" for x in sorted(set(ends)))} m lie on "{name}", '
+            "which has no cohesion, and no bearing capacity next to bare ground; elements and bounds give the ground "
+            "within fem.least_depth of these ends a cohesion of half of the pressure"
+            for name, ends in places.items()
         ]
 
     def bare_ends(self) -> Iterator[tuple[int, float, str]]:

@@ -16,9 +16,11 @@ def message(cohesion: str, *loads: dict[str, Any]) -> list[str]:
 def test_a_load_that_ends_on_bare_sand_is_told_with_what_to_do() -> None:
     """Beside bare ground sand without cohesion bears no pressure: no stress is statically admissible there."""
     load = {"from": 20.0, "to": 60.0, "pressure": "15 kPa"}
-    first, second = message("0 kPa", load)
-    assert first.startswith('surcharges 1: it ends at x = 20 m on "sand", which has no cohesion')
-    assert "elements and bounds give the ground within fem.least_depth of that end a cohesion" in second
+    (notice,) = message("0 kPa", load)
+    assert notice.startswith('surcharges: their ends at x = 20, 60 m lie on "sand", which has no cohesion')
+    assert "elements and bounds give the ground within fem.least_depth of these ends a cohesion" in notice
+    crane = {"from": 4.0, "to": 6.0, "pressure": "80 kPa"}
+    assert message("0 kPa", load, crane)[0].startswith("surcharges: their ends at x = 4, 6, 20, 60 m lie"), "said once"
     assert message("1 kPa", load) == []
     assert message("0 kPa", {**load, "from": 0.0, "to": 100.0}) == [], "it goes on beyond the sides"
 
