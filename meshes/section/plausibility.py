@@ -208,9 +208,9 @@ def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:
     """Return a sentence if water stands on the ground (n, 2) and its surface, the ``table`` (n, 2), is not level
     there."""
     x = np.union1d(ground[:, 0], table[:, 0])
-    middle, height = 0.5 * (x[1:] + x[:-1]), np.interp(x, *ground.T)
-    ends = np.array([level_at(table, end, middle) for end in (x[:-1], x[1:])])
-    depths = ends - np.array([height[:-1], height[1:]])
+    middle = 0.5 * (x[1:] + x[:-1])
+    ends, heights = (np.array([level_at(line, end, middle) for end in (x[:-1], x[1:])]) for line in (table, ground))
+    depths = ends - heights  # on either side of a wall, where the ground steps
     under = np.clip(depths, 0.0, None).max(axis=0)  # depth of the free water
     # Of a stretch that is partly under water, the surface of this part falls less.
     share = under / np.maximum(np.abs(depths[1] - depths[0]), under + 1e-300)

@@ -130,3 +130,21 @@ def test_steady_seepage_is_no_drawdown() -> None:
 def test_water_beside_all_of_the_ground_is_told(table: float, message: str) -> None:
     made = Section.parse({**data(), "water": {"table": table}})
     assert sum(notice.startswith(f"water: {message}") for notice in made.notices) == 1
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_ground_water_that_falls_to_a_quay_wall_is_no_water_on_the_ground(mirrored: bool) -> None:
+    """At the wall the ground steps by 8 m, and only its foot was compared with the level behind it: with the sea on the
+    right, every quay was warned of water that is not level; its mirror image was not."""
+
+    def line(*points: tuple[float, float]) -> list[list[float]]:
+        return [[70.0 - x, z] for x, z in reversed(points)] if mirrored else [list(point) for point in points]
+
+    quay = {
+        "name": "quay", "surface": line((0.0, 4.0), (40.0, 4.0), (40.0, -4.0), (70.0, -4.0)),
+        "base": {"elevation": -14.0}, "strata": [soil()],
+    }  # fmt: skip
+    still = Section.parse({**quay, "water": {"table": line((0.0, 1.5), (40.0, 1.0), (70.0, 1.0))}})
+    assert not any("not level" in notice for notice in still.notices)
+    flowing = Section.parse({**quay, "water": {"table": line((0.0, 1.5), (40.0, 1.0), (70.0, 0.0))}})
+    assert sum("is not level there" in notice for notice in flowing.notices) == 1
