@@ -7,7 +7,7 @@ import numpy as np
 from fem.continuum.fields import sliding_sides
 from fem.continuum.loads import direction_of, sign_of
 from fem.search.adaptive import AdaptiveSearch
-from fem.search.slip_surface import slip_surface
+from fem.search.slip_surface import moving_ground, slip_surface
 from fem.settings import FemSettings
 from meshes.errors import NoAnswerError
 from meshes.gmsh_model import generate
@@ -26,12 +26,21 @@ class FaceLimit:
     surface (n, 2) : the slip surface with ψ = φ (m)
     sides : sides to which the ground slides, -1 for left and 1 for right; the side of the lower end of the slip surface
         if there are none
+    extent : x (m) of both ends of the ground surface that moves; None if it is not known
     """
 
     value: float
     davis: float | None
     surface: np.ndarray
     sides: tuple[int, ...] = ()
+    extent: tuple[float, float] | None = None
+
+    def moving(self, section: Section) -> np.ndarray:
+        """Return the slip surface (n, 2) in m or, where spreading ground has none, both ends of the ground surface of
+        the ``section`` that moves; empty without any."""
+        if len(self.surface) or self.extent is None:
+            return self.surface
+        return np.column_stack([self.extent, np.interp(self.extent, *section.ground.T)])
 
 
 def critical_of_face(section: Section, meshing: MeshSettings, settings: FemSettings, direction: str) -> FaceLimit:
@@ -49,8 +58,9 @@ def critical_of_face(section: Section, meshing: MeshSettings, settings: FemSetti
         davis = search.with_davis(result, full)[1].result.kc
     except NoAnswerError:
         davis = None
-    sides = (sign_of(section, direction_of(full)),)
-    return FaceLimit(result.result.kc, davis, slip_surface(result.mesh, result.result.mechanism), sides)
+    mechanism, sides = result.result.mechanism, (sign_of(section, direction_of(full)),)
+    extent = moving_ground(result.mesh, mechanism)
+    return FaceLimit(result.result.kc, davis, slip_surface(result.mesh, mechanism), sides, extent)
 
 
 def safety_of_face(section: Section, meshing: MeshSettings, settings: FemSettings) -> FaceLimit:
@@ -67,4 +77,5 @@ def safety_of_face(section: Section, meshing: MeshSettings, settings: FemSetting
         davis = None
     mechanism = result.result.mechanism
     sides = sliding_sides(result.mesh, mechanism)
-    return FaceLimit(result.result.factor, davis, slip_surface(result.mesh, mechanism), sides)
+    extent = moving_ground(result.mesh, mechanism)
+    return FaceLimit(result.result.factor, davis, slip_surface(result.mesh, mechanism), sides, extent)

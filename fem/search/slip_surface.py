@@ -15,6 +15,8 @@ from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from meshes.slip_line import slip_line
 
+# Ground at the surface moves if its speed is at least this share of the largest speed there.
+MOVING_SHARE = 0.1
 # Points in each column: a shear band is seldom thinner than a fiftieth of the height of the ground.
 POINTS_IN_COLUMN = 100
 
@@ -44,6 +46,16 @@ def _interpolated(points: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.
     share = np.einsum("kij,kj->ki", transform[:, :2], at - transform[:, 2])
     shares = np.column_stack([share, 1.0 - share.sum(axis=1)])
     return np.where(place >= 0, (shares * values[triangles.simplices[place]]).sum(axis=1), np.nan)
+
+
+def moving_ground(mesh: QuadMesh, state: FieldState) -> tuple[float, float]:
+    """Return x (m) of both ends of the ground surface that moves in a mechanism. Below a crest that settles while the
+    ground spreads to both sides there is no slip surface, and this extent serves in its place."""
+    nodes = np.unique(mesh.boundaries["surface"])
+    nodes = nodes[np.argsort(mesh.points[nodes, 0], kind="stable")]
+    speed = np.hypot(*state.displacement[nodes].T)
+    x = mesh.points[nodes[speed >= MOVING_SHARE * speed.max()], 0]
+    return float(x[0]), float(x[-1])
 
 
 def _line(mesh: QuadMesh, boundary: str, x: np.ndarray) -> np.ndarray:

@@ -151,6 +151,9 @@ def safety_sentence(
         phrase = f"Factor of safety {_when(factor, answer)}: {number}.{finer}"
     if factor.slip_surface:
         phrase += f" The ground {extent_in_words(np.array(factor.slip_surface))}."
+    elif factor.extent_m is not None:
+        how = "spreads to both sides" if len(factor.slides_to) > 1 else "moves"
+        phrase += f" The ground {how} between x = {factor.extent_m[0]:.1f} and {factor.extent_m[1]:.1f} m."
     if factor.shallow_failure is not None and factor.shallow_failure < factor.factor:
         depth, faces = answer.settings.least_depth, answer.shallow_failures
         edges = bool(faces) and all(face.is_edge(depth) for face in faces)

@@ -75,6 +75,9 @@ class FactorOfSafety(Part):
     slides_to: tuple[Literal["left", "right"], ...] = Field(
         default=(), description="sides to which the ground slides, both if it spreads"
     )
+    extent_m: tuple[float, float] | None = Field(
+        default=None, description="x of both ends of the ground surface that moves (m)"
+    )
     after_shaking: bool = Field(
         default=False, description="whether the excess pore pressure of shaking acts, though Kh is 0"
     )

@@ -122,14 +122,15 @@ def _of_elements(config: Config, fem: FemAnswer) -> "Iterator[tuple[tuple[Quanti
     if fem.flow != "associated":
         return
     mechanism = fem.last_in_equilibrium()
-    if fem.has_kc and mechanism is not None:
+    if fem.has_kc and mechanism is not None and mechanism.slip_surface:
         low = None if fem.davis is None else fem.davis.kc
         towards = sign_of(config.section, fem.direction)
         yield ("critical Kh", towards), FaceLimit(fem.kc, low, np.array(mechanism.slip_surface), (towards,))
     for factor in fem.safety_factors:
-        if factor.kh == 0.0 and factor.slip_surface:
-            surface, to = np.array(factor.slip_surface), {"left": LEFT, "right": RIGHT}
-            limit = FaceLimit(factor.factor, factor.davis, surface, tuple(to[side] for side in factor.slides_to))
+        if factor.kh == 0.0 and (factor.slip_surface or factor.extent_m is not None):
+            surface = np.array(factor.slip_surface).reshape(-1, 2)
+            sides = tuple(LEFT if side == "left" else RIGHT for side in factor.slides_to)
+            limit = FaceLimit(factor.factor, factor.davis, surface, sides, factor.extent_m)
             yield from ((("factor of safety", side), limit) for side in (LEFT, RIGHT))
 
 
@@ -165,12 +166,13 @@ def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
     result = task.without_zones
     try:
         for attempt in range(ATTEMPTS + 1):
-            if not len(result.surface):
+            moving = result.moving(task.config.section)
+            if not len(moving):
                 return NO_SURFACE.format(value=result.value)
-            if is_of_face(task.structure, task.side, result.surface, result.sides) or attempt == ATTEMPTS:
+            if is_of_face(task.structure, task.side, moving, result.sides) or attempt == ATTEMPTS:
                 break
             more = zones_against(
-                task.config.section, task.structure, task.side, result.surface, task.circle, zones,
+                task.config.section, task.structure, task.side, moving, task.circle, zones,
                 task.config.fem.least_depth, result.sides,
             )  # fmt: skip
             if more is None:
@@ -188,7 +190,7 @@ def face_value(task: FaceTask, tell: Tell) -> FaceValue | str:
         upper=high,
         slip_surface=line(result.surface),
         strong_zones=tuple(StrongZonePart.model_validate(each) for each in zones),
-        reaches_crest=is_of_face(task.structure, task.side, result.surface, result.sides),
+        reaches_crest=is_of_face(task.structure, task.side, result.moving(task.config.section), result.sides),
     )
 
 

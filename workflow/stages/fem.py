@@ -170,6 +170,8 @@ def _stored_state(mesh: "QuadMesh", state: "FieldState", result: "CriticalResult
 def _factor_of_safety(
     adapted: "AdaptiveResult[SafetyFactor]", flow: Flow, after_shaking: bool = False
 ) -> FactorOfSafety:
+    from fem.search.slip_surface import moving_ground
+
     result, remaining_error = adapted.result, adapted.rounds[-1].remaining_error if adapted.rounds else np.inf
     return FactorOfSafety.taken(
         result,
@@ -179,6 +181,7 @@ def _factor_of_safety(
         remaining_error=float(remaining_error) if np.isfinite(remaining_error) else None,
         slip_surface=_slip_line(adapted.mesh, result.mechanism) if result.mechanism is not None else (),
         slides_to=_sides_of(adapted),
+        extent_m=moving_ground(adapted.mesh, result.mechanism) if result.mechanism is not None else None,
         after_shaking=after_shaking,
     )
 

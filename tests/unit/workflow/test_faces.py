@@ -10,6 +10,7 @@ from fem.continuum.fields import sliding_sides
 from fem.continuum.loads import sign_of
 from fem.limit_load.limit_load import critical_limit_load
 from fem.search.face_limits import FaceLimit
+from fem.search.slip_surface import moving_ground
 from fem.search.strength_reduction import limit_load_safety_factor
 from fem.search.strong_zones import UNLIMITED_DEPTH, StrongZone
 from fem.settings import FemSettings
@@ -73,7 +74,28 @@ def test_an_embankment_on_soft_clay_slides_to_both_sides() -> None:
     assert at_rest is not None
     assert loaded is not None
     assert sliding_sides(mesh, at_rest) == (LEFT, RIGHT)
+    start, end = moving_ground(mesh, at_rest)
+    assert 20.0 < start < 30.0
+    assert start + end == pytest.approx(84.0, abs=5.0)
     assert sliding_sides(mesh, loaded) == (sign_of(embankment, "downhill"),)
+
+
+def test_ground_that_spreads_below_the_crest_is_the_failure_of_both_faces() -> None:
+    """It has no slip surface: the factor of safety was the headline, and no face had it."""
+    (structure,) = structures_of(levee().section)
+    for extent, sides, expected in (((50.0, 95.0), (LEFT, RIGHT), (True, True)), ((20.0, 30.0), (LEFT,), None)):
+        spreads = FaceLimit(1.07, 1.06, np.zeros((0, 2)), sides, extent)
+        moving = spreads.moving(levee().section)
+        assert moving[:, 0].tolist() == list(extent)
+        reached = tuple(is_of_face(structure, side, moving, sides) for side in (LEFT, RIGHT))
+        assert reached == (expected or (False, False))
+        if expected:
+            task = faces.FaceTask(levee(bounds={"run": False}), structure, RIGHT, "factor of safety", spreads, WHOLE)
+            value = faces.face_value(task, lambda message: None)
+            assert isinstance(value, FaceValue)
+            assert value.value == 1.07
+            assert value.reaches_crest
+            assert value.strong_zones == value.slip_surface == ()
 
 
 def test_a_face_without_a_value_says_why() -> None:
