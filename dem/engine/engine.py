@@ -211,8 +211,8 @@ class EngineRun:
     def pack(self) -> Layout:
         """Return the layout of the discs for the kernels, which is made from the model if there is none yet."""
         if self.layout is None:
+            self.springs, self.law = springs_of(self.model), law_of(self.model)  # while the model has its contacts
             self.layout = pack(self.model, keep_pairs=False, in_ranges=self.in_ranges, room=self.room)
-            self.springs, self.law = springs_of(self.model), law_of(self.model)
         return self.layout
 
     def update(self) -> None:

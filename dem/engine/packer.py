@@ -7,7 +7,6 @@ import numpy as np
 from dem.chunked_map import Ranges, serial
 from dem.engine.memory import ReusedMemory, large_zeros
 from dem.kernels.arguments import Law, Springs
-from dem.kernels.contact import KPN
 from dem.kernels.layout import (
     DISC_FIELDS,
     LANES,
@@ -205,8 +204,9 @@ def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = serial) -> None
 
 
 def law_of(model: DiscModel) -> Law:
-    """Return the contact law of a model as an argument of the kernels."""
-    return Law(model.law == "soil", bool(model.springs.pairs[KPN].any()), model.repeats)
+    """Return the contact law of a model as an argument of the kernels. The model must have its contacts: without any
+    pore spring the kernels leave out the law of pore springs."""
+    return Law(model.law == "soil", bool(model.pore_length.any()), model.repeats)
 
 
 def springs_of(model: DiscModel) -> Springs:

@@ -101,8 +101,10 @@ def contacts(chunk: int, state: State, buffer: np.ndarray, slip_time: float, law
 
     state, buffer, slip_time, law: as in `all_lanes`.
     """
-    if not law.soil:
+    if not law.soil and law.pores:
         return all_lanes(chunk, state, buffer, slip_time, law, False, True, False)[0]
+    if not law.soil:
+        return all_lanes(chunk, state, buffer, slip_time, law, False, False, False)[0]
     if law.pores:
         return all_lanes(chunk, state, buffer, slip_time, law, True, True, False)[0]
     return all_lanes(chunk, state, buffer, slip_time, law, True, False, False)[0]
@@ -117,8 +119,10 @@ def contacts_with_losses(
     state, buffer, slip_time, law: as in `all_lanes`. Returns whether an overlap is too large, and the losses by
     dashpots, sliding, cracks and rolling (J).
     """
-    if not law.soil:
+    if not law.soil and law.pores:
         return all_lanes(chunk, state, buffer, slip_time, law, False, True, True)
+    if not law.soil:
+        return all_lanes(chunk, state, buffer, slip_time, law, False, False, True)
     if law.pores:
         return all_lanes(chunk, state, buffer, slip_time, law, True, True, True)
     return all_lanes(chunk, state, buffer, slip_time, law, True, False, True)

@@ -177,16 +177,15 @@ def contacts_of_slice(
     too_deep = False
     load_own(p, layout.shared, buffer)
     state = State(layout.discs, layout.links, layout.rolling, layout.shared, layout.partner)
-    pores = law.pores or not law.soil
     damping, sliding, cracks, rolling = 0.0, 0.0, 0.0, 0.0
     for line in range(OWN_LINES):
         fetch(layout.discs, np.uint64(p) * field.DISC + np.uint64(line) * CACHE_LINE)
     for chunk in range(layout.chunk_start[p], layout.chunk_start[p + 1]):
         if chunk == unknown:
-            load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, law.soil, pores, buffer)
+            load_all_constants(np.uint64(chunk) * ROW, layout.kinds, springs.records, law.soil, law.pores, buffer)
         else:
             for k in range(layout.changed_start[chunk], layout.changed_start[chunk + 1]):
-                load_constants(np.uint64(layout.changed[k]), layout.kinds, springs.records, law.soil, pores, buffer)
+                load_constants(np.uint64(layout.changed[k]), layout.kinds, springs.records, law.soil, law.pores, buffer)
         if entries.summed:
             deep, damped, slid, cracked, rolled = contacts_with_losses(chunk, state, buffer, slip_time, law)
             damping += damped

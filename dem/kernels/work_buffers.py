@@ -21,8 +21,9 @@ CONSTANT = np.uint64(10 * LANES)
 SUM_X, SUM_Z, SUM_R = (np.uint64((10 + CONSTANT_RECORD + k) * LANES) for k in range(3))
 OWNED_DISCS = np.uint64((13 + CONSTANT_RECORD) * LANES)  # the shared fields of the slice's own discs
 BUFFER_SIZE = (13 + CONSTANT_RECORD + SHARED) * LANES
-# Constants of the discs of the paper, or of soil discs without pore springs; and of all discs: even numbers.
-FEW_CONSTANTS, ALL_CONSTANTS = 14, 20
+# Constants of the discs of the paper without pore springs; of those with pore springs, or of soil discs without; and of
+# all discs: even numbers.
+FEWEST_CONSTANTS, FEW_CONSTANTS, ALL_CONSTANTS = 8, 14, 20
 ROW = np.uint64(LANES)
 ONE = np.uint64(1)
 FETCH_BLOCK = 16  # partners fetched at a time: the fewest lanes in a loop that LLVM makes vectors of
@@ -56,8 +57,10 @@ def load_constants(
         gather(records, CONSTANT_RECORD, ALL_CONSTANTS, kinds, first, buffer, CONSTANT + q)
     elif pores:
         gather(records, CONSTANT_RECORD, FEW_CONSTANTS, kinds, first, buffer, CONSTANT + q)
-    else:
+    elif soil:
         gather(records[KN:], CONSTANT_RECORD, FEW_CONSTANTS, kinds, first, buffer, constant(KN) + q)
+    else:
+        gather(records[KN:], CONSTANT_RECORD, FEWEST_CONSTANTS, kinds, first, buffer, constant(KN) + q)
 
 
 @device_function(nogil=True)

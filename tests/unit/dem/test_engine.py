@@ -17,6 +17,7 @@ from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
 from dem.engine.memory import ReusedMemory
+from dem.engine.packer import law_of
 from dem.engine.pulses import ShortRuns
 from dem.model import DiscModel
 from dem.springs import Law
@@ -65,6 +66,25 @@ def test_number_of_threads_changes_no_bit(energies: bool, law: Law) -> None:
     assert runs[0].lists_made > 2
     assert np.any(runs[0].pore_length < 0.0)
     assert all(same(runs[0], other) for other in runs[1:])
+
+
+@pytest.mark.parametrize("energies", [True, False])
+@pytest.mark.parametrize("law", ["paper", "soil"])
+def test_kernel_without_pore_springs_has_the_same_bits(
+    monkeypatch: pytest.MonkeyPatch, law: Law, energies: bool
+) -> None:
+    """Discs without a pore spring are computed without its law, with the bits of the whole law."""
+    runs = []
+    for whole in (False, True):
+        model = shaking(law)
+        model.cut_pore_springs()
+        assert not law_of(model).pores
+        if whole:
+            monkeypatch.setattr("dem.engine.engine.law_of", lambda of: law_of(of)._replace(pores=True))
+        Engine(energies=energies, balance=1.0).run(model, steps=400)
+        runs.append(model)
+    assert np.any(runs[0].shear != 0.0)
+    assert same(*runs)
 
 
 @pytest.mark.parametrize("law", ["paper", "soil"])
