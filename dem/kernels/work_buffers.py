@@ -28,6 +28,7 @@ ROW = np.uint64(LANES)
 ONE = np.uint64(1)
 FETCH_BLOCK = 16  # partners fetched at a time: the fewest lanes in a loop that LLVM makes vectors of
 PREFETCHED_CHUNKS = 2  # chunks
+CACHED_LINKS = 2**22  # doubles, 32 MiB: fewer lie in the last cache, from where the processor reads ahead by itself
 
 
 @njit(cache=True, nogil=True)
@@ -86,19 +87,19 @@ def load_own(p: int, shared: np.ndarray, buffer: np.ndarray) -> None:
 def load_partners(chunk: int, lane: int, state: State, buffer: np.ndarray, soil: bool) -> None:
     """Load position and velocities of 16 partners from `lane` on into rows of `buffer`, and prefetch a later chunk.
 
-    chunk: number of the chunk; state: arrays of discs and contacts; soil: whether contacts remember rolling. Prefetches
-    alternate between one cache line of contacts and one of partners, since a core stalls after a few dozen outstanding
-    requests.
+    chunk: number of the chunk; state: arrays of discs and contacts; soil: whether contacts remember rolling. Partners
+    lie anywhere; contacts lie in a row, and are prefetched only if there are too many for the last cache.
     """
     chunks = np.uint64(len(state.partner)) // ROW
     later = min(np.uint64(chunk + PREFETCHED_CHUNKS), chunks - ONE) * ROW
     for k in range(lane, lane + FETCH_BLOCK):
-        q = np.uint64(k)
-        fetch(state.links, later * np.uint64(LINK_FIELDS) + q * CACHE_LINE)
-        fetch(state.shared, np.uint64(state.partner[later + q]) * CACHE_LINE)
-    if soil:
-        for k in range(lane * ROLL_FIELDS // 8, (lane + FETCH_BLOCK) * ROLL_FIELDS // 8):
-            fetch(state.rolling, later * np.uint64(ROLL_FIELDS) + np.uint64(k) * CACHE_LINE)
+        fetch(state.shared, np.uint64(state.partner[later + np.uint64(k)]) * CACHE_LINE)
+    if len(state.links) > CACHED_LINKS:
+        for k in range(lane, lane + FETCH_BLOCK):
+            fetch(state.links, later * np.uint64(LINK_FIELDS) + np.uint64(k) * CACHE_LINE)
+        if soil:
+            for k in range(lane * ROLL_FIELDS // 8, (lane + FETCH_BLOCK) * ROLL_FIELDS // 8):
+                fetch(state.rolling, later * np.uint64(ROLL_FIELDS) + np.uint64(k) * CACHE_LINE)
     for k in range(lane, lane + FETCH_BLOCK, LANE_GROUP):
         q = np.uint64(k)
         gather(state.shared, SHARED, SHARED, state.partner, np.uint64(chunk) * ROW + q, buffer, q)
