@@ -109,15 +109,15 @@ def _of_cases(slides: MethodSlides, _: Texts) -> str:
 
 
 def _span(slides: MethodSlides, _: Texts) -> str:
-    """Return the largest slides of all cases as a range. The slide of a case that reaches a side of the model is a
-    lower limit: the range is open above, and has one end if every case does."""
+    """Return the largest slides of all cases as a range. The slide of a case that reaches a side of the model, or was
+    still moving at the end, is a lower limit: the range is open above, and has one end if every case does."""
     if max(slides.largest) < SMALLEST_SLIDE:
         return f"< {SMALLEST_SLIDE:g} m"
     low, high = metres(min(slides.largest)), metres(max(slides.largest))
-    stopped = [case.stopped_by is not None for case in slides.cases.values()]
-    if not any(stopped):
+    unfinished = [not at_rest(case) for case in slides.cases.values()]
+    if not any(unfinished):
         return span(slides.largest)
-    if all(stopped) or low == high:
+    if all(unfinished) or low == high:
         return _("over {low}", low=low)
     return _("{low} to over {high}", low=low.removesuffix(" m"), high=high)
 
@@ -152,7 +152,7 @@ def _of_slides(slides: MethodSlides, _: Texts) -> str:
         return _uncertain(error, method, _) + _numerical(slides, error, _)
     low, high = slides.interval
     values = {"within": error.within, "cases": error.cases, "factor": f"{error.factor:g}", "method": method}
-    if any(case.stopped_by is not None for case in slides.cases.values()):  # nothing limits the slide
+    if not all(at_rest(case) for case in slides.cases.values()):  # nothing limits the slide
         return _(
             "{least} or more by the error of {method}: they predicted {within} of {cases} known slides within a factor "
             "of {factor}",

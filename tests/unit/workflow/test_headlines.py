@@ -151,6 +151,20 @@ def test_a_slide_that_reaches_a_side_of_the_model_is_open_above(
     assert slide.interval.startswith("8 m or more by the error" if stopped else "8 to 140 m by the error")
 
 
+def test_a_slide_that_still_moves_is_a_lower_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tailings that move at 9 m/s after 10 s of computation: "22 m" could be read as the final slide."""
+    error = SlideError("flow slides", 3.0, 20, 28, 1.7, "mpm")
+    monkeypatch.setattr(governing, "slide_error", lambda flows, method: error if method == "mpm" else None)
+    point = SimpleNamespace(
+        slide_max_m=22.0, slide_max_low_m=22.0, slide_max_high_m=24.0, settled=False, reason="", stopped_by=None
+    )
+    slide = headlines(results(analysed(slope()), mpm=cast(Any, SimpleNamespace(cases={1: point}))), Texts())[2]
+    assert slide.value == "over 22 m"
+    assert "the surface slides over 22 m by material points" in slide.conclusion
+    assert "was still moving when the computation ended" in slide.conclusion
+    assert slide.interval.startswith("7 m or more by the error")
+
+
 def test_a_lower_end_that_the_factor_does_not_give_names_the_numerical_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """S-13: "0 to 3 m" was told of 0.96 m within a factor of 3; its cells alone leave 0 to 0.96 m."""
     error = SlideError("lateral spreads", 3.0, 20, 30, 2.1, "mpm")
