@@ -129,7 +129,8 @@ def _factors(
 
 
 def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
-    """Return why the bounds of a factor of safety are not closer; empty if the gap is small enough."""
+    """Return why the bounds of a factor of safety are not closer, or one is missing; empty if the gap is small
+    enough."""
     match bounds.end_reason:
         case "gap":
             return ""
@@ -143,6 +144,10 @@ def _reason(bounds: "SafetyBounds", settings: BoundsSettings) -> str:
             why = f"the solver of cone programs fails with up to {bounds.cells} triangles"
         case _:
             assert_never(bounds.end_reason)
+    missing = [name for name, proven in (("lower", bounds.lower > 0.0), ("upper", math.isfinite(bounds.upper)))
+               if not proven]  # fmt: skip
+    if missing:
+        return f"There is no {' and no '.join(missing)} bound of the factor of safety: {why}."
     wanted = f"{100 * settings.of_factors.gap:g} %"
     return f"The bounds of the factor of safety are wider than the required {wanted}: {why}."
 

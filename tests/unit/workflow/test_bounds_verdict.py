@@ -1,16 +1,18 @@
 """What is said of bounds, for every reason for which their search ends."""
 
+import math
 from typing import get_args
 
 import pytest
 
 from fem.limit.bracket import EndReason, MeshBounds, OpenEnd
 from fem.limit.directions import DirectionBounds, SmallerKhBounds
+from fem.limit.safety_bounds import SafetyBounds
 from fem.settings import BoundsSettings
 from tests.support.answers import bounds
 from tests.support.sections import analysed, slope
 from workflow.results.bounds import BoundsAnswer, BracketPart, SafetyPart
-from workflow.stages.bounds import _verdict, bracket_part, in_words
+from workflow.stages.bounds import _reason, _verdict, bracket_part, in_words
 
 
 class ComputedBounds(DirectionBounds):
@@ -115,3 +117,17 @@ def test_bounds_of_one_quantity_count_where_another_has_none() -> None:
 
 def bracket(answer: BoundsAnswer) -> BracketPart:
     return BracketPart.model_validate({name: getattr(answer, name) for name in BracketPart.model_fields})
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "words"),
+    [
+        (1.2, 1.3, "The bounds of the factor of safety are wider than the required 0.5 %"),
+        (0.0, 1.252, "There is no lower bound of the factor of safety"),
+        (0.0, math.inf, "There is no lower and no upper bound of the factor of safety"),
+    ],
+)
+def test_a_missing_bound_of_a_factor_is_told_as_missing(lower: float, upper: float, words: str) -> None:
+    """A quay with "FS <= 1.252" had "bounds wider than the required 0.5 %"."""
+    answer = SafetyBounds(0.0, lower, upper, 900, [], end_reason="time")
+    assert _reason(answer, BoundsSettings()) == f"{words}: the share of the allowed computing work (60 s) is used up."
