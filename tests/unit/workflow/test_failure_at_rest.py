@@ -2,22 +2,29 @@
 governs every number."""
 
 import re
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fem.errors import UnstableError
+from meshes.executor import OneThread
 from tests.support.answers import bounds, fem, results
-from tests.support.sections import analysed, slope
+from tests.support.sections import analysed, layer, slope
 from workflow.config import Config
 from workflow.report.console import fem_sentences
 from workflow.report.first_page import headlines
 from workflow.report.stability import stability_rows
 from workflow.report.summary import summary
-from workflow.results.bounds import DirectionPart, SafetyPart
+from workflow.results.bounds import BoundsAnswer, DirectionPart, SafetyPart
 from workflow.results.continuum import FactorOfSafety
 from workflow.results.governing import estimates_of, governing_factor, governing_kh
 from workflow.results.results import Results
+from workflow.run.store import Store
+from workflow.stages.bounds import work
 from workflow.texts.report_texts import Texts
 
 HALF_DIGIT = 0.0005  # of a critical Kh; ten times this of a factor of safety
@@ -150,3 +157,23 @@ def test_an_upper_bound_alone_proves_failure(upper: float, none: bool) -> None:
     alone = strict.model_copy(update={"lower": None, "directions": (part,)})
     assert alone.fails_at_rest == none
     assert not alone.has_interval
+
+
+def test_bounds_that_prove_failure_are_stored(tmp_path: Path) -> None:
+    """They ended as an error without a file, so that the headline did not know of them."""
+    data = slope() | {"surface": [[0.0, 20.0], [40.0, 20.0], [50.0, 10.0], [100.0, 10.0]]}
+    data["strata"] = [layer("clay", cohesion="33 kPa", friction_angle="0 deg")]
+    data["bounds"] = {"max_cells": 400, "safety_factor": True, "seconds": 3.0}
+    config, store = analysed(data), Store(tmp_path)
+    job = cast(Any, SimpleNamespace(config=config, store=store, executor=OneThread(), progress=lambda *what: None))
+    with pytest.raises(UnstableError, match=r"the critical Kh is at most -0\.\d+; check .* FS <= 0\.\d+ at Kh = 0"):
+        work(job)
+    answer = BoundsAnswer.read(store)
+    assert answer.verdict == "unstable"
+    assert answer.fails_at_rest
+    assert answer.upper is not None
+    assert answer.upper < 0.0
+    assert answer.safety[0].upper is not None
+    assert answer.safety[0].upper < 1.0
+    assert answer.after_shaking is None
+    assert results(config, fem=fem(config, 0.01), bounds=answer).kc is None
