@@ -12,7 +12,7 @@ from workflow.config import Config
 from workflow.estimates.comparison import block_slide
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import structures_of
-from workflow.report.structures import FaceRow, face_rows, smaller_kh
+from workflow.report.structures import BEFORE_SHAKING, FaceRow, face_rows, smaller_kh
 from workflow.results.cases import MovedSurface
 from workflow.results.faces import FacesAnswer, FaceValue
 from workflow.results.governing import (
@@ -287,6 +287,8 @@ def note_sentences(results: Results) -> Iterator[str]:
         for reason in face.reasons:
             yield f"{of[0].upper()}{of[1:]}: no {reason.rstrip('.')}."
     yield from _beyond_bounds(face_lines(results))
+    if config.section.water_pressure.rises_by_shaking:
+        yield BEFORE_SHAKING
     if answer is None:
         reason = results.missing.get("faces", "")
         stage = next((stage for stage in results.stages if stage.name == "faces"), None)

@@ -11,6 +11,11 @@ from workflow.results.governing import governing_face_value
 from workflow.results.slices import FacePart, SlicesAnswer
 from workflow.texts.report_texts import listed
 
+# Said of faces where shaking raises the pore pressure, which acts with Kh alone.
+BEFORE_SHAKING = (
+    "Factors of safety of the faces are those before shaking, without its excess pore pressure, which acts with Kh."
+)
+
 
 @dataclass(frozen=True)
 class FaceRow:
@@ -75,6 +80,8 @@ def structure_sentences(config: Config, answer: SlicesAnswer) -> Iterator[str]:
         if row.counts and sum(other.kc is not None for other in rows) > 1:
             yield f"The smallest counts: {row.name}."
     yield from circles_without_crest(config, answer)
+    if rows and config.section.water_pressure.rises_by_shaking:
+        yield BEFORE_SHAKING
 
 
 def circles_without_crest(config: Config, answer: SlicesAnswer | None) -> Iterator[str]:

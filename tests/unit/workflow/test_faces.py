@@ -306,3 +306,13 @@ def test_bounds_of_a_factor_that_are_not_asked_for_are_not_told(monkeypatch: pyt
     task = faces.FaceTask(config, structure, LEFT, "factor of safety", "", ())
     assert faces._bounded(task, (zone,), messages.append) == (None, None)
     assert messages == []
+
+
+@pytest.mark.parametrize(("ratio", "count"), [(0.0, 0), (0.3, 1)])
+def test_factors_of_faces_are_said_to_be_those_before_shaking(ratio: float, count: int) -> None:
+    """They have no excess pore pressure, which the critical Kh in the same row has."""
+    config = levee()
+    strata = [stratum.model_copy(update={"excess_pore_pressure_ratio": ratio}) for stratum in config.section.strata]
+    loose = config.model_copy(update={"section": config.section.with_strata(strata)})
+    notes = list(note_sentences(results(loose, faces=answer())))
+    assert sum("are those before shaking" in note for note in notes) == count
