@@ -2,6 +2,7 @@
 of safety after shaking."""
 
 from workflow.report.numbers import coefficient
+from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.governing import governing_factor
 from workflow.results.results import Results
 from workflow.texts.report_texts import Texts
@@ -46,3 +47,23 @@ def after_shaking(results: Results, texts: Texts | None = None) -> str:
             factor=f"{factor:.2f}",
         )
     return _("After shaking, with its excess pore pressure, the factor of safety is {factor}.", factor=f"{factor:.2f}")
+
+
+def when_words(factor: FactorOfSafety, answer: FemAnswer) -> str:
+    """Return the Kh of a factor of safety in words. If shaking raises the pore pressure, the factors without a seismic
+    force are those before and after shaking."""
+    at_kh = f"at Kh = {factor.kh:g}"
+    if factor.after_shaking:
+        return f"{at_kh} after shaking, with its excess pore pressure"
+    if factor.kh != 0.0 or answer.after_shaking is None:
+        return at_kh
+    return f"{at_kh} before {'and after ' if is_same_after_shaking(answer) else ''}shaking"
+
+
+def is_same_after_shaking(answer: FemAnswer) -> bool:
+    """Return whether the excess pore pressure of shaking leaves the factor of safety as it is, since the ground that
+    fails has none."""
+    after = answer.after_shaking
+    before = next((factor for factor in answer.safety_factors if factor.kh == 0.0), None)
+    pairs = [] if after is None or before is None else [(after.factor, before.factor), (after.davis, before.davis)]
+    return bool(pairs) and all(f"{one or 0.0:.3f}" == f"{other or 0.0:.3f}" for one, other in pairs)

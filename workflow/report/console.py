@@ -12,7 +12,7 @@ from workflow.config import Config, notice_lines
 from workflow.earthquake.site_response import TOLERANCE as CAME_TO_REST
 from workflow.estimates.crest import embankments
 from workflow.report import post_liquefaction
-from workflow.report.at_rest import failure_at_rest
+from workflow.report.at_rest import failure_at_rest, is_same_after_shaking, when_words
 from workflow.report.bounds_text import bounds_sentences, edge_sentence, face_words, failing_at
 from workflow.report.contradictions import FALL_RATIO, SURFACE_FALL
 from workflow.report.crests import crest_parts, crest_sentences, crests_in_short
@@ -105,7 +105,7 @@ def fem_sentences(
         yield from meshes_sentences(answer)
     yield from own_dilation_sentences(answer)
     yield from comparison_sentences(answer, results)
-    for factor in answer.factors:
+    for factor in answer.safety_factors if is_same_after_shaking(answer) else answer.factors:
         strict = strict_factor(results, answer, factor, answer.flow) if results is not None else None
         counts = factor.factor if results is None else governing_factor(results, factor)
         yield safety_sentence(factor, answer, every, strict, counts)
@@ -141,14 +141,14 @@ def safety_sentence(
     governing = factor.factor if governing is None else governing
     number = with_flow(governing, answer.flow, compared, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
-        return f"Factor of safety {_when(factor, answer)}: above {factor.factor:.3g}, where the search ended."
+        return f"Factor of safety {when_words(factor, answer)}: above {factor.factor:.3g}, where the search ended."
     of_mesh = factor.reason.startswith("the factor of safety")
     end = "This is " if of_mesh else f"{factor.verdict.capitalize()}{most}, "
-    phrase = f"Factor of safety {_when(factor, answer)}: {number}. {end}{factor.reason}{mesh_error}."
+    phrase = f"Factor of safety {when_words(factor, answer)}: {number}. {end}{factor.reason}{mesh_error}."
     if not every:
         gain = remaining_error(factor, strict) or 0.0 if factor.remaining_error is not None else 0.0
         finer = f" A finer mesh may give {100 * gain:.1f} % less." if gain >= REPORTED_ERROR else ""
-        phrase = f"Factor of safety {_when(factor, answer)}: {number}.{finer}"
+        phrase = f"Factor of safety {when_words(factor, answer)}: {number}.{finer}"
     if factor.slip_surface:
         phrase += f" The ground {extent_in_words(np.array(factor.slip_surface))}."
     elif factor.extent_m is not None:
@@ -162,15 +162,6 @@ def safety_sentence(
     if governing != factor.factor:
         phrase += f" The finite elements give {factor.factor:.3f}, {_beyond(factor.factor, governing)}."
     return phrase
-
-
-def _when(factor: FactorOfSafety, answer: FemAnswer) -> str:
-    """Return the Kh of a factor of safety in words. If shaking raises the pore pressure, the factors without a seismic
-    force are those before and after shaking."""
-    at_kh = f"at Kh = {factor.kh:g}"
-    if factor.after_shaking:
-        return f"{at_kh} after shaking, with its excess pore pressure"
-    return f"{at_kh} before shaking" if factor.kh == 0.0 and answer.after_shaking is not None else at_kh
 
 
 def _beyond(value: float, bound: float) -> str:

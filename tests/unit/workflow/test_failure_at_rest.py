@@ -87,6 +87,15 @@ def test_a_proof_of_failure_without_shaking_governs_every_number() -> None:
     assert [row.value for row in rows] == ["1.02"]
 
 
+def test_a_factor_that_shaking_leaves_as_it_is_is_told_once() -> None:
+    """Of a levee on sand with excess pore pressure only the fill fails, before and after shaking."""
+    run = with_excess_pressure()
+    answer = fem(run, 0.2).model_copy(update={"safety_factors": (factor(1.96),), "after_shaking": factor(1.96, True)})
+    text = " ".join(fem_sentences(answer, run.section, False, results(run, fem=answer)))
+    assert text.count("Factor of safety") == 1
+    assert "Factor of safety at Kh = 0 before and after shaking: 1.960" in text
+
+
 def test_ground_without_excess_pore_pressure_has_one_factor() -> None:
     """Its factor of safety of 1.26 is no factor of ground that a mechanism of its Kh proves to fail."""
     answers = dam(rises=False)
