@@ -66,4 +66,4 @@ def is_same_after_shaking(answer: FemAnswer) -> bool:
     after = answer.after_shaking
     before = next((factor for factor in answer.safety_factors if factor.kh == 0.0), None)
     pairs = [] if after is None or before is None else [(after.factor, before.factor), (after.davis, before.davis)]
-    return bool(pairs) and all(f"{one or 0.0:.3f}" == f"{other or 0.0:.3f}" for one, other in pairs)
+    return bool(pairs) and all(f"{item or 0.0:.3f}" == f"{other or 0.0:.3f}" for item, other in pairs)
