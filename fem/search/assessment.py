@@ -361,8 +361,10 @@ class _Search:
         before = self.safety(settings, 0.0) if rises or known is None else known
         after = None
         if rises and before.result.factor > 1.0:
+            search = self.after_shaking  # a path would look for minutes for the equilibrium of ground that flows
+            find = search.on_meshes().safety if is_associated(self.section.strata, settings.flow) else search.safety
             with suppress(NoAnswerError):
-                after = (known or self.after_shaking.safety(settings, 0.0)).result.factor
+                after = (known or find(settings, 0.0)).result.factor
 
         def full() -> float:
             return self.safety(settings.changed(flow="associated"), 0.0).result.factor
