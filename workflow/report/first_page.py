@@ -274,6 +274,8 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
     interval = _of_safety(results, fem, factor, _)
     value = f"{governing:.2f}" if interval else "–"  # a number without a known error is no headline
     interval = interval or _("numerical error not known: one mesh, no strict bounds")
+    if results.fails_at_rest and factor == fem.at_rest and governing == 1.0:  # by Kh, and by no bound of the factor
+        value, interval = "≤ 1.00", _("by the strict upper bound of the critical Kh")
     if fem.after_shaking is not None:
         name = _("factor of safety before shaking")
         interval += _("; {value} after shaking", value=f"{governing_factor(results, fem.after_shaking):.2f}")

@@ -103,7 +103,8 @@ def test_ground_without_excess_pore_pressure_has_one_factor() -> None:
     assert kh.value == "< 0"
     assert "under its own weight" in kh.conclusion
     assert safety.name == "factor of safety"
-    assert safety.value == "1.00"
+    assert safety.value == "≤ 1.00"
+    assert safety.interval == "by the strict upper bound of the critical Kh"
     assert "does not stand: its factor of safety is at most 1.00" in safety.conclusion
     assert "Factor of safety at Kh = 0: 1.000 with" in printed_text(answers)
 
