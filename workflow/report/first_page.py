@@ -271,15 +271,21 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
         phrase += " " + _("With Davis reduced strength the factor of safety is {factor}.", factor=f"{factor.davis:.2f}")
     if fem.after_shaking is not None:
         phrase += " " + after_shaking(results, _)
-    interval = _of_safety(results, fem, factor, _)
-    value = f"{governing:.2f}" if interval else "–"  # a number without a known error is no headline
-    interval = interval or _("numerical error not known: one mesh, no strict bounds")
-    if results.fails_at_rest and factor == fem.at_rest and governing == 1.0:  # by Kh, and by no bound of the factor
-        value, interval = "≤ 1.00", _("by the strict upper bound of the critical Kh")
+    value, interval = _value_of_safety(results, fem, factor, _)
     if fem.after_shaking is not None:
         name = _("factor of safety before shaking")
         interval += _("; {value} after shaking", value=f"{governing_factor(results, fem.after_shaking):.2f}")
     return HeadlinePart(name=name, value=value, interval=interval, conclusion=phrase)
+
+
+def _value_of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> tuple[str, str]:
+    """Return the factor of safety that counts and its interval. A number without a known error is no headline."""
+    governing, interval = governing_factor(results, factor), _of_safety(results, fem, factor, _)
+    if results.fails_at_rest and factor == fem.at_rest and governing == 1.0:  # by Kh, and by no bound of the factor
+        return "≤ 1.00", _("by the strict upper bound of the critical Kh")
+    if not interval:
+        return "–", _("numerical error not known: one mesh, no strict bounds")
+    return f"{governing:.2f}", interval
 
 
 def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> str:
