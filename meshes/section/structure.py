@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field
 from meshes.section.model import Model
 from meshes.section.quantity import Coordinate
 
-Kind = Literal["levee", "quay", "bank", "building", "other"]
+Kind = Literal["levee", "embankment", "dam", "quay", "bank", "building", "other"]
 
 
 class Structure(Model):
@@ -20,7 +20,8 @@ class Structure(Model):
     start: Coordinate = Field(alias="from", description="x of the left foot of the structure, such as 56.0")
     end: Coordinate = Field(alias="to", description="x of the right foot of the structure, such as 86.0")
     kind: Kind = Field(
-        default="other", description='kind of the structure: "levee", "quay", "bank", "building" or "other"'
+        default="other",
+        description='kind of the structure: "levee", "embankment", "dam", "quay", "bank", "building" or "other"',
     )
 
 

@@ -79,6 +79,13 @@ def test_the_crest_of_the_levee_after_a_slide() -> None:
     assert "the crest settles 0.50 m, 0.19 m of it by reconsolidation; the remaining freeboard is 4.7 m." in text
 
 
+@pytest.mark.parametrize("kind", ["levee", "embankment", "dam", "quay", "bank", "building", "other"])
+def test_a_structure_has_a_kind_that_practitioners_name(kind: str) -> None:
+    data = levee().to_data()
+    data["structures"] = [{"name": "A", "from": 56.0, "to": 86.0, "kind": kind}]
+    assert analysed(data).section.structures[0].kind == kind
+
+
 def test_a_road_above_ground_water_has_no_freeboard_and_no_upslope_third() -> None:
     """Water in the ground is retained by no embankment; both ends of the ground are level, so that neither is
     upslope."""
