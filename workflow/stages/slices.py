@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     Circles = dict[tuple[float | None, int], tuple[Section, SlipCircle | None]]
 
 PICTURE = "figures/slip_circles.png"
-# Factor of safety above which a circle lies in level ground, so that there is no slope on this side.
-LEVEL_GROUND_FACTOR = 10.0
+# Factor of safety and critical Kh above which a circle lies in level ground, so that there is no slope on this side.
+LEVEL_GROUND_FACTOR, LEVEL_GROUND_KH = 10.0, 2.0
 NO_CIRCLE = "no circle slides: the ground is level, or every circle is too shallow or too steep"
 NO_FACE = "no circle slides with the crest: the ground is level there, or every circle is too shallow or too steep"
 SOURCE = "Bishop 1955 (simplified method); Spencer 1967; Duncan, Wright & Brandon 2014, chapter 6"
@@ -132,7 +132,7 @@ def _circle_parts(
             strengthened=ground is not section,
         )
         for ground, circle in circles
-        if circle is not None and (kh is None or circle.bishop < LEVEL_GROUND_FACTOR)
+        if circle is not None and circle.bishop < (LEVEL_GROUND_KH if kh is None else LEVEL_GROUND_FACTOR)
     ]
     return tuple(sorted(parts, key=lambda part: part.bishop))
 

@@ -1,16 +1,19 @@
 """What is said of slip circles."""
 
+import numpy as np
 import pytest
 
 from meshes.section.section import Section
 from tests.support.answers import bounds, results
 from tests.support.sections import analysed, layer, slope
 from workflow.config import Config
+from workflow.estimates.slip_circles import SlipCircle
 from workflow.report.circles import against_elements, of_circles, of_longer_sections
 from workflow.report.slices import contradicted_circles, slices_sentences
 from workflow.results.bounds import DirectionPart, SafetyPart
 from workflow.results.continuum import FactorOfSafety, FemAnswer, StoredState
 from workflow.results.slices import CirclePart, FactorCircles, LongerCircle, SlicesAnswer
+from workflow.stages.slices import _circle_parts
 
 
 @pytest.fixture
@@ -134,3 +137,11 @@ def test_circles_far_from_the_elements_are_told_with_the_surface_of_the_elements
     strict = bounds(run, 0.077, 0.079)  # these contradict the circles already
     (factors,) = against_elements(results(both, slices=circles(1.65, 0.119), fem=fem, bounds=strict))
     assert "factor of safety" in factors
+
+
+@pytest.mark.parametrize(("kh", "value", "count"), [(None, 3.689, 0), (None, 0.9, 1), (0.0, 3.5, 1), (0.0, 12.0, 0)])
+def test_a_circle_in_level_ground_is_no_failure(kh: float | None, value: float, count: int, run: Config) -> None:
+    """Two metres of level ground at a side had a critical Kh of 3.689."""
+    line = np.array([[0.0, 19.0], [2.0, 19.0]])
+    circle = SlipCircle("left", (1.0, 30.0), 11.0, line, kh, value, None)
+    assert len(_circle_parts(run.section, kh, ((run.section, circle),))) == count
