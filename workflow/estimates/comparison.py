@@ -12,7 +12,7 @@ from meshes.section.section import Section
 from meshes.section.stratum import cases_of
 from workflow.config.tables import Tables
 from workflow.estimates.empirical import empirical
-from workflow.estimates.estimate import Estimate, EstimateKind, flow_words, mean_inclination
+from workflow.estimates.estimate import LEAST_GRADIENT, Estimate, EstimateKind, flow_words, mean_inclination
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
 from workflow.estimates.sliding_block import SmoothPlane, newmark, rectangular_pulse
 
@@ -177,13 +177,18 @@ def _regressions(section: Section) -> Iterator[Estimate]:
         words = (
             f"cases {which}: H = {ground.thickness:.2f} m (up to {ground.thickest:.2f} m), θ = {ground.gradient:.2f} %"
         )
-        slide = hamada(ground.thickness, ground.gradient)
-        yield Estimate("regression", "Hamada et al., D = 0.75 √H ∛θ", slide, words, HAMADA, HAMADA_VALIDITY)
+        slopes = ground.gradient >= LEAST_GRADIENT
+        words += "" if slopes else "; does not apply: the ground and its layers are level"
+        by_root, printed = (
+            relation(ground.thickness, ground.gradient) if slopes else None for relation in (hamada, hamada_as_printed)
+        )
+        yield Estimate("regression", "Hamada et al., D = 0.75 √H ∛θ", by_root, words, HAMADA, HAMADA_VALIDITY, slopes)
         yield Estimate(
             "regression as printed",
             "Hamada et al. as the paper prints it, D = 0.75 ∛H ∛θ",
-            hamada_as_printed(ground.thickness, ground.gradient),
+            printed,
             words,
             f"{PAPER}, eq. (18), which has a cube root of H where all other sources have a square root",
             HAMADA_VALIDITY,
+            slopes,
         )

@@ -17,7 +17,7 @@ from workflow.earthquake.column import MAKDISI, column_of
 from workflow.earthquake.triggering.assessment import TestResult, assess, normalised_counts
 from workflow.earthquake.triggering.consequences import mean_of_tests
 from workflow.estimates import truss
-from workflow.estimates.estimate import Estimate, depth_below_ground, flow_words, mean_inclination
+from workflow.estimates.estimate import LEAST_GRADIENT, Estimate, depth_below_ground, flow_words, mean_inclination
 from workflow.estimates.lateral_spread import (
     LOOSE_BLOW_COUNT,
     YOUD,
@@ -100,7 +100,7 @@ def empirical(section: Section, settings: Tables, kc: float | None, slip_surface
             yield Estimate("spread", title, None, "not computed: there are no borings", source, validity)
     for case in cases_of(section.strata)[:1]:
         bar = truss.truss_of(section, case)
-        if bar is not None and bar.inclination > 0.0:
+        if bar is not None and 100.0 * math.tan(bar.inclination) >= LEAST_GRADIENT:
             words = (
                 f"L = {bar.length:.0f} m, {math.degrees(bar.inclination):.1f}°, E/(1 - ν²) = {bar.modulus / 1e6:.3g} "
                 f"MPa, {bar.density:.0f} kg/m³: displacement of the free end"

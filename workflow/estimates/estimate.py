@@ -14,6 +14,7 @@ from meshes.section.section import Section
 EstimateKind = Literal[
     "block", "smooth block", "regression", "regression as printed", "spread", "block regression", "truss"
 ]
+LEAST_GRADIENT = 0.1  # %: relations for slopes do not apply to flatter ground (Youd, Hansen & Bartlett 2002)
 SPREADS: tuple[EstimateKind, ...] = ("spread", "regression", "regression as printed")
 
 
@@ -30,6 +31,7 @@ class Estimate:
     description : input and result in words
     source : publication of the method
     validity : range of validity
+    applies : whether the ground is of the kind that the method is for, for example does not flow
     """
 
     kind: EstimateKind
@@ -38,6 +40,7 @@ class Estimate:
     description: str
     source: str
     validity: str
+    applies: bool = True
 
 
 def mean_inclination(section: Section) -> float:
@@ -84,7 +87,7 @@ def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -
         "flows until it is flat enough, and lateral spreads move only while the ground shakes"
     )
     return [
-        replace(row, description=f"{row.description}; {words}")
+        replace(row, description=f"{row.description}; {words}", applies=False)
         if row.kind in SPREADS and row.displacement_m is not None
         else row
         for row in rows

@@ -329,8 +329,9 @@ def _disagreement(results: Results) -> Iterator[str]:
     """Yield a sentence if methods disagree by more than a factor of three."""
     _, cases = results.case_set()
     discs = [max(case.slide_max_m, 0.0) for case in cases.values()]
+    rows = [row for row in estimates_of(results) if row.applies]
     observed, blocks = (
-        [row.displacement_m for row in estimates_of(results) if row.kind == kind and row.displacement_m is not None]
+        [row.displacement_m for row in rows if row.kind == kind and row.displacement_m is not None]
         for kind in ("regression", "block")
     )
     points = [max(case.slide_max_m, 0.0) for case in results.mpm.cases.values()] if results.mpm is not None else []

@@ -5,6 +5,8 @@ import pytest
 from meshes.section.section import Section
 from tests.support import SECTIONS
 from tests.support.sections import layer, slope
+from workflow.config import Config
+from workflow.estimates.comparison import estimates
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
 
 S13 = SECTIONS / "s13.toml"
@@ -49,3 +51,19 @@ def test_s13_thicknesses_of_its_two_layers() -> None:
     assert ground is not None
     assert ground.thickness == pytest.approx((4.7 + 1.9) / 2, abs=0.01)
     assert ground.gradient == pytest.approx(4.54, abs=0.01)
+
+
+def test_level_ground_below_an_embankment_has_no_slope_for_a_regression() -> None:
+    """A road on level ground: "regression over observed slides 0 m" stood beside slides of 4 m."""
+    data = slope()
+    data["surface"] = [[0.0, 10.0], [40.0, 10.0], [48.0, 14.0], [52.0, 14.0], [60.0, 10.0], [100.0, 10.0]]
+    data["strata"][0] |= {"bottom": {"elevation": 6.0}, "liquefies_in": [1]}
+    config = Config.parse(data)
+    rows = [row for row in estimates(config.section, config, None) if row.kind in ("regression", "truss")]
+    assert [(row.kind, row.displacement_m, row.applies) for row in rows] == [("regression", None, False)]
+    assert rows[0].description.endswith("does not apply: the ground and its layers are level")
+    data["surface"][-1][1] = 8.0
+    config = Config.parse(data)
+    [falls] = [row for row in estimates(config.section, config, None) if row.kind == "regression"]
+    assert falls.displacement_m is not None
+    assert falls.displacement_m > 0.5

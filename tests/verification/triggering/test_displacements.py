@@ -194,6 +194,7 @@ def test_hand_numbers_of_the_levee_and_ground_that_flows() -> None:
     assert why in youd_row.description
     assert why in zhang_row.description
     assert "does not apply" not in by_method["Bray & Travasarou (2007)"].description
+    assert (youd_row.applies, by_method["Bray & Travasarou (2007)"].applies) == (False, True)
     assert with_flow_failure(rows, []) == rows
 
 
