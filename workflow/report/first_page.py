@@ -20,6 +20,7 @@ from workflow.report.slide_headline import slide_headline
 from workflow.report.verdicts import spared_structures
 from workflow.results.accuracy import METHODS, Accuracy, accuracy, proven_by, strict_factor
 from workflow.results.answer import FORCE
+from workflow.results.bounds import DirectionPart
 from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.governing import GoverningKh, governing_factor, governing_kh
 from workflow.results.results import Results
@@ -168,11 +169,13 @@ def _first_face(results: Results, _: Texts) -> str:
     )
 
 
-def _direction_words(results: Results, fem: FemAnswer, _: Texts) -> str:
-    """Return the direction of failure: downslope or upslope, or the side for ground that falls to both sides."""
+def _direction_words(results: Results, failing: FemAnswer | DirectionPart, _: Texts) -> str:
+    """Return the direction of failure: downslope or upslope, or the side for ground that falls to both sides.
+
+    ``failing``: the finite elements, or the bounds of the other direction if they count."""
     if structures_of(results.config.section):
-        return _("to the {side}", side=_(fem.towards))
-    return _("{direction}, to the {side},", direction=_(FORCE[fem.direction]), side=_(fem.towards))
+        return _("to the {side}", side=_(failing.towards))
+    return _("{direction}, to the {side},", direction=_(FORCE[failing.direction]), side=_(failing.towards))
 
 
 def _contradicted(
@@ -204,12 +207,13 @@ def _contradicted(
             "{excess} lower, but a stress field in equilibrium proves that the section resists the strict lower "
             "bound, which is therefore reported as a lower limit."
         )
+    in_direction = fem if kh.other is None or fem.opposite is None else fem.opposite
     phrase = _(
         word,
-        way=_direction_words(results, fem, _),
+        way=_direction_words(results, kh.other or fem, _),
         kc=coefficient(kh.value),
         conditions=conditions,
-        excess=difference_words(fem.kc, kh.value),
+        excess=difference_words(in_direction.kc, kh.value),
     )
     phrase += excluded
     return HeadlinePart(name=_("critical Kh"), value=kh.text, interval=_interval(kh.interval, _), conclusion=phrase)

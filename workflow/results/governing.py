@@ -10,9 +10,10 @@ from workflow.estimates.comparison import estimates
 from workflow.estimates.estimate import Estimate, with_flow_failure
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.slide_error import SlideError, slide_error
-from workflow.results.accuracy import Accuracy, accuracy, exceeds, falls_below, strict_factor
+from workflow.results.accuracy import Accuracy, accuracy, exceeds, falls_below, proven_by, strict_factor
+from workflow.results.bounds import DirectionPart
 from workflow.results.cases import CaseAnswer
-from workflow.results.continuum import FactorOfSafety
+from workflow.results.continuum import FactorOfSafety, FemAnswer
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue
 from workflow.results.material_points import PointCase
 from workflow.results.results import Results
@@ -30,12 +31,15 @@ class GoverningKh:
     bound : the strict bound that counts, because the finite elements lie beyond it; None if the finite elements count
     is_limit : whether the critical Kh is only an upper or a lower limit, because the ends of its interval are far apart
     interval : interval of the critical Kh by meshes and strict bounds; None if it is not known
+    other : strict bounds with the seismic force against the direction of the finite elements, if their upper bound is
+        below the critical Kh in that direction, and counts; else None
     """
 
     value: float
     bound: Literal["lower", "upper"] | None = None
     is_limit: bool = False
     interval: Accuracy | None = None
+    other: DirectionPart | None = None
 
     @property
     def text(self) -> str:
@@ -55,12 +59,28 @@ def governing_kh(results: Results) -> GoverningKh | None:
     kc, fem = results.kc, results.fem
     if kc is None or fem is None:
         return None
-    interval = accuracy(results, fem)
-    if interval is None:
-        return GoverningKh(kc)
-    bound = _governing_bound(kc, interval.low, interval.high)
-    is_limit = bound is not None and interval.low < CLOSE_BOUNDS * interval.high
-    return GoverningKh(governing_value(kc, interval.low, interval.high), bound, is_limit, interval)
+    interval, governing = accuracy(results, fem), GoverningKh(kc)
+    if interval is not None:
+        bound = _governing_bound(kc, interval.low, interval.high)
+        is_limit = bound is not None and interval.low < CLOSE_BOUNDS * interval.high
+        governing = GoverningKh(governing_value(kc, interval.low, interval.high), bound, is_limit, interval)
+    return _against_elements(results, fem, governing.value) or governing
+
+
+def _against_elements(results: Results, fem: FemAnswer, kc: float) -> GoverningKh | None:
+    """Return the upper bound in the other direction than that of the finite elements as the critical Kh, if it is below
+    ``kc``: coarse elements took the wrong direction for the one that fails first. None if it is not below."""
+    bounds = results.bounds
+    if bounds is None or bounds.sides != fem.settings.sides or fem.flow == "non-associated":
+        return None
+    bracket = bounds if fem.flow == "associated" else bounds.substitute
+    first = bracket.directions[0] if bracket is not None and bracket.directions else None
+    if first is None or first.direction == fem.direction or first.upper is None or not exceeds(kc, first.upper):
+        return None
+    low = first.upper if first.lower is None else first.lower
+    interval = Accuracy(low, first.upper, proven_by(bounds.strengthened), True)
+    is_limit = first.lower is None or first.lower < CLOSE_BOUNDS * first.upper
+    return GoverningKh(first.upper, "upper", is_limit, interval, first)
 
 
 def governing_factor(results: Results, factor: FactorOfSafety) -> float:

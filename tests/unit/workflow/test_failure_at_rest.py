@@ -20,7 +20,7 @@ from workflow.report.first_page import headlines
 from workflow.report.stability import stability_rows
 from workflow.report.summary import summary
 from workflow.results.bounds import BoundsAnswer, DirectionPart, SafetyPart
-from workflow.results.continuum import FactorOfSafety
+from workflow.results.continuum import FactorOfSafety, OtherCriticalKh
 from workflow.results.governing import estimates_of, governing_factor, governing_kh
 from workflow.results.results import Results
 from workflow.run.store import Store
@@ -187,3 +187,26 @@ def test_bounds_that_prove_failure_are_stored(tmp_path: Path) -> None:
     assert answer.safety[0].upper < 1.0
     assert answer.after_shaking is None
     assert results(config, fem=fem(config, 0.01), bounds=answer).kc is None
+
+
+@pytest.mark.parametrize(("upper", "counts"), [(0.15, True), (0.2002, False)])
+def test_an_upper_bound_in_the_other_direction_counts_if_it_is_smaller(upper: float, counts: bool) -> None:
+    """The headline was read against the bounds of the direction of the finite elements alone."""
+    run = analysed(slope())
+    opposite = OtherCriticalKh(kc=0.21, kc_upper=0.21, verdict="plateau", reason="", direction="uphill", at_sides=())
+    answer = fem(run, 0.2).model_copy(update={"opposite": opposite})
+    strict = bounds(run, 0.19, 0.201)
+    uphill = DirectionPart(direction="uphill", towards="left", lower=0.147, upper=upper, leaves=(), history=())
+    parts = (uphill, *strict.directions) if upper < 0.201 else (*strict.directions, uphill)
+    strict = strict.model_copy(update={"directions": parts, "lower": 0.147, "upper": min(upper, 0.201)})
+    answers = results(run, fem=answer, bounds=strict)
+    governing = governing_kh(answers)
+    assert governing is not None
+    assert governing.value == (upper if counts else 0.2)
+    [kh, *_] = headlines(answers, Texts())
+    assert kh.value == ("0.150" if counts else "0.200")
+    assert ("fails upslope, to the left, at Kh = 0.150" in kh.conclusion) == counts
+    assert ("gives a Kh that is 40.0 % higher" in kh.conclusion.replace("give a", "gives a")) == counts
+    printed = printed_text(answers)
+    assert ("Critical Kh = 0.150" in printed) == counts
+    assert ("to the left, where the strict upper bound counts: the finite elements give 0.200" in printed) == counts
