@@ -207,10 +207,10 @@ def _contradicted(
             "{excess} lower, but a stress field in equilibrium proves that the section resists the strict lower "
             "bound, which is therefore reported as a lower limit."
         )
-    in_direction = fem if kh.other is None or fem.opposite is None else fem.opposite
+    in_direction = fem if kh.opposite_bounds is None or fem.opposite is None else fem.opposite
     phrase = _(
         word,
-        way=_direction_words(results, kh.other or fem, _),
+        way=_direction_words(results, kh.opposite_bounds or fem, _),
         kc=coefficient(kh.value),
         conditions=conditions,
         excess=difference_words(in_direction.kc, kh.value),

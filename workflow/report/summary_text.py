@@ -80,7 +80,7 @@ def _failure(results: Results) -> Iterator[str]:
     if fem.davis is not None or fem.associated is not None:
         yield WHEN
     error, governing = accuracy(results, fem), governing_kh(results)
-    if governing is not None and governing.other is not None:
+    if governing is not None and governing.opposite_bounds is not None:
         error = governing.interval
     yield numerical_error(error, fem.kc if governing is None else governing.value)
     yield from _assumed(results, fem, error)
