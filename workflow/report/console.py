@@ -94,11 +94,11 @@ def fem_sentences(
         how = f"; {answer.reason}" if answer.by_limit_analysis else f": {answer.end_reason}{most}, {answer.reason}"
     if results is not None and results.fails_at_rest:
         yield f"No critical Kh. {failure_at_rest(results)}"
-    elif governing is not None and governing.opposite_bounds is not None:
+    elif governing is not None and (strict_part := governing.opposite_bounds) is not None:
         yield (
             f"Critical Kh {critical_with_flow(answer, coefficient, governing)}. The seismic force acts "
-            f"{FORCE[governing.opposite_bounds.direction]}, to the {governing.opposite_bounds.towards}, where the strict upper bound "
-            f"counts: the finite elements give {coefficient(answer.kc)} {FORCE[answer.direction]}.{where}"
+            f"{FORCE[strict_part.direction]}, to the {strict_part.towards}, where the strict upper bound counts: "
+            f"the finite elements give {coefficient(answer.kc)} {FORCE[answer.direction]}.{where}"
         )
     else:
         yield (

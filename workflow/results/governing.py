@@ -31,8 +31,8 @@ class GoverningKh:
     bound : the strict bound that counts, because the finite elements lie beyond it; None if the finite elements count
     is_limit : whether the critical Kh is only an upper or a lower limit, because the ends of its interval are far apart
     interval : interval of the critical Kh by meshes and strict bounds; None if it is not known
-    opposite_bounds : strict bounds with the seismic force against the direction of the finite elements, if their upper bound is
-        below the critical Kh in that direction, and counts; else None
+    opposite_bounds : strict bounds with the seismic force against the direction of the finite elements, if their upper
+        bound is below the critical Kh in that direction, and counts; else None
     """
 
     value: float
