@@ -12,6 +12,7 @@ from vtkmodules.vtkCommonCore import vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import VTK_QUAD, vtkCellArray, vtkUnstructuredGrid
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader, vtkXMLUnstructuredGridWriter
 
+from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 
@@ -67,6 +68,8 @@ class StoredGrid:
     """Holds the fields of a file that `MeshGrid.save` wrote."""
 
     def __init__(self, path: Path) -> None:
+        if not path.is_file():  # VTK would only print a message
+            raise InputError(str(path), ["there is no such file; run the stage that writes this file"])
         reader = vtkXMLUnstructuredGridReader()
         reader.SetFileName(str(path))
         reader.Update()

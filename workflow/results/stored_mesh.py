@@ -50,5 +50,7 @@ def fem_mesh(section: Section, store: Store, method: str) -> QuadMesh:
 
 
 def path_mesh(section: Section, store: Store, method: str) -> QuadMesh:
-    """Return the mesh of the fields of the stage `fem`; raise InputError as ``stored_mesh`` does."""
-    return replace(given_mesh(section, store.folder / PATH_FILE), method=method)
+    """Return the mesh of the fields of the stage `fem`; raise InputError as ``stored_mesh`` does. Older versions of the
+    program followed the path on the last mesh, and wrote that one alone."""
+    file = PATH_FILE if store.has(PATH_FILE) else FEM_FILE
+    return replace(given_mesh(section, store.folder / file), method=method)
