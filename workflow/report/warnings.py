@@ -214,12 +214,12 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
 
 
 def _level_ground_governs(fem: FemAnswer, section: Section) -> str:
-    """Return a warning if the failing ground reaches a side whose level ground slides at the critical Kh or below it;
-    empty otherwise."""
+    """Return a warning if the failing ground reaches a side whose level ground slides at about the critical Kh; empty
+    otherwise. If level ground slides at a much smaller Kh, the side holds it, and a longer section has a smaller Kh."""
     decided_by_side = fem.settings.sides == "free-field"  # level ground slides out through it at any distance
     for side in fem.at_sides if fem.kc > 0.0 and not decided_by_side else ():
         failure = sliding_level_ground(section, side, fem.settings.vertical)
-        if failure is not None and fem.kc > LEVEL_GROUND_SHARE * failure.kh:
+        if failure is not None and LEVEL_GROUND_SHARE * failure.kh < fem.kc < SIDE_EFFECT_RATIO * failure.kh:
             return (
                 f"the ground that fails reaches the {side} side, where level ground slides in "
                 f"{shown_name(failure.stratum)} by itself at Kh = {coefficient(failure.kh)} (infinite slope, at "

@@ -71,7 +71,7 @@ def test_sloping_ground_at_a_side_is_left_out() -> None:
 def test_a_mechanism_of_level_ground_is_told_as_that() -> None:
     """A longer section does not change the Kh of level ground, so that it is no remedy."""
     run = Config.parse({**ground([[0.0, 4.0], [20.0, 4.0], [30.0, 0.0], [60.0, 0.0]]), "fem": {"sides": "smooth"}})
-    for kc, governs in ((0.38, True), (0.2, False)):
+    for kc, governs in ((0.38, True), (0.2, False), (0.5, False)):  # at 0.5 the side holds level ground
         answer = fem(run, kc).model_copy(update={"at_sides": ("right",)})
         [sides] = [text for text in warned(results(run, fem=answer)) if "reaches the right side" in text]
         assert ("level ground slides" in sides) == governs
