@@ -62,7 +62,9 @@ def with_factors(
         return UnstableError(f"{message} {by(section.strata, 'associated')}{low}{place}", remedy)
     of_full = result.by_other_flow if result.by_other_flow is not None else full()
     rule = f" {by(section.strata, 'davis')}" if settings.flow == "davis" else ""
-    remedy = 'with fem.flow = "associated" the ground stands, and has a critical Kh' if of_full > 1.0 else remedy
+    by_other_cause = result.factor > 1.0 and (section.water_pressure.rises_by_shaking or settings.sides == "free-field")
+    if of_full > 1.0 and not by_other_cause:
+        remedy = 'with fem.flow = "associated" the ground stands, and has a critical Kh'
     return UnstableError(f"{message}{rule}, and {of_full:.2f} {by(section.strata, 'associated')}{place}", remedy)
 
 

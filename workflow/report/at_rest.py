@@ -15,7 +15,8 @@ def failure_at_rest(results: Results, texts: Texts | None = None) -> str:
     if not results.fails_at_rest or bounds is None:
         return ""
     rises = results.config.section.water_pressure.rises_by_shaking
-    factors = [part.upper for part in bounds.factors if part.kh == 0.0 and part.after_shaking == rises and part.upper]
+    of_ground = (part.upper for part in bounds.factors if part.kh == 0.0 and part.after_shaking == rises)
+    factors = [upper for upper in of_ground if upper is not None and upper < 1.0]  # between held sides it may stand
     if bounds.upper is not None and -1.0 < bounds.upper < 0.0:
         proof = _("its critical Kh is at most {upper}", upper=coefficient(bounds.upper))
     elif factors:

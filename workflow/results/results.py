@@ -27,7 +27,7 @@ from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
 
 AnswerOf = TypeVar("AnswerOf", bound=Answer)
-KH_OF_ROUNDING = 5e-4  # below 1: half of the last digit of a factor of safety
+FACTOR_ROUNDING = 5e-4  # below 1: half of the last digit of a factor of safety
 # What is judged by bounds: what it is, its value, lower and upper bound, whether these are of its own flow rule, and
 # the error of its mesh.
 Judged = tuple[str, float, float | None, float | None, bool, float]
@@ -146,7 +146,7 @@ class Results:
         rises = self.config.section.water_pressure.rises_by_shaking
         at_rest = (part for part in bounds.factors if part.kh == 0.0 and part.after_shaking == rises)
         upper = min((part.upper for part in at_rest if part.upper is not None), default=None)
-        return bounds.fails_at_rest or (upper is not None and upper < 1.0 - KH_OF_ROUNDING)
+        return bounds.fails_at_rest or (upper is not None and upper < 1.0 - FACTOR_ROUNDING)
 
     @property
     def slip_surface(self) -> np.ndarray:

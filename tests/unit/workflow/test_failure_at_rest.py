@@ -126,6 +126,13 @@ def test_an_upper_bound_of_the_factor_below_1_proves_the_failure_too() -> None:
     assert not other.fails_at_rest  # of other ground: that without excess pore pressure
 
 
+def test_a_factor_between_held_sides_is_no_proof_of_failure() -> None:
+    """Where K0 stress alone pushes the ground out, no number is the bound of Kh, and the factor is above 1."""
+    kh, *_ = headlines(dam(rises=False, upper=-40.0), Texts())
+    assert "no horizontal force could stabilise it" in kh.conclusion
+    assert "at most 1.26" not in kh.conclusion
+
+
 @given(
     st.booleans(), st.floats(0.002, 0.5), st.floats(0.8, 3.0), st.floats(-0.3, 0.4), st.floats(0.0, 0.05),
     st.floats(0.7, 2.0), st.floats(1.0, 1.05),
