@@ -18,7 +18,7 @@ def failure_at_rest(results: Results, texts: Texts | None = None) -> str:
     of_ground = (part.upper for part in bounds.factors if part.kh == 0.0 and part.after_shaking == rises)
     factors = [upper for upper in of_ground if upper is not None and upper < 1.0]  # between held sides it may stand
     if bounds.upper is not None and -1.0 < bounds.upper < 0.0:
-        proof = _("its critical Kh is at most {upper}", upper=coefficient(bounds.upper))
+        proof = _("its critical Kh is at most {upper}", upper=f"{bounds.upper:.3g}")
     elif factors:
         proof = _("its factor of safety is at most {upper}", upper=f"{min(factors):.2f}")
     else:

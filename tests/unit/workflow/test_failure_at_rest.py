@@ -69,7 +69,7 @@ def test_a_proof_of_failure_without_shaking_governs_every_number() -> None:
     assert governing_kh(answers) is None
     kh, safety, _ = headlines(answers, Texts())
     assert kh.value == "< 0"
-    assert "by its weight and the excess pore pressure of shaking: its critical Kh is at most -0.002" in kh.conclusion
+    assert "by its weight and the excess pore pressure of shaking: its critical Kh is at most -0.0015" in kh.conclusion
     assert "give a critical Kh of 0.013, which does not count" in kh.conclusion
     assert safety.name == "factor of safety before shaking"
     assert safety.value == "1.26"
