@@ -218,6 +218,9 @@ class _Search:
             critical = follow(mesh=mesh, ground=ground)
             better, other = limits.result()
             critical = critical.at_limit_load(better.result)
+            if critical.limit_mechanism is None and better.mesh is not mesh:  # no failure up to kh_limit on this mesh
+                mesh = better.mesh
+                critical = follow(mesh=mesh, ground=better.result.ground)
         else:
             critical = follow(mesh=adapted.mesh)
             better, other = limits.result()

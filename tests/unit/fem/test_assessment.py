@@ -1,6 +1,7 @@
 """All answers for a section: what is looked for side by side is found as one after the other, to the last bit."""
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,8 +9,10 @@ from mpi4py import MPI
 
 from fem import kh_bounds
 from fem.errors import NoEquilibriumError, UnstableError
+from fem.limit_load.limit_load import critical_limit_load
 from fem.search import assessment, critical
 from fem.search.assessment import assess
+from fem.search.mesh_sequence import AdaptiveResult
 from fem.settings import BoundsSettings, FemSettings
 from meshes.executor import SERIAL
 from meshes.gmsh_model import generate
@@ -130,6 +133,22 @@ def test_the_path_is_followed_on_an_earlier_mesh_of_the_sequence_to_the_critical
     assert item.critical.lower == pytest.approx(0.99 * item.critical.kc, rel=0.05)
     for state in item.critical.states:
         assert state.displacement.shape == item.path_mesh.points.shape
+    assert item.critical.mechanism.displacement.shape == item.mesh.points.shape
+
+
+def test_a_path_without_failure_belongs_to_the_mesh_of_the_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its last state is the mechanism, which the warnings read on the mesh of the limit load by both flow rules."""
+    section = slope_with(cohesion="5 kPa", friction_angle="32 deg")
+    meshes = [generate(section, MeshSettings(size=size)) for size in (2.0, 1.5)]
+    wish = FemSettings(kh_limit=0.02, accuracy=0.0, direction="downhill", safety_factor_at=())
+
+    def on_another_mesh(_: object, adapted: Any, settings: FemSettings) -> tuple[Any, None]:
+        return AdaptiveResult(critical_limit_load(section, meshes[1], settings, MPI.COMM_SELF), meshes[1]), None
+
+    monkeypatch.setattr(assessment._Search, "limit_loads_by_both_rules", on_another_mesh)
+    item = assess(section, MeshSettings(size=2.0), meshes[0], wish, MPI.COMM_SELF, lambda *_: None)
+    assert item.critical.verdict == "no failure"
+    assert item.mesh is item.path_mesh is meshes[1]
     assert item.critical.mechanism.displacement.shape == item.mesh.points.shape
 
 
