@@ -151,6 +151,9 @@ def _fem(results: Results) -> FemSummary | None:
         safety_factors=tuple(
             SafetySummary.taken(factor, governing=governing_factor(results, factor)) for factor in answer.safety_factors
         ),
+        after_shaking=None
+        if (after := answer.after_shaking) is None
+        else SafetySummary.taken(after, governing=governing_factor(results, after)),
         sides=answer.settings.sides,
     )
 

@@ -54,6 +54,9 @@ class FemSummary(Part):
     )
     kc_associated: float | None = Field(description="critical Kh with ψ = φ, if kc has another flow rule")
     safety_factors: tuple[SafetySummary, ...]
+    after_shaking: SafetySummary | None = Field(
+        default=None, description="factor of safety at Kh = 0 with the excess pore pressure of shaking, if there is any"
+    )
     sides: Sides
     element: Element
 

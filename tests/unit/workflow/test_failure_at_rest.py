@@ -82,6 +82,8 @@ def test_a_proof_of_failure_without_shaking_governs_every_number() -> None:
     short = summary(answers, 1.0).fem
     assert short is not None
     assert short.kc is short.kc_governing is None
+    assert short.after_shaking is not None
+    assert (short.safety_factors[0].governing, short.after_shaking.governing) == (1.26, 1.0)
     assert not any("kc = 0.013" in (estimate.note or "") for estimate in estimates_of(answers))
     rows = [row for row in stability_rows(answers, Texts()) if "after shaking" in row.quantity]
     assert [row.value for row in rows] == ["1.02"]
