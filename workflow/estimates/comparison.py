@@ -12,7 +12,14 @@ from meshes.section.section import Section
 from meshes.section.stratum import cases_of
 from workflow.config.tables import Tables
 from workflow.estimates.empirical import empirical
-from workflow.estimates.estimate import LEAST_GRADIENT, Estimate, EstimateKind, flow_words, mean_inclination
+from workflow.estimates.estimate import (
+    DOES_NOT_APPLY,
+    LEAST_GRADIENT,
+    Estimate,
+    EstimateKind,
+    flow_words,
+    mean_inclination,
+)
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
 from workflow.estimates.sliding_block import SmoothPlane, newmark, rectangular_pulse
 
@@ -178,7 +185,7 @@ def _regressions(section: Section) -> Iterator[Estimate]:
             f"cases {which}: H = {ground.thickness:.2f} m (up to {ground.thickest:.2f} m), θ = {ground.gradient:.2f} %"
         )
         slopes = ground.gradient >= LEAST_GRADIENT
-        words += "" if slopes else "; does not apply: the ground and its layers are level"
+        words += "" if slopes else f"; {DOES_NOT_APPLY}the ground and its layers are level"
         by_root, printed = (
             relation(ground.thickness, ground.gradient) if slopes else None for relation in (hamada, hamada_as_printed)
         )

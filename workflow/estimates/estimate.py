@@ -15,6 +15,7 @@ EstimateKind = Literal[
     "block", "smooth block", "regression", "regression as printed", "spread", "block regression", "truss"
 ]
 LEAST_GRADIENT = 0.1  # %: relations for slopes do not apply to flatter ground (Youd, Hansen & Bartlett 2002)
+DOES_NOT_APPLY = "does not apply: "  # before the reason, in the description of an estimate
 SPREADS: tuple[EstimateKind, ...] = ("spread", "regression", "regression as printed")
 
 
@@ -83,7 +84,7 @@ def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -
     low, high = f"{min(factors):.2f}", f"{max(factors):.2f}"
     factor = low if low == high else f"{low} to {high}"
     words = (
-        f"does not apply: the liquefied ground does not stand without shaking (factor of safety {factor}), so that it "
+        f"{DOES_NOT_APPLY}the liquefied ground does not stand without shaking (factor of safety {factor}), so that it "
         "flows until it is flat enough, and lateral spreads move only while the ground shakes"
     )
     return [

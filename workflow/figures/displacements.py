@@ -8,6 +8,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from workflow.estimates.comparison import is_s13
+from workflow.estimates.estimate import DOES_NOT_APPLY
 from workflow.figures.canvas import CONTINUUM, CRITICAL, DISCS, INK, Sheet
 from workflow.figures.ground import foot
 from workflow.figures.symbols import in_mathtext
@@ -94,9 +95,10 @@ def _draw(axes: Axes, row: MethodRow, at: int) -> None:
 
 
 def _others(results: Results) -> Iterator[MethodRow]:
-    """Yield the displacement (m) by each method that is compared with the slide of the discs."""
+    """Yield the displacement (m) by each method that is compared with the slide of the discs; none by a method that
+    does not apply to this ground."""
     for estimate in estimates_of(results):
-        if estimate.displacement_m is not None:
+        if estimate.displacement_m is not None and estimate.applies:
             yield MethodRow(estimate.method, OTHER_METHODS, estimate.displacement_m)
         elif estimate.kind != "smooth block":  # which never gives one
             yield MethodRow(estimate.method, OTHER_METHODS, None, _why_not(estimate.description))
@@ -117,10 +119,10 @@ def slides(results: Results) -> Iterator[MethodRow]:
 
 def _why_not(words: str) -> str:
     """Return the reason why an estimate gives no displacement, taken from its text."""
-    for sign in ("outside its range: ", "not computed: "):
+    for sign in ("outside its range: ", "not computed: ", DOES_NOT_APPLY):
         _, separator, reason = words.partition(sign)
         if separator:
-            return f"{sign}{reason}"
+            return f"{sign}{reason.partition(', so that ')[0] if sign == DOES_NOT_APPLY else reason}"
     return words
 
 

@@ -1,13 +1,18 @@
 """Hamada's regression, and what it is fed with."""
 
+from dataclasses import replace
+
 import pytest
 
 from meshes.section.section import Section
 from tests.support import SECTIONS
-from tests.support.sections import layer, slope
+from tests.support.answers import results
+from tests.support.sections import analysed, layer, slope
 from workflow.config import Config
 from workflow.estimates.comparison import estimates
+from workflow.estimates.estimate import Estimate, with_flow_failure
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
+from workflow.figures import displacements
 
 S13 = SECTIONS / "s13.toml"
 
@@ -67,3 +72,17 @@ def test_level_ground_below_an_embankment_has_no_slope_for_a_regression() -> Non
     [falls] = [row for row in estimates(config.section, config, None) if row.kind == "regression"]
     assert falls.displacement_m is not None
     assert falls.displacement_m > 0.5
+
+
+def test_a_relation_that_does_not_apply_has_no_point_beside_the_slides(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its displacement is that of other ground; the picture of all methods has the reason in its place."""
+    row = Estimate("spread", "Youd", 0.29, "M 7", "", "")
+    flowing, level = with_flow_failure([row], [0.33]), replace(row, displacement_m=None, applies=False)
+    level = replace(level, description="H = 2 m; does not apply: the ground and its layers are level")
+    monkeypatch.setattr(displacements, "estimates_of", lambda _: [row, *flowing, level])
+    points = list(displacements._others(results(analysed(slope()))))
+    assert [point.displacement for point in points] == [0.29, None, None]
+    assert points[1].reason == (
+        "does not apply: the liquefied ground does not stand without shaking (factor of safety 0.33)"
+    )
+    assert points[2].reason == "does not apply: the ground and its layers are level"
