@@ -31,6 +31,7 @@ class MeshGrid:
         self._grid.SetPoints(points)
         self._grid.SetCells(VTK_QUAD, cells)
         self.add_to_cells("stratum", mesh.stratum.astype(np.int32))
+        self._grid.GetCellData().SetActiveScalars("stratum")  # what viewers colour the cells by at first
         self.add_texts("strata", mesh.strata)
 
     def add_to_points(self, name: str, values: np.ndarray) -> None:
