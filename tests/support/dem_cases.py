@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from dem.acceleration import Acceleration
 from dem.assembly import DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.engine.forces import ContactForces
@@ -101,3 +102,26 @@ def stress(model: DiscModel, forces: ContactForces, area: float, where: np.ndarr
     share = 0.5 * (chosen[i].astype(float) + chosen[j])
     branch = model.branch()
     return -np.einsum("c,ac,bc->ab", share, np.array([forces.fx, forces.fz]), branch) / area
+
+
+QUAKE = Acceleration(np.linspace(0.0, 2.0, 41), 3.0 * np.sin(np.arange(41.0)), np.cos(np.arange(41.0)))
+
+
+def shaking(law: Law = "paper") -> DiscModel:
+    """A box in which lists are made anew, pore springs crack and discs slide; and roll, if they are soil discs."""
+    model = box(20, 14, replace(SOIL_SPRINGS if law == "paper" else EARTH_SPRINGS, cohesion=4e3), tilt=0.1, law=law)
+    model.skin = 0.04  # a thin one, so that lists are made often
+    model.set_pore_springs()
+    model.acceleration = QUAKE
+    rng = np.random.default_rng(4)
+    model.set_velocity(*(0.5 * rng.standard_normal((2, len(model))) * ~model.fixed), 0.0)
+    return model
+
+
+def same(a: DiscModel, b: DiscModel) -> bool:
+    """Equal to the last bit in everything that is an array or a number."""
+    return all(
+        np.array_equal(value, getattr(b, name), equal_nan=True)
+        for name, value in vars(a).items()
+        if isinstance(value, np.ndarray | float | int)
+    )

@@ -15,12 +15,11 @@ def failure_at_rest(results: Results, texts: Texts | None = None) -> str:
     if not results.fails_at_rest or bounds is None:
         return ""
     rises = results.config.section.water_pressure.rises_by_shaking
-    of_ground = (part.upper for part in bounds.factors if part.kh == 0.0 and part.after_shaking == rises)
-    factors = [upper for upper in of_ground if upper is not None and upper < 1.0]  # between held sides it may stand
+    factor = results.upper_factor_at_rest
     if bounds.upper is not None and -1.0 < bounds.upper < 0.0:
         proof = _("its critical Kh is at most {upper}", upper=f"{bounds.upper:.3g}")
-    elif factors:
-        proof = _("its factor of safety is at most {upper}", upper=f"{min(factors):.2f}")
+    elif factor is not None and factor < 1.0:  # between held sides the ground may stand
+        proof = _("its factor of safety is at most {upper}", upper=f"{factor:.2f}")
     else:
         proof = _("no horizontal force could stabilise it")
     cause = _("by its weight and the excess pore pressure of shaking") if rises else _("under its own weight")

@@ -143,10 +143,18 @@ class Results:
         fem, bounds = self.fem, self.bounds
         if bounds is None or (fem is not None and not _hold_for(bounds, fem)):
             return False
-        rises = self.config.section.water_pressure.rises_by_shaking
-        at_rest = (part for part in bounds.factors if part.kh == 0.0 and part.after_shaking == rises)
-        upper = min((part.upper for part in at_rest if part.upper is not None), default=None)
+        upper = self.upper_factor_at_rest
         return bounds.fails_at_rest or (upper is not None and upper < 1.0 - FACTOR_ROUNDING)
+
+    @property
+    def upper_factor_at_rest(self) -> float | None:
+        """Return the smallest strict upper bound of the factor of safety without a seismic force of the ground that has
+        the critical Kh, after shaking if excess pore pressure acts with Kh; None without one."""
+        if self.bounds is None:
+            return None
+        rises = self.config.section.water_pressure.rises_by_shaking
+        at_rest = (part for part in self.bounds.factors if part.kh == 0.0 and part.after_shaking == rises)
+        return min((part.upper for part in at_rest if part.upper is not None), default=None)
 
     @property
     def slip_surface(self) -> np.ndarray:

@@ -17,34 +17,23 @@ from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine, largest_step
 from dem.engine.forces import contact_forces, resultants
 from dem.engine.memory import ReusedMemory
-from dem.engine.packer import law_of
 from dem.engine.pulses import ShortRuns
 from dem.model import DiscModel
 from dem.springs import Law
 from tests.support import TOP
-from tests.support.dem_cases import BARE_SPRINGS, EARTH_SPRINGS, FLOOR, GRAVITY, RADIUS, SOIL_SPRINGS, box, trace
-
-QUAKE = Acceleration(np.linspace(0.0, 2.0, 41), 3.0 * np.sin(np.arange(41.0)), np.cos(np.arange(41.0)))
-
-
-def shaking(law: Law = "paper") -> DiscModel:
-    """A box in which lists are made anew, pore springs crack and discs slide; and roll, if they are soil discs."""
-    model = box(20, 14, replace(SOIL_SPRINGS if law == "paper" else EARTH_SPRINGS, cohesion=4e3), tilt=0.1, law=law)
-    model.skin = 0.04  # a thin one, so that lists are made often
-    model.set_pore_springs()
-    model.acceleration = QUAKE
-    rng = np.random.default_rng(4)
-    model.set_velocity(*(0.5 * rng.standard_normal((2, len(model))) * ~model.fixed), 0.0)
-    return model
-
-
-def same(a: DiscModel, b: DiscModel) -> bool:
-    """Equal to the last bit in everything that is an array or a number."""
-    return all(
-        np.array_equal(value, getattr(b, name), equal_nan=True)
-        for name, value in vars(a).items()
-        if isinstance(value, np.ndarray | float | int)
-    )
+from tests.support.dem_cases import (
+    BARE_SPRINGS,
+    EARTH_SPRINGS,
+    FLOOR,
+    GRAVITY,
+    QUAKE,
+    RADIUS,
+    SOIL_SPRINGS,
+    box,
+    same,
+    shaking,
+    trace,
+)
 
 
 @pytest.fixture(params=["lists by one thread", "lists by all threads"])
@@ -66,28 +55,6 @@ def test_number_of_threads_changes_no_bit(energies: bool, law: Law) -> None:
     assert runs[0].lists_made > 2
     assert np.any(runs[0].pore_length < 0.0)
     assert all(same(runs[0], other) for other in runs[1:])
-
-
-@pytest.mark.parametrize("energies", [True, False])
-@pytest.mark.parametrize("law", ["paper", "soil"])
-def test_kernel_without_pore_springs_has_the_same_bits(
-    monkeypatch: pytest.MonkeyPatch, law: Law, energies: bool
-) -> None:
-    """Discs without a pore spring are computed without its law, with the bits of the whole law."""
-    runs = []
-    for whole in (False, True):
-        model = shaking(law)
-        model.cut_pore_springs()
-        assert not law_of(model).pores
-        if whole:
-            monkeypatch.setattr("dem.engine.engine.law_of", lambda of: law_of(of)._replace(pores=True))
-        Engine(energies=energies, balance=1.0).run(model, steps=400)
-        runs.append(model)
-    assert np.any(runs[0].shear != 0.0)
-    assert runs[0].energy_sums == pytest.approx(runs[1].energy_sums, rel=1e-12)  # whose order of sums is free
-    runs[0].energy_sums = runs[1].energy_sums
-    runs[0].energy_known = runs[1].energy_known
-    assert same(*runs)
 
 
 @pytest.mark.parametrize("law", ["paper", "soil"])

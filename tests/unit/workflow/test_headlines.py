@@ -15,6 +15,7 @@ from workflow.results import governing
 from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, ShallowFailurePart
+from workflow.results.verdicts import HeadlinePart
 from workflow.texts.report_texts import Texts
 
 
@@ -130,13 +131,20 @@ def test_the_interval_of_a_slide_is_that_of_the_method_nearer_to_known_slides(
     assert f", is {other} (" in slide.conclusion.partition("A second opinion, by ")[2]
 
 
+def slide_by_points(
+    points: dict[int, SimpleNamespace], error: SlideError, monkeypatch: pytest.MonkeyPatch
+) -> HeadlinePart:
+    """Return the headline of slides by material points, which have this error on known slides."""
+    monkeypatch.setattr(governing, "slide_error", lambda flows, method: error if method == "mpm" else None)
+    return headlines(results(analysed(slope()), mpm=cast(Any, SimpleNamespace(cases=points))), Texts())[2]
+
+
 @pytest.mark.parametrize(("stopped", "value"), [((), "23 to 48 m"), ((2,), "23 to over 48 m"), ((1, 2), "over 23 m")])
 def test_a_slide_that_reaches_a_side_of_the_model_is_open_above(
     stopped: tuple[int, ...], value: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A river bank: "≥ 23 to 48 m" beside "8 to 150 m" could be read as either, and neither end was a limit."""
     error = SlideError("flow slides", 3.0, 20, 28, 1.7, "mpm")
-    monkeypatch.setattr(governing, "slide_error", lambda flows, method: error if method == "mpm" else None)
     points = {
         number: SimpleNamespace(
             slide_max_m=far, slide_max_low_m=far, slide_max_high_m=far, settled=number not in stopped, reason="",
@@ -144,8 +152,7 @@ def test_a_slide_that_reaches_a_side_of_the_model_is_open_above(
         )
         for number, far in ((1, 23.0), (2, 48.0))
     }  # fmt: skip
-    run = analysed(slope())
-    slide = headlines(results(run, mpm=cast(Any, SimpleNamespace(cases=points))), Texts())[2]
+    slide = slide_by_points(points, error, monkeypatch)
     assert slide.value == value
     assert f"the surface slides {value} by material points" in slide.conclusion
     assert slide.interval.startswith("8 m or more by the error" if stopped else "8 to 140 m by the error")
@@ -154,11 +161,10 @@ def test_a_slide_that_reaches_a_side_of_the_model_is_open_above(
 def test_a_slide_that_still_moves_is_a_lower_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     """Tailings that move at 9 m/s after 10 s of computation: "22 m" could be read as the final slide."""
     error = SlideError("flow slides", 3.0, 20, 28, 1.7, "mpm")
-    monkeypatch.setattr(governing, "slide_error", lambda flows, method: error if method == "mpm" else None)
     point = SimpleNamespace(
         slide_max_m=22.0, slide_max_low_m=22.0, slide_max_high_m=24.0, settled=False, reason="", stopped_by=None
     )
-    slide = headlines(results(analysed(slope()), mpm=cast(Any, SimpleNamespace(cases={1: point}))), Texts())[2]
+    slide = slide_by_points({1: point}, error, monkeypatch)
     assert slide.value == "over 22 m"
     assert "the surface slides over 22 m by material points" in slide.conclusion
     assert "was still moving when the computation ended" in slide.conclusion
@@ -168,11 +174,10 @@ def test_a_slide_that_still_moves_is_a_lower_limit(monkeypatch: pytest.MonkeyPat
 def test_a_lower_end_that_the_factor_does_not_give_names_the_numerical_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """S-13: "0 to 3 m" was told of 0.96 m within a factor of 3; its cells alone leave 0 to 0.96 m."""
     error = SlideError("lateral spreads", 3.0, 20, 30, 2.1, "mpm")
-    monkeypatch.setattr(governing, "slide_error", lambda flows, method: error if method == "mpm" else None)
     point = SimpleNamespace(
         slide_max_m=0.96, slide_max_low_m=0.0, slide_max_high_m=0.96, settled=True, reason="", stopped_by=None
     )
-    slide = headlines(results(analysed(slope()), mpm=cast(Any, SimpleNamespace(cases={1: point}))), Texts())[2]
+    slide = slide_by_points({1: point}, error, monkeypatch)
     assert slide.interval == (
         "0 to 3 m by the error of material points: they predicted 20 of 30 known slides within a factor of 3; the "
         "numerical error alone gives 0 to 0.96 m"
@@ -184,11 +189,10 @@ def test_the_numerical_error_is_named_beside_an_error_too_large_for_an_interval(
 ) -> None:
     """S-13 again: within a factor of 5 of 0.96 m, and the cells alone leave 0 to 0.96 m, which was unsaid."""
     error = SlideError("lateral spreads", 5.0, 23, 31, 2.3, "mpm")
-    monkeypatch.setattr(governing, "slide_error", lambda flows, method: error if method == "mpm" else None)
     point = SimpleNamespace(
         slide_max_m=0.96, slide_max_low_m=0.0, slide_max_high_m=0.96, settled=True, reason="", stopped_by=None
     )
-    slide = headlines(results(analysed(slope()), mpm=cast(Any, SimpleNamespace(cases={1: point}))), Texts())[2]
+    slide = slide_by_points({1: point}, error, monkeypatch)
     assert not error.bounds_slides
     assert slide.interval.startswith("uncertain by a factor of 5: 23 of 31")
     assert slide.interval.endswith("; the numerical error alone gives 0 to 0.96 m")
