@@ -95,19 +95,28 @@ def all_lanes(
     return too_deep, 0.5 * damping, 0.5 * sliding, 0.5 * cracks, 0.5 * rolling
 
 
+@device_function(forceinline=True)
+def lanes_by_law(
+    chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, with_losses: bool
+) -> tuple[bool, float, float, float, float]:
+    """Compute the contacts of one chunk by the parts of the law that its discs have; arguments and result as in
+    `all_lanes`."""
+    if law.soil and law.pores:
+        return all_lanes(chunk, state, buffer, slip_time, law, True, True, with_losses)
+    if law.soil:
+        return all_lanes(chunk, state, buffer, slip_time, law, True, False, with_losses)
+    if law.pores:
+        return all_lanes(chunk, state, buffer, slip_time, law, False, True, with_losses)
+    return all_lanes(chunk, state, buffer, slip_time, law, False, False, with_losses)
+
+
 @device_function(nogil=True)
 def contacts(chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law) -> bool:
     """Compute forces and history variables of one chunk of contacts; return True if an overlap is larger than allowed.
 
     state, buffer, slip_time, law: as in `all_lanes`.
     """
-    if not law.soil and law.pores:
-        return all_lanes(chunk, state, buffer, slip_time, law, False, True, False)[0]
-    if not law.soil:
-        return all_lanes(chunk, state, buffer, slip_time, law, False, False, False)[0]
-    if law.pores:
-        return all_lanes(chunk, state, buffer, slip_time, law, True, True, False)[0]
-    return all_lanes(chunk, state, buffer, slip_time, law, True, False, False)[0]
+    return lanes_by_law(chunk, state, buffer, slip_time, law, False)[0]
 
 
 @device_function(nogil=True)
@@ -119,13 +128,7 @@ def contacts_with_losses(
     state, buffer, slip_time, law: as in `all_lanes`. Returns whether an overlap is too large, and the losses by
     dashpots, sliding, cracks and rolling (J).
     """
-    if not law.soil and law.pores:
-        return all_lanes(chunk, state, buffer, slip_time, law, False, True, True)
-    if not law.soil:
-        return all_lanes(chunk, state, buffer, slip_time, law, False, False, True)
-    if law.pores:
-        return all_lanes(chunk, state, buffer, slip_time, law, True, True, True)
-    return all_lanes(chunk, state, buffer, slip_time, law, True, False, True)
+    return lanes_by_law(chunk, state, buffer, slip_time, law, True)
 
 
 @device_function(nogil=True)
