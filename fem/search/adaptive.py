@@ -356,14 +356,18 @@ class AdaptiveSearch:
             return None
 
 
-def path_start(adapted: AdaptiveResult[LimitLoadResult]) -> tuple[QuadMesh, LoadedGround]:
+def path_start(
+    adapted: AdaptiveResult[LimitLoadResult], requested_kh: Sequence[float] = ()
+) -> tuple[QuadMesh, LoadedGround]:
     """Return the coarsest mesh that is adapted to the mechanism, and its ground, from which an equilibrium path starts.
     Its limit load, up to which the path is followed, is the smaller one of this mesh and the last mesh. Return the last
-    mesh if the ground does not fail on both.
+    mesh if the ground does not fail on both, or if it stands at a ``requested_kh`` on the last mesh alone.
     """
     first = adapted.earlier[0] if adapted.earlier else adapted
     limits = first.result.ground.limit, adapted.result.ground.limit
     if limits[0] is None or limits[1] is None or {first.result.verdict, adapted.result.verdict} != {"plateau"}:
+        return adapted.mesh, adapted.result.ground
+    if any(limits[0].multiplier < kh <= limits[1].multiplier for kh in requested_kh):
         return adapted.mesh, adapted.result.ground
     smaller = min(limit.multiplier for limit in limits if limit is not None)
     return first.mesh, replace(first.result.ground, limit=replace(limits[0], multiplier=smaller))

@@ -214,11 +214,13 @@ class _Search:
         listener = self.path_listener("Kh")
         follow = partial(critical_coefficient, self.section, settings=one_way, comm=self.comm, listener=listener)
         if reduced:
-            mesh, ground = path_start(adapted)
+            mesh, ground = path_start(adapted, settings.kh)
             critical = follow(mesh=mesh, ground=ground)
             better, other = limits.result()
-            critical = critical.at_limit_load(better.result)
-            if critical.limit_mechanism is None and better.mesh is not mesh:  # no failure up to kh_limit on this mesh
+            of_path, critical = critical.kc, critical.at_limit_load(better.result)
+            no_failure = critical.limit_mechanism is None and better.mesh is not mesh  # up to kh_limit on this mesh
+            low, high = sorted((of_path, critical.kc))
+            if no_failure or any(low < kh <= high for kh in settings.kh):  # that stands on one of both meshes alone
                 mesh = better.mesh
                 critical = follow(mesh=mesh, ground=better.result.ground)
         else:

@@ -30,6 +30,7 @@ from workflow.stages.expected_time import announcement
 
 if TYPE_CHECKING:
     from workflow.report.side_by_side import ComparedRun
+    from workflow.results.results import Results
 
 VERBS: Mapping[Action, str] = {"run": "run", "redraw": "draw again", "reuse": "be reused", "off": "not run"}
 SEISMIC_STAGES = frozenset(
@@ -155,6 +156,7 @@ def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[s
 
     Raises the errors of `pipeline.execute` and `write_pdf`.
     """
+    from workflow.results.results import Results
     from workflow.run import pipeline
     from workflow.run.display import Display
 
@@ -169,6 +171,18 @@ def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[s
         _show_results(job, choice, verbosity, warnings, pdf)
         raise
     _show_results(job, choice, verbosity, warnings, pdf)
+    if "fem" in choice.chosen:
+        refuse_disproved(Results.of(job))
+
+
+def refuse_disproved(results: "Results") -> None:
+    """Raise UnstableError, as finite elements do, if only strict bounds, perhaps of an earlier command, prove that the
+    section fails without a seismic force."""
+    from fem.errors import UnstableError
+    from workflow.report.at_rest import failure_at_rest
+
+    if results.fem is not None and results.fails_at_rest:
+        raise UnstableError(failure_at_rest(results).rstrip("."), "check strengths, densities and water")
 
 
 def _show_results(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str], pdf: bool) -> None:

@@ -22,7 +22,13 @@ from workflow.results.accuracy import METHODS, Accuracy, accuracy, proven_by, st
 from workflow.results.answer import FORCE
 from workflow.results.bounds import DirectionPart
 from workflow.results.continuum import FactorOfSafety, FemAnswer
-from workflow.results.governing import GoverningKh, governing_factor, governing_kh
+from workflow.results.governing import (
+    GoverningKh,
+    governing_factor,
+    governing_kh,
+    is_limited_by_kh,
+    stands_between_held_sides,
+)
 from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
 from workflow.texts.report_texts import Texts
@@ -251,14 +257,7 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
         )
         return HeadlinePart(name=name, value=f"> {factor.factor:.2f}", interval="", conclusion=phrase)
     governing = governing_factor(results, factor)
-    word = "Without shaking the section stands, with a factor of safety of {factor} ({flow})."
-    if results.fails_at_rest and factor == fem.at_rest:
-        word = "Without shaking the section does not stand: its factor of safety is at most {factor} ({flow})."
-    elif governing < 1.0:
-        word = "Without shaking the section does not stand: its factor of safety is {factor} ({flow})."
-    elif fem.after_shaking is not None:
-        word = "Before shaking the section stands, with a factor of safety of {factor} ({flow})."
-    phrase = _(word, factor=f"{governing:.2f}", flow=_(FLOW[fem.flow]))
+    phrase = _(_word_of_safety(results, fem, factor, governing), factor=f"{governing:.2f}", flow=_(FLOW[fem.flow]))
     if governing < factor.factor:
         phrase += " " + _(
             "The finite elements give a factor of safety that is {excess} % higher, but the section cannot resist more "
@@ -282,10 +281,27 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
     return HeadlinePart(name=name, value=value, interval=interval, conclusion=phrase)
 
 
+def _word_of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, governing: float) -> str:
+    """Return the sentence on whether the section stands without shaking, by the factor of safety that is governing."""
+    word = "Without shaking the section stands, with a factor of safety of {factor} ({flow})."
+    if stands_between_held_sides(results, factor):
+        word = (
+            "Between sides held horizontally the section stands without shaking, with a factor of safety of {factor} "
+            "({flow}); with free-field sides it does not stand."
+        )
+    elif results.fails_at_rest and factor == fem.at_rest:
+        word = "Without shaking the section does not stand: its factor of safety is at most {factor} ({flow})."
+    elif governing < 1.0:
+        word = "Without shaking the section does not stand: its factor of safety is {factor} ({flow})."
+    elif fem.after_shaking is not None:
+        word = "Before shaking the section stands, with a factor of safety of {factor} ({flow})."
+    return word
+
+
 def _value_of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Texts) -> tuple[str, str]:
     """Return the factor of safety that counts and its interval. A number without a known error is no headline."""
     governing, interval = governing_factor(results, factor), _of_safety(results, fem, factor, _)
-    if results.fails_at_rest and factor == fem.at_rest and governing == 1.0:  # by Kh, and by no bound of the factor
+    if is_limited_by_kh(results, factor):
         return "≤ 1.00", _("by the strict upper bound of the critical Kh")
     if not interval:
         return "–", _("numerical error not known: one mesh, no strict bounds")

@@ -16,6 +16,7 @@ from workflow.report.slices import factor_on_surface
 from workflow.results.accuracy import exceeds, falls_below, strict_factor, strict_kh
 from workflow.results.bounds import SafetyPart
 from workflow.results.continuum import FemAnswer, OtherCriticalKh
+from workflow.results.governing import is_limited_by_kh
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart
 from workflow.texts.report_texts import Texts
@@ -86,7 +87,10 @@ def _factors(results: Results, fem: FemAnswer, _: Texts) -> Iterator[StabilityRo
             of = _("factor of safety after shaking, finite elements")
         value = f"> {factor.factor:.2f}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
         strict = strict_factor(results, fem, factor, fem.flow)
-        yield StabilityRow(of, value, "", _(FLOW[fem.flow]) + _factor_bound_words(factor.factor, strict, _))
+        above = _factor_bound_words(factor.factor, strict, _)
+        if is_limited_by_kh(results, factor) and exceeds(factor.factor, 1.0):
+            above = _("; above 1.00, which the strict upper bound of the critical Kh excludes, and which counts")
+        yield StabilityRow(of, value, "", _(FLOW[fem.flow]) + above)
         if factor.davis is not None:
             yield StabilityRow(of, f"{factor.davis:.2f}", "", _(FLOW["davis"]))
         elif factor.associated is not None:

@@ -215,6 +215,15 @@ class BoundsAnswer(BracketPart, Answer):
         return self.upper is not None and self.upper < 0.0
 
     @property
+    def fails_between_held_sides(self) -> bool:
+        """Return whether a mechanism that proves failure without a seismic force is also one between sides held
+        horizontally: at free-field sides it must not move through a side."""
+        if not self.fails_at_rest:
+            return False
+        failing = [part for part in self.directions if part.upper is not None and part.upper < 0.0]
+        return self.sides != "free-field" or any(not part.leaves for part in failing)
+
+    @property
     def has_interval(self) -> bool:
         """Return whether there are both bounds of any quantity: of a critical Kh, with the seismic force in one
         direction at least, or of a factor of safety."""

@@ -85,16 +85,39 @@ def _against_elements(results: Results, fem: FemAnswer, kc: float) -> GoverningK
 
 def governing_factor(results: Results, factor: FactorOfSafety) -> float:
     """Return the factor of safety that counts: the value by finite elements or, if this value lies beyond a strict
-    bound, the bound. A factor of the ground that has the critical Kh is at most 1 if any strict bound proves that this
-    ground fails without a seismic force."""
+    bound, the bound. A factor that the strict upper bound of Kh limits is at most 1, see `is_limited_by_kh`."""
     fem = results.fem
     if fem is None:
         return factor.factor
     strict = strict_factor(results, fem, factor, fem.flow)
     lower, upper = (None, None) if strict is None else (strict.lower, strict.upper)
-    if results.fails_at_rest and factor == fem.at_rest and (upper is None or upper > 1.0):
+    if is_limited_by_kh(results, factor):
         lower, upper = None, 1.0
     return governing_value(factor.factor, lower, upper)
+
+
+def is_limited_by_kh(results: Results, factor: FactorOfSafety) -> bool:
+    """Return whether a strict upper bound of Kh below 0 proves that a factor of safety is at most 1: that of the ground
+    which has this Kh, without a closer upper bound of its own.
+
+    A factor without shaking is that between sides held horizontally. Its own lower bound above 1 and a mechanism that
+    moves free-field sides do not contradict each other: between held sides the ground stands.
+    """
+    fem, bounds = results.fem, results.bounds
+    if fem is None or bounds is None or not results.fails_at_rest or factor != fem.at_rest:
+        return False
+    strict = strict_factor(results, fem, factor, fem.flow)
+    lower, upper = (None, None) if strict is None else (strict.lower, strict.upper)
+    if (lower is not None and lower > 1.0) or (upper is not None and upper <= 1.0):
+        return False
+    return bounds.fails_between_held_sides
+
+
+def stands_between_held_sides(results: Results, factor: FactorOfSafety) -> bool:
+    """Return whether ground that a mechanism at free-field sides proves to fail without a seismic force has a factor of
+    safety above 1 all the same, between sides held horizontally."""
+    at_rest = results.fem is not None and factor == results.fem.at_rest
+    return results.fails_at_rest and at_rest and governing_factor(results, factor) > 1.0
 
 
 def governing_value(value: float, lower: float | None, upper: float | None) -> float:

@@ -1,6 +1,7 @@
 """All answers for a section: what is looked for side by side is found as one after the other, to the last bit."""
 
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from fem import kh_bounds
 from fem.errors import NoEquilibriumError, UnstableError
 from fem.limit_load.limit_load import critical_limit_load
 from fem.search import assessment, critical
+from fem.search.adaptive import AdaptiveSearch, path_start
 from fem.search.assessment import assess
 from fem.search.mesh_sequence import AdaptiveResult
 from fem.settings import BoundsSettings, FemSettings
@@ -134,6 +136,43 @@ def test_the_path_is_followed_on_an_earlier_mesh_of_the_sequence_to_the_critical
     for state in item.critical.states:
         assert state.displacement.shape == item.path_mesh.points.shape
     assert item.critical.mechanism.displacement.shape == item.mesh.points.shape
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0 - 1e-9])
+def test_a_requested_kh_between_the_limits_of_two_meshes_is_told_as_the_last_mesh_has_it(share: float) -> None:
+    """It was told to be without equilibrium below the critical Kh, as the path of the earlier mesh ended before it."""
+    section, meshing = slope_with(cohesion="5 kPa", friction_angle="32 deg"), MeshSettings(size=1.5)
+    wish = FemSettings(accuracy=1e-3, max_cells=1300, direction="downhill", safety_factor_at=())
+    mesh = generate(section, meshing)
+    search = AdaptiveSearch(section, meshing, mesh, MPI.COMM_SELF, lambda *_: None, SERIAL)
+    adapted = search.critical(wish)
+    first, last = (each.result.ground for each in (adapted.earlier[0], adapted))
+    assert first.limit.multiplier > last.limit.multiplier  # as it is with most meshes
+    low, high = 0.9 * last.limit.multiplier, last.limit.multiplier
+    weak = replace(first, limit=replace(first.limit, multiplier=low))
+    earlier = replace(adapted.earlier[0], result=replace(adapted.earlier[0].result, ground=weak))
+    turned_round = replace(adapted, earlier=[earlier, *adapted.earlier[1:]])
+    between = low + share * (high - low)
+    assert path_start(turned_round)[0] is earlier.mesh
+    assert path_start(turned_round, [0.5 * low, 1.1 * high])[0] is earlier.mesh
+    assert path_start(turned_round, [between])[0] is adapted.mesh
+
+
+def test_states_of_a_requested_kh_agree_with_the_critical_kh(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Davis's bracket may lower the limit load of the last mesh after the path has been followed to it."""
+    section = slope_with(cohesion="5 kPa", friction_angle="32 deg")
+    known = assessed(section, safety_factor_at=()).critical.kc
+    wanted = 0.97 * known
+    weaker = slope_with(cohesion="4.6 kPa", friction_angle="32 deg")
+
+    def lowered(_: object, adapted: Any, settings: FemSettings) -> tuple[Any, None]:
+        mesh = generate(section, MeshSettings(size=1.5))
+        return AdaptiveResult(critical_limit_load(weaker, mesh, settings, MPI.COMM_SELF), mesh), None
+
+    monkeypatch.setattr(assessment._Search, "limit_loads_by_both_rules", lowered)
+    item = assessed(section, safety_factor_at=(), kh=(wanted,))
+    assert item.critical.kc < wanted
+    assert [state.past_equilibrium for state in item.critical.states if state.kh == wanted] == [True]
 
 
 def test_a_path_without_failure_belongs_to_the_mesh_of_the_answer(monkeypatch: pytest.MonkeyPatch) -> None:

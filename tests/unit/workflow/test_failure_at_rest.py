@@ -14,6 +14,7 @@ from fem.errors import UnstableError
 from meshes.executor import OneThread
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import analysed, layer, slope
+from workflow.cli import terminal
 from workflow.config import Config
 from workflow.report.console import fem_sentences
 from workflow.report.first_page import headlines
@@ -23,6 +24,10 @@ from workflow.results.bounds import BoundsAnswer, DirectionPart, SafetyPart
 from workflow.results.continuum import FactorOfSafety, OtherCriticalKh
 from workflow.results.governing import estimates_of, governing_factor, governing_kh
 from workflow.results.results import Results
+from workflow.run import pipeline
+from workflow.run.plan import Choice
+from workflow.run.progress import Verbosity
+from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.stages.bounds import work
 from workflow.texts.report_texts import Texts
@@ -50,10 +55,16 @@ def dam(rises: bool = True, upper: float | None = -0.0015) -> Results:
     answer = fem(run, 0.0127).model_copy(
         update={"safety_factors": (factor(1.26),), "after_shaking": factor(1.02, True) if rises else None}
     )
-    of_factor = SafetyPart(kh=0.0, lower=1.258, upper=1.264, cells=9)
+    of_factor = SafetyPart(kh=0.0, lower=1.258 if rises else None, upper=1.264, cells=9)
     lower = None if upper is None else -0.0024
     strict = bounds(run, -0.0024, -0.0015).model_copy(update={"upper": upper, "lower": lower, "safety": (of_factor,)})
     return results(run, fem=answer, bounds=strict)
+
+
+def slope_proven_to_fail(lower: float, upper: float) -> Results:
+    """Return results of elements that stand up to Kh = 0.0127, beside strict bounds."""
+    run = analysed(slope())
+    return results(run, fem=fem(run, 0.0127), bounds=bounds(run, lower, upper))
 
 
 def printed_text(answers: Results) -> str:
@@ -87,6 +98,7 @@ def test_a_proof_of_failure_without_shaking_governs_every_number() -> None:
     assert not any("kc = 0.013" in (estimate.note or "") for estimate in estimates_of(answers))
     rows = [row for row in stability_rows(answers, Texts()) if "after shaking" in row.quantity]
     assert [row.value for row in rows] == ["1.02"]
+    assert "above 1.00, which the strict upper bound of the critical Kh excludes" in rows[0].conditions
 
 
 def test_a_factor_that_shaking_leaves_as_it_is_is_told_once() -> None:
@@ -109,6 +121,21 @@ def test_ground_without_excess_pore_pressure_has_one_factor() -> None:
     assert safety.interval == "by the strict upper bound of the critical Kh"
     assert "does not stand: its factor of safety is at most 1.00" in safety.conclusion
     assert "Factor of safety at Kh = 0: 1.000 with" in printed_text(answers)
+
+
+def test_a_mechanism_at_free_sides_does_not_limit_a_factor_between_held_sides() -> None:
+    """The headline was "at most 1.00" beside a table with 1.26 and its strict bounds, all at once."""
+    answers = dam(rises=False)
+    assert answers.bounds is not None
+    moved = tuple(part.model_copy(update={"leaves": ("right",)}) for part in answers.bounds.directions)
+    free = results(answers.config, fem=answers.fem, bounds=answers.bounds.model_copy(update={"directions": moved}))
+    kh, safety, _ = headlines(free, Texts())
+    assert kh.value == "< 0"
+    assert "moves a side of the section, as free-field sides permit" in kh.conclusion
+    assert safety.value == "1.26"
+    assert "Between sides held horizontally the section stands without shaking" in safety.conclusion
+    rows = [row for row in stability_rows(free, Texts()) if "factor" in row.quantity and "elements" in row.quantity]
+    assert [(row.value, "which counts" in row.conditions) for row in rows] == [("1.26", False)]
 
 
 def test_an_upper_bound_of_the_factor_below_1_proves_the_failure_too() -> None:
@@ -164,8 +191,27 @@ def test_kh_and_factor_agree_whatever_elements_and_bounds_are(
         assert counts >= 1.0 - 2.0 * HALF_DIGIT or by_elements < 1.0
         assert lower + gap >= 0.0
     else:
-        assert counts <= 1.0 + HALF_DIGIT
+        assert counts <= 1.0 + HALF_DIGIT or of_factor > 1.0  # strict on both sides: the factor is of held sides
     assert counts <= ratio * of_factor * (1.0 + HALF_DIGIT) + HALF_DIGIT
+
+
+@pytest.mark.parametrize(
+    ("upper", "chosen", "ends"), [(-0.001, "fem", True), (0.02, "fem", False), (-0.001, "mesh", False)]
+)
+def test_bounds_of_an_earlier_command_end_the_command_of_the_elements(
+    upper: float, chosen: str, ends: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It printed that the section fails, and ended as if there were a critical Kh."""
+    answers = slope_proven_to_fail(-0.002, upper)
+    monkeypatch.setattr(Results, "of", classmethod(lambda cls, job: answers))
+    monkeypatch.setattr(pipeline, "execute", lambda *what: None)
+    choice = Choice((chosen,), requested=(chosen,))
+    job = Job(answers.config, answers.store, ())
+    if not ends:
+        return terminal.execute(job, choice, Verbosity.QUIET)
+    with pytest.raises(UnstableError, match=r"Strict bounds prove that .* its critical Kh is at most -0\.001"):
+        terminal.execute(job, choice, Verbosity.QUIET)
+    return None
 
 
 @pytest.mark.parametrize(("upper", "none"), [(-0.001, True), (0.001, False)])
