@@ -3,7 +3,7 @@ of safety after shaking."""
 
 from workflow.report.numbers import coefficient
 from workflow.results.continuum import FactorOfSafety, FemAnswer
-from workflow.results.governing import governing_factor, stands_between_held_sides
+from workflow.results.governing import governing_factor, stands_with_smooth_sides
 from workflow.results.results import Results
 from workflow.texts.report_texts import Texts
 
@@ -31,7 +31,7 @@ def failure_at_rest(results: Results, texts: Texts | None = None) -> str:
             "not count.",
             kc=coefficient(fem.kc),
         )
-    if fem is not None and fem.at_rest is not None and stands_between_held_sides(results, fem.at_rest):
+    if fem is not None and fem.at_rest is not None and stands_with_smooth_sides(results, fem.at_rest):
         phrase += " " + _(
             "This mechanism moves a side of the section, as free-field sides permit; the factor of safety is that "
             "between sides held horizontally."
@@ -45,7 +45,7 @@ def after_shaking(results: Results, texts: Texts | None = None) -> str:
     if fem is None or fem.after_shaking is None:
         return ""
     factor = governing_factor(results, fem.after_shaking)
-    if results.fails_at_rest and not stands_between_held_sides(results, fem.after_shaking):
+    if results.fails_at_rest and not stands_with_smooth_sides(results, fem.after_shaking):
         return _(
             "After shaking, with its excess pore pressure, the section does not stand: its factor of safety is at most "
             "{factor}.",

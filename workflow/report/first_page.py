@@ -27,7 +27,7 @@ from workflow.results.governing import (
     governing_factor,
     governing_kh,
     is_limited_by_kh,
-    stands_between_held_sides,
+    stands_with_smooth_sides,
 )
 from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
@@ -284,7 +284,7 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
 def _word_of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, governing: float) -> str:
     """Return the sentence on whether the section stands without shaking, by the factor of safety that is governing."""
     word = "Without shaking the section stands, with a factor of safety of {factor} ({flow})."
-    if stands_between_held_sides(results, factor):
+    if stands_with_smooth_sides(results, factor):
         word = (
             "Between sides held horizontally the section stands without shaking, with a factor of safety of {factor} "
             "({flow}); with free-field sides it does not stand."

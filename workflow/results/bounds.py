@@ -215,7 +215,7 @@ class BoundsAnswer(BracketPart, Answer):
         return self.upper is not None and self.upper < 0.0
 
     @property
-    def fails_between_held_sides(self) -> bool:
+    def fails_with_smooth_sides(self) -> bool:
         """Return whether a mechanism that proves failure without a seismic force is also one between sides held
         horizontally: at free-field sides it must not move through a side."""
         if not self.fails_at_rest:

@@ -110,10 +110,10 @@ def is_limited_by_kh(results: Results, factor: FactorOfSafety) -> bool:
     lower, upper = (None, None) if strict is None else (strict.lower, strict.upper)
     if (lower is not None and lower > 1.0) or (upper is not None and upper <= 1.0):
         return False
-    return bounds.fails_between_held_sides
+    return bounds.fails_with_smooth_sides
 
 
-def stands_between_held_sides(results: Results, factor: FactorOfSafety) -> bool:
+def stands_with_smooth_sides(results: Results, factor: FactorOfSafety) -> bool:
     """Return whether ground that a mechanism at free-field sides proves to fail without a seismic force has a factor of
     safety above 1 all the same, between sides held horizontally."""
     at_rest = results.fem is not None and factor == results.fem.at_rest

@@ -151,11 +151,11 @@ def test_a_requested_kh_between_the_limits_of_two_meshes_is_told_as_the_last_mes
     low, high = 0.9 * last.limit.multiplier, last.limit.multiplier
     weak = replace(first, limit=replace(first.limit, multiplier=low))
     earlier = replace(adapted.earlier[0], result=replace(adapted.earlier[0].result, ground=weak))
-    turned_round = replace(adapted, earlier=[earlier, *adapted.earlier[1:]])
+    reversed_order = replace(adapted, earlier=[earlier, *adapted.earlier[1:]])
     between = low + share * (high - low)
-    assert path_start(turned_round)[0] is earlier.mesh
-    assert path_start(turned_round, [0.5 * low, 1.1 * high])[0] is earlier.mesh
-    assert path_start(turned_round, [between])[0] is adapted.mesh
+    assert path_start(reversed_order)[0] is earlier.mesh
+    assert path_start(reversed_order, [0.5 * low, 1.1 * high])[0] is earlier.mesh
+    assert path_start(reversed_order, [between])[0] is adapted.mesh
 
 
 def test_states_of_a_requested_kh_agree_with_the_critical_kh(monkeypatch: pytest.MonkeyPatch) -> None:
