@@ -210,15 +210,17 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
     reported = "report" in choice.chosen and job.store.has("report.html")
     shown = choice.requested or choice.chosen
     if every or not reported:
-        results, warnings = Results.of(job), list[str]()
+        results, warnings, printed_stages = Results.of(job), list[str](), list[str]()
         ends = results.ends
         for stage in job.stages:
             if stage.name in choice.chosen and stage.name in ends and ends[stage.name].outcome in ("done", "part"):
-                for line in sentences(stage.name, job.config, job.store, every, results):
+                for line in sentences(stage.name, job.config, job.store, every, results, printed_stages):
                     if line.startswith(("Warning", "Contradiction")):
                         warnings.append(line)
                     elif every or stage.name in shown:
                         say(line)
+                if every or stage.name in shown:
+                    printed_stages.append(stage.name)
         for line in dict.fromkeys(warnings):
             say(line)
         if every or SEISMIC_STAGES & set(choice.chosen):

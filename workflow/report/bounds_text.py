@@ -1,10 +1,11 @@
 """Puts the strict bounds of fem/bounds.json into sentences of the console and the report."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from meshes.section.cutting import shown_name
 from workflow.report.numbers import coefficient
 from workflow.results.bounds import BoundsAnswer
+from workflow.results.continuum import ShallowFailurePart
 
 
 def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
@@ -33,16 +34,24 @@ def proven(faces: bool, load_ends: bool, water_exits: bool) -> str:
     return f"{failures} ({' and '.join(strengthened)} given a cohesion)" if strengthened else "Strict bounds"
 
 
-def bounds_sentences(answer: BoundsAnswer) -> Iterator[str]:
-    """Yield sentences on the strict bounds of fem/bounds.json, and the shallow failures of faces before them."""
+def _face_sentences(answer: BoundsAnswer, reported_faces: Sequence[ShallowFailurePart]) -> Iterator[str]:
+    """Yield sentences on the shallow failures of faces, and on the depth of the failures of the bounds."""
+    reported = {(face.stratum, face.start_x_m, face.end_x_m, failing_at(face.kh)) for face in reported_faces}
     for face in answer.shallow_failures:
+        if (face.stratum, face.start, face.end, failing_at(face.kh)) in reported:
+            continue
         if face.is_edge(answer.least_depth):
             yield edge_sentence(face.stratum, face.start, face.end, face.kh)
             continue
-        yield (
-            f"{face_words(face.stratum, face.start, face.end)} {failing_at(face.kh)}. The bounds below are for "
-            f"failures deeper than {answer.least_depth:g} m."
-        )
+        yield f"{face_words(face.stratum, face.start, face.end)} {failing_at(face.kh)}."
+    if any(not face.is_edge(answer.least_depth) for face in answer.shallow_failures):
+        yield f"The bounds below are for failures deeper than {answer.least_depth:g} m."
+
+
+def bounds_sentences(answer: BoundsAnswer, reported_faces: Sequence[ShallowFailurePart] = ()) -> Iterator[str]:
+    """Yield sentences on the strict bounds of fem/bounds.json, and the shallow failures of faces before them, except
+    ``reported_faces`` of the finite elements."""
+    yield from _face_sentences(answer, reported_faces)
     if answer.shallow is not None:
         when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
         water = "water seeps out of bare ground or stands close below"

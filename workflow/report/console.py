@@ -1,6 +1,6 @@
 """States the results of the stages in sentences, which commands print."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -341,11 +341,18 @@ def _slices(config: Config, answer: SlicesAnswer, results: Results | None) -> It
 
 
 def sentences(
-    name: str, config: Config, store: Store, every: bool = True, results: Results | None = None
+    name: str,
+    config: Config,
+    store: Store,
+    every: bool = True,
+    results: Results | None = None,
+    reported: Sequence[str] = (),
 ) -> Iterator[str]:
     """Yield the result of one stage in sentences, with ``every`` also details of the finite elements. The result is
-    compared with the ``results`` of the other stages.
+    compared with the ``results`` of the other stages; facts of the stages that are ``reported`` already are left out.
     """
+    fem = results.fem if results is not None and "fem" in reported else None
+    faces = fem.shallow_failures if fem is not None else ()
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
         "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),
         "response": lambda: response_sentences(SiteResponseAnswer.read(store)),
@@ -353,7 +360,7 @@ def sentences(
         "liquefied": lambda: post_liquefaction.sentences(LiquefiedAnswer.read(store)),
         "mesh": lambda: mesh_sentences(config, store),
         "fem": lambda: fem_sentences(FemAnswer.read(store), config.section, every, results),
-        "bounds": lambda: bounds_sentences(BoundsAnswer.read(store)),
+        "bounds": lambda: bounds_sentences(BoundsAnswer.read(store), faces),
         "slices": lambda: _slices(config, SlicesAnswer.read(store), results),
         "faces": lambda: faces_sentences(FacesAnswer.read(store), results),
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),

@@ -22,6 +22,7 @@ Interval = tuple[str, float | None, float | None, str]  # of what, ends of the i
 AT_LEAST: tuple[Criterion, ...] = ("factor of safety", "critical Kh", "freeboard")
 OF_FACES: tuple[Criterion, ...] = ("factor of safety", "critical Kh")  # of structures, where there are any
 OPEN_END = float("inf")  # the upper end of what still grows
+BY_BOUNDS = "the section by strict bounds"
 BLOCK = "rigid block without loss of strength"
 SMALLEST_SPREAD = 1e-3  # m: slides of less have no spread
 
@@ -84,10 +85,23 @@ def _critical(results: Results) -> Iterator[Interval]:
         critical = face.critical
         yield from _by_slices(of, critical if isinstance(critical, tuple) else () if critical is None else (critical,))
         yield from _by_elements(results, of, face, "critical Kh")
-    governing, fem = governing_kh(results), results.fem
-    if governing is not None and fem is not None and _is_of_section(results, results.slip_surface):
-        most = max(governing.value, fem.kc_upper) if governing.bound is None else governing.value
-        yield "the section by finite elements", governing.value, most, ""
+    governing, fem, bounds = governing_kh(results), results.fem, results.bounds
+    if results.fails_at_rest and bounds is not None:
+        by_number = bounds.upper is not None and -1.0 < bounds.upper < 0.0  # a number below -1 has no meaning
+        yield BY_BOUNDS, -OPEN_END, bounds.upper if by_number else 0.0, ""
+    if governing is None or fem is None:
+        return
+    if (strict := governing.opposite_bounds) is not None:
+        # Where structures have faces, these bounds belong to the face of their direction.
+        if results.faces is None or not structures_of(results.config.section):
+            yield BY_BOUNDS, -OPEN_END if strict.lower is None else strict.lower, strict.upper, ""
+    elif _is_of_section(results, results.slip_surface):
+        least = most = governing.value
+        if governing.bound is None:
+            most = max(most, fem.kc_upper)
+        if governing.is_limit and governing.interval is not None:  # the bounds are too wide for a number
+            least, most = governing.interval.low, governing.interval.high
+        yield "the section by finite elements", least, most, ""
 
 
 def _is_of_section(results: Results, surface: Sequence[Sequence[float]] | np.ndarray) -> bool:

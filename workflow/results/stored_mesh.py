@@ -9,6 +9,7 @@ from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh, check, read
 from meshes.section.naming import group_names
 from meshes.section.section import Section
+from workflow.run.record import Record
 from workflow.run.store import Store
 
 # The mesh that the finite elements ended with: adapted to the mechanism, or the one that they were given.
@@ -51,6 +52,9 @@ def fem_mesh(section: Section, store: Store, method: str) -> QuadMesh:
 
 def path_mesh(section: Section, store: Store, method: str) -> QuadMesh:
     """Return the mesh of the fields of the stage `fem`; raise InputError as ``stored_mesh`` does. Older versions of the
-    program followed the path on the last mesh, and wrote that one alone."""
-    file = PATH_FILE if store.has(PATH_FILE) else FEM_FILE
+    program followed the path on the last mesh, and wrote that one alone. A mesh of the path that the stage did not
+    write belongs to another version of the program."""
+    entry = Record(store)["fem"]
+    is_written = store.has(PATH_FILE) and (entry is None or not entry.files or PATH_FILE in entry.files)
+    file = PATH_FILE if is_written else FEM_FILE
     return replace(given_mesh(section, store.folder / file), method=method)

@@ -60,7 +60,7 @@ def work(job: Job) -> None:
         bounds = kh_bounds(config.section, config.fem, of_kh, lambda so_far: job.progress(in_words(so_far), None))
     except ProvenUnstableError as error:
         bounds, failure = error.bounds, error
-    factors, after_shaking = _factors(job, config, settings, bounds if failure is None else None)
+    factors, after_shaking = _factors(job, settings, bounds, is_start=failure is None)
     answer = answer_of(config, bounds, settings, time.perf_counter() - started)
     answer = answer.model_copy(update={"safety": factors, "after_shaking": after_shaking})
     answer.write(job.store)
@@ -95,17 +95,18 @@ def _factor_places(config: Config) -> list[tuple[Section, float]]:
 
 
 def _factors(
-    job: Job, config: Config, settings: BoundsSettings, known: "KhBounds | None"
+    job: Job, settings: BoundsSettings, of_kh: "KhBounds", is_start: bool
 ) -> tuple[tuple[SafetyPart, ...], SafetyPart | None]:
     """Return the factors of safety at every Kh of the settings, and the one after shaking, if they are wanted. All
-    factors share the computing work that the search for the ``known`` bounds of Kh did not use. The searches begin on
-    the triangles of these bounds. Without shaking, sides that are not fixed are held horizontally, as in the finite
-    elements.
+    factors share the computing work that the search for the bounds ``of_kh`` did not use. If these bounds are a start
+    (``is_start``), the searches begin on their triangles. Without shaking, sides that are not fixed are held
+    horizontally, as in the finite elements.
     """
     from fem.limit.safety_bounds import safety_bounds
 
+    config, known = job.config, of_kh if is_start else None
     places, parts = _factor_places(config), list[SafetyPart]()
-    left = settings.seconds - (known.work if known else 0.0)
+    left = settings.seconds - of_kh.work
     for position, (section, kh) in enumerate(places):
         job.progress(f"factor of safety at Kh = {kh:g}{'' if section is config.section else ', after shaking'}", None)
         share = settings.of_factors.model_copy(update={"seconds": max(left, 0.0) / (len(places) - position)})

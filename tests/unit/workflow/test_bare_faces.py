@@ -36,3 +36,18 @@ def test_sand_on_a_face_steeper_than_its_friction_angle_is_told() -> None:
 @pytest.mark.parametrize("holds", [{"cohesion": "5 kPa"}, {"friction_angle": "55 deg"}])
 def test_a_face_that_stands_is_not_told(holds: dict[str, str]) -> None:
     assert not any("bare face" in text for text in bank(**holds).notices)
+
+
+@pytest.mark.parametrize("is_right", [True, False])
+def test_a_vertical_wall_of_sand_is_told_on_either_side(is_right: bool) -> None:
+    """A wall of no width has no slope, so that no face was found, and `check` called the section sound."""
+    ground = [[0.0, 10.0], [20.0, 10.0], [20.0, 4.0], [50.0, 4.0]]
+    surface = ground if is_right else [[50.0 - x, z] for x, z in reversed(ground)]
+    strata = [
+        {"name": "Clay", **SOIL, "bottom": {"elevation": 8.0}},
+        {"name": "Sand", **SOIL, "cohesion": "0 kPa", "friction_angle": "35 deg"},
+    ]
+    walled = analysed({"name": "wall", "surface": surface, "base": {"elevation": 0.0}, "strata": strata})
+    (message,) = [text for text in walled.notices if "bare wall" in text]
+    x = 20 if is_right else 30
+    assert message.startswith(f'the bare wall of "Sand" at x = {x} m, from elevation 4 to 8 m, cannot stand by itself')

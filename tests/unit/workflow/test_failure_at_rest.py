@@ -2,6 +2,7 @@
 governs every number."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -11,19 +12,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fem.errors import UnstableError
+from fem.limit import safety_bounds
+from fem.settings import BoundsSettings, FemSettings
 from meshes.executor import OneThread
+from meshes.section.section import Section
 from tests.support.answers import bounds, fem, results
 from tests.support.sections import analysed, layer, slope
 from workflow.cli import terminal
 from workflow.config import Config
+from workflow.criteria.settings import CriteriaSettings
 from workflow.report.console import fem_sentences
 from workflow.report.first_page import headlines
 from workflow.report.stability import stability_rows
 from workflow.report.summary import summary
+from workflow.report.verdicts import interval_words, verdicts
 from workflow.results.bounds import BoundsAnswer, DirectionPart, SafetyPart
 from workflow.results.continuum import FactorOfSafety, OtherCriticalKh
 from workflow.results.governing import estimates_of, governing_factor, governing_kh
 from workflow.results.results import Results
+from workflow.results.verdicts import VerdictPart
 from workflow.run import pipeline
 from workflow.run.plan import Choice
 from workflow.run.progress import Verbosity
@@ -67,6 +74,14 @@ def slope_proven_to_fail(lower: float, upper: float) -> Results:
     return results(run, fem=fem(run, 0.0127), bounds=bounds(run, lower, upper))
 
 
+def judged_kh(answers: Results) -> tuple[VerdictPart, ...]:
+    """Return the verdicts on a critical Kh of at least 0.1."""
+    run = answers.config.model_copy(
+        update={"criteria": CriteriaSettings.model_validate({"critical_kh": {"limit": 0.1}})}
+    )
+    return tuple(verdicts(replace(answers, config=run)))
+
+
 def printed_text(answers: Results) -> str:
     """Return what a command prints of the finite elements."""
     assert answers.fem is not None
@@ -90,6 +105,7 @@ def test_a_proof_of_failure_without_shaking_governs_every_number() -> None:
     assert printed.startswith("No critical Kh. Strict bounds prove that the section fails without a seismic force")
     assert "Factor of safety at Kh = 0 before shaking: 1.260" in printed
     assert "Factor of safety at Kh = 0 after shaking, with its excess pore pressure: 1.000" in printed
+    assert [(part.verdict, part.low, part.high) for part in judged_kh(answers)] == [("not satisfied", None, -0.0015)]
     short = summary(answers, 1.0).fem
     assert short is not None
     assert short.kc is short.kc_governing is None
@@ -224,16 +240,26 @@ def test_an_upper_bound_alone_proves_failure(upper: float, none: bool) -> None:
     assert not alone.has_interval
 
 
-def test_bounds_that_prove_failure_are_stored(tmp_path: Path) -> None:
+def test_bounds_that_prove_failure_are_stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """They ended as an error without a file, so that the headline did not know of them."""
     data = slope() | {"surface": [[0.0, 20.0], [40.0, 20.0], [50.0, 10.0], [100.0, 10.0]]}
     data["strata"] = [layer("clay", cohesion="33 kPa", friction_angle="0 deg")]
     data["bounds"] = {"max_cells": 400, "safety_factor": True, "seconds": 3.0}
     config, store = analysed(data), Store(tmp_path)
     job = cast(Any, SimpleNamespace(config=config, store=store, executor=OneThread(), progress=lambda *what: None))
+    allowed, search = list[float](), safety_bounds.safety_bounds
+
+    def noted(section: Section, fem: FemSettings, settings: BoundsSettings, *further: Any, **named: Any) -> Any:
+        allowed.append(settings.seconds)
+        return search(section, fem, settings, *further, **named)
+
+    monkeypatch.setattr(safety_bounds, "safety_bounds", noted)
     with pytest.raises(UnstableError, match=r"the critical Kh is at most -0\.\d+; check .* FS <= 0\.\d+ at Kh = 0"):
         work(job)
     answer = BoundsAnswer.read(store)
+    spent = sum(mesh.work for part in answer.directions for mesh in part.history)
+    assert spent > 0.0
+    assert sum(allowed) == pytest.approx(config.bounds.seconds - spent)  # proof of failure, too, counts as work
     assert answer.verdict == "unstable"
     assert answer.fails_at_rest
     assert answer.upper is not None
@@ -265,3 +291,28 @@ def test_an_upper_bound_in_the_other_direction_counts_if_it_is_smaller(upper: fl
     printed = printed_text(answers)
     assert ("Critical Kh = 0.150" in printed) == counts
     assert ("to the left, where the strict upper bound counts: the finite elements give 0.200" in printed) == counts
+
+
+@pytest.mark.parametrize(
+    ("lower", "verdict", "words"),
+    [
+        (0.12, "satisfied", "0.120 to 0.150"),
+        (0.06, "not decided", "0.060 to 0.150"),
+        (None, "not decided", "at most 0.150"),
+    ],
+)
+def test_the_criterion_of_kh_is_read_against_the_bounds_that_count(
+    lower: float | None, verdict: str, words: str
+) -> None:
+    """An upper limit of 0.15 whose lower bound is 0.06 was told to satisfy 0.1, as were bounds of the other direction
+    that have no lower bound at all."""
+    run = analysed(slope())
+    answer, strict = fem(run, 0.2), bounds(run, 0.19, 0.201)
+    uphill = DirectionPart(direction="uphill", towards="left", lower=lower, upper=0.15, leaves=(), history=())
+    strict = strict.model_copy(update={"directions": (uphill, *strict.directions), "lower": lower, "upper": 0.15})
+    [part] = judged_kh(results(run, fem=answer, bounds=strict))
+    assert (part.subject, part.verdict, interval_words(part)) == ("the section by strict bounds", verdict, words)
+    if lower is None:
+        return
+    [part] = judged_kh(results(run, fem=answer, bounds=bounds(run, lower, 0.15)))
+    assert (part.subject, part.verdict, interval_words(part)) == ("the section by finite elements", verdict, words)

@@ -17,13 +17,13 @@ def elements(width: float) -> str:
     return messages
 
 
-def bounds(width: float) -> str:
+def bounds(width: float, *reported_faces: ShallowFailurePart) -> str:
     face = ShallowBoundPart(stratum="Liner", start=32.9, end=32.9 + width, kh=0.05)
     answer = BoundsAnswer.model_construct(
         shallow_failures=(face,), shallow=None, least_depth=0.5, load_ends=(), water_exits=(), description="0.1 <= Kh",
         verdict="bracketed", safety=(), substitute=None,
     )  # fmt: skip
-    return next(iter(bounds_sentences(answer)))
+    return next(iter(bounds_sentences(answer, reported_faces)))
 
 
 def test_seven_centimetres_of_a_liner_are_an_edge() -> None:
@@ -38,3 +38,11 @@ def test_seven_centimetres_of_a_liner_are_an_edge() -> None:
 def test_three_metres_are_a_face() -> None:
     assert elements(3.0).startswith('Shallow failure of the face of "Liner" from x = 32.9')
     assert bounds(3.0).startswith('Shallow failure of the face of "Liner" from x = 32.9')
+
+
+def test_a_face_that_the_elements_report_is_not_reported_again_by_the_bounds() -> None:
+    """The same sentence stood twice below `noshiro fem --safety-factor`."""
+    face = ShallowFailurePart(stratum="Liner", start_x_m=32.9, end_x_m=32.9 + 3.0, angle_deg=18.0, kh=0.05001)
+    assert bounds(3.0, face) == "The bounds below are for failures deeper than 0.5 m."
+    other = face.model_copy(update={"kh": 0.06})
+    assert bounds(3.0, other).startswith("Shallow failure of the face")
