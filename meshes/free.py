@@ -185,7 +185,7 @@ def _corners(section: Section, layers: Layering, polygons: list[np.ndarray]) -> 
     """Return the corners (n, 2) of all polygons, and the ends of loads on the ground, since an edge has to end there,
     too."""
     ends = np.array([x for load in section.surcharges for x in (load.start, load.end)])
-    return np.unique(np.concatenate([np.column_stack([ends, layers.interfaces(ends)[:, 0]]), *polygons]), axis=0)
+    return np.unique(np.concatenate([np.column_stack([ends, layers.interface(0, ends)]), *polygons]), axis=0)
 
 
 def _size_in(section: Section, sizes: Sizes, k: int, points: np.ndarray) -> np.ndarray:

@@ -186,7 +186,7 @@ def has_uncounted_water(section: Section, face: ShallowFailure, depth: float) ->
     """
     shortest_part = min(SHORT_WATER_RATIO * depth, 0.5 * (face.end - face.start))
     x = np.array([face.start + shortest_part, face.end - shortest_part])
-    ground = np.column_stack([x, section.layering.interfaces(x)[:, 0]])
+    ground = np.column_stack([x, section.layering.interface(0, x)])
     below, strata = ground - np.array([0.0, depth]), np.full(2, _number(section, face))
     at_rest = section.water_pressure.at_rest
     emerging = (at_rest(below, below, strata) > PRESSURE_TOLERANCE) & (
@@ -241,7 +241,7 @@ def _is_stable_anyway(section: Section, piece: _Piece, excess_pressure: bool) ->
     surface.
     """
     water, middle = section.water_pressure, np.array([piece.middle])
-    ground = np.column_stack([middle, section.layering.interfaces(middle)[:, 0]])
+    ground = np.column_stack([middle, section.layering.interface(0, middle)])
     if section.surface_loads.dead(ground, ground, np.array([[0.0, 1.0]])).any():
         return True
     inside = water.inside(ground, ground, np.array([piece.number]), excess_pressure)

@@ -142,7 +142,7 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
     section, cell = ground.section, ground.grid.cell
     points, (left, right) = ground.points.subset(np.argsort(order)), section.extent
     places = points.x + ground.offset
-    base = section.layering.interfaces(np.clip(places[:, 0], left + LENGTH_TOLERANCE, right - LENGTH_TOLERANCE))[:, -1]
+    base = section.layering.interface(-1, np.clip(places[:, 0], left + LENGTH_TOLERANCE, right - LENGTH_TOLERANCE))
     remaining = (points.stratum >= 0) | (places[:, 1] < base)
     points.stress[(points.stratum < 0) & ((places[:, 0] < left) | (places[:, 0] > right))] = 0.0  # nothing weighs on it
     height = points.state[:, kernel.VOLUME] / (0.5 * cell)
@@ -224,7 +224,7 @@ def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> tupl
     with the share to which the ground has consolidated. Points below the base have the stresses at the base.
     """
     points_inside = _between_sides(section, places)
-    points_inside[:, 1] = np.maximum(points_inside[:, 1], section.layering.interfaces(points_inside[:, 0])[:, -1])
+    points_inside[:, 1] = np.maximum(points_inside[:, 1], section.layering.interface(-1, points_inside[:, 0]))
     water, stratum = section.water_pressure, np.maximum(owners, 0)
     stratum = np.where(owners < 0, section.layering.strata - 1, stratum)
     load = section.surface_loads.pressure(points_inside[:, 0], points_inside[:, 0])

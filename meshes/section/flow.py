@@ -65,7 +65,7 @@ def _shores(layers: Layering, table: np.ndarray) -> list[float]:
     """Return the x at which the water table crosses the ground (m)."""
     x = np.union1d(layers.x, table[(table[:, 0] > layers.x[0]) & (table[:, 0] < layers.x[-1]), 0])
     middle = 0.5 * (x[1:] + x[:-1])
-    first, last = (level_at(table, end, middle) - layers.interfaces(end, near=middle)[:, 0] for end in (x[:-1], x[1:]))
+    first, last = (level_at(table, end, middle) - layers.interface(0, end, near=middle) for end in (x[:-1], x[1:]))
     i = np.flatnonzero(first * last < 0.0)
     return [float(at) for at in x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i])]
 

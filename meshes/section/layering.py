@@ -79,11 +79,24 @@ class Layering:
 
         With ``near`` (len(x),) it is the elevation in the interval that contains ``near``, which may be on either side.
         """
+        i, share = self._intervals(x, near)
+        share = share[:, None]
+        return (1.0 - share) * self.left[i] + share * self.right[i]
+
+    def interface(self, number: int, x: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
+        """Return the elevation (m) of one interface at x, (len(x),): ``number`` 0 is the ground, -1 the base.
+
+        ``x``, ``near``: as for `interfaces`.
+        """
+        i, share = self._intervals(x, near)
+        return (1.0 - share) * self.left[i, number] + share * self.right[i, number]
+
+    def _intervals(self, x: np.ndarray, near: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+        """Return the interval of each x, or of each ``near``, and the place of x in it as a share of its width."""
         x = np.asarray(x, dtype=float)
         place = x if near is None else np.asarray(near, dtype=float)
         i = np.clip(np.searchsorted(self.x, place, side="right") - 1, 0, len(self.x) - 2)
-        share = ((x - self.x[i]) / self.width[i])[:, None]
-        return (1.0 - share) * self.left[i] + share * self.right[i]
+        return i, (x - self.x[i]) / self.width[i]
 
     def places_between(self, x: np.ndarray) -> np.ndarray:
         """Return places x (m) between the sides, rising and each once; those at a breakpoint are moved to it."""

@@ -107,7 +107,7 @@ class TensionCrack(Model):
         if self.bottom is None:
             return np.zeros(np.shape(x))
         bottom = np.interp(x, *section.elevations_of(self.bottom).T)
-        ground = section.layering.interfaces(np.ravel(x))[:, 0].reshape(np.shape(x))
+        ground = section.layering.interface(0, np.ravel(x)).reshape(np.shape(x))
         return np.maximum(ground - bottom, 0.0)
 
     def water_depth(self, depth: np.ndarray) -> np.ndarray:

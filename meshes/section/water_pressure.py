@@ -167,7 +167,7 @@ class WaterPressure:
         x = np.unique(np.concatenate([ends, *(line[:, 0] for line in lines)]))
         x = x[(x >= ends[0]) & (x <= ends[-1])]
         middle = 0.5 * (x[1:] + x[:-1])
-        ground = [self.layers.interfaces(end, near=middle)[:, 0] for end in (x[:-1], x[1:])]
+        ground = [self.layers.interface(0, end, near=middle) for end in (x[:-1], x[1:])]
         kinks = [line[:, 0] for line in lines]
         for line in lines:
             first, last = (level_at(line, end, middle) - z for end, z in zip((x[:-1], x[1:]), ground, strict=True))
@@ -213,7 +213,7 @@ class WaterPressure:
 
     def _top(self, points: np.ndarray, near: np.ndarray, line: np.ndarray | None = None) -> np.ndarray:
         """Return the ground surface (n, 2) above points, or the ``line`` (k, 2) where the line is lower."""
-        ground = self.layers.interfaces(points[:, 0], near=near[:, 0])[:, 0]
+        ground = self.layers.interface(0, points[:, 0], near=near[:, 0])
         if line is not None:
             ground = np.minimum(ground, level_at(line, points[:, 0], near[:, 0]))
         return np.column_stack([points[:, 0], ground])

@@ -253,7 +253,7 @@ def _of_zones(
 def _ground_at(layers: Layering, x: np.ndarray) -> np.ndarray:
     """Return the ground (columns, 2) without zones, at both ends of columns between the x."""
     middle = 0.5 * (x[1:] + x[:-1])
-    return np.column_stack([layers.interfaces(end, near=middle)[:, 0] for end in (x[:-1], x[1:])])
+    return np.column_stack([layers.interface(0, end, near=middle) for end in (x[:-1], x[1:])])
 
 
 def _strata(columns: Columns, bottoms: np.ndarray, strata: Sequence[Stratum], zones: Sequence[Zone]) -> list[Stratum]:

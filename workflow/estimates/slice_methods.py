@@ -33,17 +33,24 @@ def bishop_factor(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarr
         Horizontal seismic coefficient, towards the slide.
     """
     driving = -(_moments(slices, x, z) @ np.array([1.0, kh]))
-    slides = driving > 0.0
-    scale = np.where(slides, radius / np.where(slides, driving, 1.0), np.nan)
     vertical = slices.vertical + kh * slices.inertia_vertical
-    factor = np.full(len(x), 1.0)
+    result = np.full(len(x), np.nan)
+    # Surfaces whose factor still changes; each surface leaves as soon as its factor is constant.
+    moving = np.flatnonzero(driving > 0.0)
+    bases, factor = _Bases.of(slices, vertical).of_surfaces(moving), np.ones(len(moving))
     for _ in range(STEPS):
-        before, factor = factor, scale * _shear(slices, vertical, factor)[0].sum(axis=1)
-        if not np.any(np.abs(factor - before) > TOLERANCE * np.abs(factor)):
+        before, factor = factor, radius[moving] / driving[moving] * bases.shear(factor)[0].sum(axis=1)
+        with np.errstate(invalid="ignore"):  # inf - inf, of a factor that grows without limit
+            moves = np.abs(factor - before) > TOLERANCE * np.abs(factor)
+        if not moves.all():
+            result[moving[~moves]] = factor[~moves]
+            moving, factor = moving[moves], factor[moves]
+            bases = bases.of_surfaces(moves)
+        if not len(moving):
             break
-    _, m_alpha = _shear(slices, vertical, np.where(np.isfinite(factor), factor, 1.0))
-    sound = (m_alpha.min(axis=1) >= LEAST_M_ALPHA) & (factor > 0.0) & (factor < FACTORS[0])
-    return np.where(sound & (np.abs(factor - before) <= 10.0 * TOLERANCE * factor), factor, np.nan)
+    _, m_alpha = _Bases.of(slices, vertical).shear(np.where(np.isfinite(result), result, 1.0))
+    sound = (m_alpha.min(axis=1) >= LEAST_M_ALPHA) & (result > 0.0) & (result < FACTORS[0])
+    return np.where(sound, result, np.nan)
 
 
 def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarray) -> np.ndarray:
@@ -57,8 +64,9 @@ def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.
     slices, x, z, radius : as for `bishop_factor`; pore pressures are those during shaking
     """
     ones = np.ones(len(x))
-    static_part, m_alpha = _shear(slices, slices.vertical, ones)
-    seismic_part = _shear(slices, slices.inertia_vertical, ones)[0] - _shear(slices, 0.0 * slices.vertical, ones)[0]
+    static_part, m_alpha = _Bases.of(slices, slices.vertical).shear(ones)
+    without_weight = _Bases.of(slices, 0.0 * slices.vertical).shear(ones)[0]
+    seismic_part = _Bases.of(slices, slices.inertia_vertical).shear(ones)[0] - without_weight
     moments = _moments(slices, x, z)
     resisting, added = (
         radius * static_part.sum(axis=1) + moments[:, 0],
@@ -77,15 +85,41 @@ def _moments(slices: Slices, x: np.ndarray, z: np.ndarray) -> np.ndarray:
     return np.stack([static_part.sum(axis=1), added.sum(axis=1)], axis=1)
 
 
-def _shear(slices: Slices, vertical: np.ndarray, factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the shear forces at the bases times F (N/m), from the balance of vertical forces of each slice, and
-    m_α."""
-    tan = slices.friction / factor[:, None]
-    sin, cos = np.sin(slices.angle), np.cos(slices.angle)
-    bond = (slices.cohesion - slices.pressure * slices.friction) * slices.length
-    m_alpha = cos + sin * tan
-    normal = (-vertical - bond * sin / factor[:, None]) / np.where(np.abs(m_alpha) > 1e-3, m_alpha, 1e-3)
-    return bond + normal * slices.friction, m_alpha
+@dataclass(frozen=True)
+class _Bases:
+    """Holds what the shear forces at the bases of slices depend on; all arrays are (surfaces, slices).
+
+    Attributes
+    ----------
+    vertical : known forces on the slice, upwards (N/m)
+    sin, cos : of the slope α of the base
+    bond : shear strength of the base times its length without the normal force, (c - u tan φ) l (N/m)
+    friction : tan φ
+    """
+
+    vertical: np.ndarray
+    sin: np.ndarray
+    cos: np.ndarray
+    bond: np.ndarray
+    friction: np.ndarray
+
+    @classmethod
+    def of(cls, slices: Slices, vertical: np.ndarray) -> "_Bases":
+        """Return the bases of slices under the forces ``vertical``."""
+        bond = (slices.cohesion - slices.pressure * slices.friction) * slices.length
+        return cls(vertical, np.sin(slices.angle), np.cos(slices.angle), bond, slices.friction)
+
+    def of_surfaces(self, surfaces: np.ndarray) -> "_Bases":
+        """Return the bases of some surfaces, by index or by a mask."""
+        return _Bases(*(part[surfaces] for part in vars(self).values()))
+
+    def shear(self, factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the shear forces at the bases times F (N/m), from the balance of vertical forces of each slice, and
+        m_α."""
+        m_alpha = self.cos + self.sin * (self.friction / factor[:, None])
+        balance = -self.vertical - self.bond * self.sin / factor[:, None]
+        normal = balance / np.where(np.abs(m_alpha) > 1e-3, m_alpha, 1e-3)
+        return self.bond + normal * self.friction, m_alpha
 
 
 @dataclass(frozen=True)

@@ -124,7 +124,7 @@ def loaded_by_crack(
         LEFT or RIGHT, the side to which the mass slides.
     """
     x, z = head
-    depth = section.layering.interfaces(x)[:, 0] - z
+    depth = section.layering.interface(0, x) - z
     points = np.column_stack([x, z + depth])
     free = section.water_pressure.on_ground(points, points)
     water = np.where(free > 0.0, depth, crack.water_depth(depth))
@@ -147,7 +147,7 @@ def _ground_forces(section: Section, x: np.ndarray, towards: int) -> tuple[np.nd
     The inclination of the ground above a slice is taken from corner to corner, so that the thrust of free water is
     exact over kinks and steps of the ground, too.
     """
-    ground = section.layering.interfaces(x.ravel())[:, 0].reshape(x.shape)
+    ground = section.layering.interface(0, x.ravel()).reshape(x.shape)
     middle, height = 0.5 * (x[:, 1:] + x[:, :-1]), 0.5 * (ground[:, 1:] + ground[:, :-1])
     slope = (np.diff(ground, axis=1) / np.diff(x, axis=1)).ravel()
     points = np.column_stack([middle.ravel(), height.ravel()])

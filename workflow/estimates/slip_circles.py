@@ -17,10 +17,12 @@ from workflow.estimates.slices import LEFT, RIGHT, Slices, divide, loaded_by_cra
 
 GROUND_POINTS, CIRCLES_PER_PAIR = 41, 16  # points of the ground, and circles through a pair of them, on the first grid
 SLICES, FINE_SLICES = 40, 200  # of a circle on the first grids, and on the last ones
-# Circles that are refined, and how often with either number of slices.
-REFINED_CIRCLES, COARSE_ROUNDS, FINE_ROUNDS = 6, 3, 4
+# Circles that are refined, and how often, with either number of slices.
+COARSE_CIRCLES, COARSE_ROUNDS = 6, 3
+FINE_CIRCLES, FINE_ROUNDS = 2, 4
 STEP_REDUCTION = 0.45  # ratio of consecutive steps
 CIRCLES_AT_A_TIME = 4000  # circles at a time, on the first grid
+FEW_POINTS = 8  # intervals between the points of a circle that are checked first
 STEEPEST_BASE = np.radians(80.0)  # inclination of the base: steeper bases would be in tension
 OUT, INTO = np.radians((30.0, 60.0))  # slopes at which a slip surface that ends below the ground is taken to it
 LEAST_DEPTH = 0.02  # of the height of the section: shallower circles are the infinite slope's
@@ -104,7 +106,7 @@ def surface_balance(
     """
     line = _to_the_ground(section, line, towards)
     x = np.linspace(line[0, 0], line[-1, 0], FINE_SLICES + 1)
-    z = np.minimum(np.interp(x, *line.T), section.layering.interfaces(x)[:, 0])
+    z = np.minimum(np.interp(x, *line.T), section.layering.interface(0, x))
     slices = divide(section, x[None], z[None], towards, seismic=kh != 0.0, vertical=vertical)
     return _by_spencer(slices, kh)
 
@@ -138,10 +140,10 @@ def _to_the_ground(section: Section, line: np.ndarray, towards: int) -> np.ndarr
     """Return a slip surface whose ends are extended to the ground at the toe and at the crest."""
     angles = (OUT, INTO) if towards == LEFT else (INTO, OUT)
     left, right = section.extent
-    ground = section.layering.interfaces(line[[0, -1], 0])[:, 0]
+    ground = section.layering.interface(0, line[[0, -1], 0])
     reach = np.maximum(ground - line[[0, -1], 1], 0.0) / np.tan(angles)
     ends = np.clip(line[[0, -1], 0] + reach * [-1.0, 1.0], left, right)
-    heights = section.layering.interfaces(ends)[:, 0]
+    heights = section.layering.interface(0, ends)
     inside = (line[:, 0] > ends[0]) & (line[:, 0] < ends[1])
     return np.vstack([[ends[0], heights[0]], line[inside], [ends[1], heights[1]]])
 
@@ -158,17 +160,18 @@ class _CircleSearch:
 
     def run(self) -> SlipCircle | None:
         """Return the circle with the least value; None if none slides."""
-        best = self._best(self._grid(), SLICES)
+        best = self._best(self._grid(), SLICES, COARSE_CIRCLES)
         left, right = self.section.extent
         step = np.array(
             [(right - left) / (GROUND_POINTS - 1), (right - left) / (GROUND_POINTS - 1), 1.0 / CIRCLES_PER_PAIR]
         )
         offsets = np.stack(np.meshgrid(*[[-1.0, -0.5, 0.0, 0.5, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-        for number in [SLICES] * COARSE_ROUNDS + [FINE_SLICES] * FINE_ROUNDS:
+        coarse, fine = (SLICES, COARSE_CIRCLES), (FINE_SLICES, FINE_CIRCLES)
+        for number, most in [coarse] * COARSE_ROUNDS + [fine] * FINE_ROUNDS:
             if not len(best):
                 return None
-            around = (best[:, None, :] + offsets * step).reshape(-1, 3)
-            best = self._best(np.concatenate([best, around]), number)
+            around = (best[:most, None, :] + offsets * step).reshape(-1, 3)
+            best = self._best(np.concatenate([best, around]), number, most)
             step *= STEP_REDUCTION
         return next((circle for k in range(len(best)) if (circle := self._result(best[k : k + 1])) is not None), None)
 
@@ -181,20 +184,19 @@ class _CircleSearch:
         ordered = first < last
         return np.stack([first[ordered], last[ordered], bulge[ordered]], axis=1)
 
-    def _best(self, circles: np.ndarray, number: int) -> np.ndarray:
-        """Return the circles in the order of their factor of safety or critical Kh, each on ``number`` slices, the
-        smallest first."""
+    def _best(self, circles: np.ndarray, number: int, most: int) -> np.ndarray:
+        """Return the circles with the smallest factors of safety or critical Kh, each on ``number`` slices, in their
+        order, at the ``most``."""
         batch = CIRCLES_AT_A_TIME * SLICES // number
         value = np.concatenate([self._values(circles[k : k + batch], number) for k in range(0, len(circles), batch)])
         order = np.argsort(np.where(np.isfinite(value), value, np.inf), kind="stable")
-        return circles[order[: min(REFINED_CIRCLES, int(np.isfinite(value).sum()))]]
+        return circles[order[: min(most, int(np.isfinite(value).sum()))]]
 
     def _values(self, circles: np.ndarray, number: int) -> np.ndarray:
         value = np.full(len(circles), np.nan)
-        x, z, centre, radius, sound = self._surfaces(circles, number)
-        if sound.any():
-            slices = self._divided(x[sound], z[sound])
-            value[sound] = self._bishop(slices, centre[sound], radius[sound])
+        valid, x, z, centre, radius = self._surfaces(circles, number)
+        if len(valid):
+            value[valid] = self._bishop(self._divided(x, z), centre, radius)
         return value
 
     def _bishop(self, slices: Slices, centre: np.ndarray, radius: np.ndarray) -> np.ndarray:
@@ -215,20 +217,20 @@ class _CircleSearch:
         return -1 if self.towards == LEFT else 0
 
     def _surfaces(self, circles: np.ndarray, number: int) -> tuple[np.ndarray, ...]:
-        """Return corners x, z (circles, number + 1) of the slices, centres (circles, 2), radii, and which circles are
-        valid. A valid circle is everywhere below the ground and above the base of the section, deep enough, and nowhere
-        vertical.
+        """Return the indices of the valid circles, and for each of them the corners x, z (circles, number + 1) of the
+        slices, the centre (circles, 2) and the radius. A valid circle is everywhere below the ground and above the base
+        of the section, deep enough, and nowhere vertical.
         """
-        section = self.section
-        left, right = section.extent
+        layering = self.section.layering
+        left, right = self.section.extent
         first, last, bulge = circles.T
-        ends = section.layering.interfaces(np.stack([first, last], axis=1).ravel(), None)[:, 0].reshape(-1, 2)
+        ends = layering.interface(0, np.stack([first, last], axis=1).ravel()).reshape(-1, 2)
         sound = (
             (first >= left) & (last <= right) & (last - first > 1e-6 * (right - left)) & (bulge > 0.0) & (bulge <= 1.0)
         )
         if self.crack.bottom is not None:  # it opens where the ground falls
             sound &= self.towards * (ends[:, 1] - ends[:, 0]) < 0.0
-            ends[:, self._head] -= self.crack.depth(section, (first, last)[self._head])
+            ends[:, self._head] -= self.crack.depth(self.section, (first, last)[self._head])
         half = 0.5 * np.hypot(last - first, ends[:, 1] - ends[:, 0])
         if self.crest is not None:
             sound &= (first <= self.crest[1]) & (last >= self.crest[0])
@@ -239,19 +241,23 @@ class _CircleSearch:
         chord = 0.5 * np.stack([last - first, ends[:, 1] - ends[:, 0]], axis=1)
         centre = middle + to_centre[:, None] * np.stack([-chord[:, 1], chord[:, 0]], axis=1)
         sound &= centre[:, 1] - ends.max(axis=1) >= np.cos(STEEPEST_BASE) * radius
-        share = np.linspace(0.0, 1.0, number + 1)
-        x = first[:, None] + share * (last - first)[:, None]
-        z = centre[:, 1:] - np.sqrt(np.maximum(radius[:, None] ** 2 - (x - centre[:, :1]) ** 2, 0.0))
-        levels = section.layering.interfaces(x.ravel())
-        ground, base = levels[:, 0].reshape(x.shape), levels[:, -1].reshape(x.shape)
-        cover, room = ground - z, z - base
-        near = 1e-6 * half[:, None]
-        sound &= np.all(cover >= -near, axis=1) & np.all(room >= -near, axis=1) & (cover.max(axis=1) >= self.depth)
-        return x, np.minimum(z, ground), centre, radius, sound
+        valid, shares = np.flatnonzero(sound), np.linspace(0.0, 1.0, number + 1)
+        # Few points first: most circles of the first grid leave the ground or the section at one of them.
+        for share in (shares[:: number // FEW_POINTS], shares):
+            x = first[valid, None] + share * (last - first)[valid, None]
+            reach = radius[valid, None] ** 2 - (x - centre[valid, :1]) ** 2
+            z = centre[valid, 1:] - np.sqrt(np.maximum(reach, 0.0))
+            ground, base = (layering.interface(number, x.ravel()).reshape(x.shape) for number in (0, -1))
+            near = 1e-6 * half[valid, None]
+            inside = np.all(ground - z >= -near, axis=1) & np.all(z - base >= -near, axis=1)
+            if share is shares:
+                inside &= (ground - z).max(axis=1) >= self.depth
+            valid = valid[inside]
+        return valid, x[inside], np.minimum(z, ground)[inside], centre[valid], radius[valid]
 
     def _result(self, best: np.ndarray) -> SlipCircle | None:
-        x, z, centre, radius, sound = self._surfaces(best, FINE_SLICES)
-        if not sound[0]:
+        valid, x, z, centre, radius = self._surfaces(best, FINE_SLICES)
+        if not len(valid):
             return None
         slices = self._divided(x, z)
         bishop = float(self._bishop(slices, centre, radius)[0])

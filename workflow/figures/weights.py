@@ -75,7 +75,7 @@ def _show(
         if section.water is not None:  # a table that is only drawn does not stand on the ground
             x = np.union1d(water[:, 0], section.layering.x)
             x = np.union1d(x, np.linspace(x[0], x[-1], 400))
-            ground = section.layering.interfaces(x)[:, 0]
+            ground = section.layering.interface(0, x)
             axes.fill_between(
                 x, ground, np.maximum(np.interp(x, *water.T), ground), color=WATER, alpha=0.2, linewidth=0
             )

@@ -66,6 +66,15 @@ def test_a_vertical_step_of_an_interface() -> None:
     assert len(layers.polygons(0)) == 1
 
 
+def test_one_interface_has_the_heights_of_all() -> None:
+    surface = [[0.0, 10.0], [30.0, 10.0], [30.0, 4.0], [50.0, 6.0]]
+    layers = section(surface, {"elevation": 0.0}, {"depth": 1.0}, None).layering
+    x = np.array([0.0, 12.5, 30.0, 50.0])
+    for near in (None, np.array([1.0, 29.0, 29.0, 49.0])):
+        for number in (0, 1, -1):
+            np.testing.assert_array_equal(layers.interface(number, x, near), layers.interfaces(x, near)[:, number])
+
+
 def test_pieces_that_touch_in_one_point_are_two_polygons() -> None:
     bottom = {"depth": [[0.0, 2.0], [50.0, 0.0], [100.0, 2.0]]}
     layers = section([[0.0, 10.0], [100.0, 10.0]], {"elevation": 0.0}, bottom, None).layering
