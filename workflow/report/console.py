@@ -24,7 +24,7 @@ from workflow.report.flow_rule import (
     own_dilation_sentences,
     with_flow,
 )
-from workflow.report.numbers import coefficient, range_of, range_sentence, rough_coefficient, span
+from workflow.report.numbers import coefficient, range_of, range_sentence, rough_coefficient, span, strict_words
 from workflow.report.residual import residual_sentences
 from workflow.report.second_opinion import agreeing, contradicting, second_opinions
 from workflow.report.slices import contradicted_circles, slices_sentences
@@ -196,7 +196,7 @@ def comparison_sentences(answer: FemAnswer, results: Results | None = None) -> I
         strict = strict_kh(results, answer, answer.flow, other.direction) if results is not None else None
         if strict is not None and other.verdict != "no failure":
             governing = governing_value(other.kc, *strict)
-            kh = f"{coefficient(governing)}, with strict bounds of {range_of(strict)}"
+            kh = f"{coefficient(governing)}{strict_words(*strict)}"
             if governing != other.kc:
                 kh += f" (the finite elements give {coefficient(other.kc)}, {_beyond(other.kc, governing)})"
         elif answer.is_rough(other):

@@ -129,8 +129,7 @@ def _with_crests(
     quantity: Literal["critical", "safety"],
     _: Texts,
 ) -> HeadlinePart:
-    """Return a headline for ground in whose mechanism no crest of a structure moves, with the smallest value of the
-    faces of structures added."""
+    """Return a headline with the smallest value of the faces of structures added, if no crest moves in its failure."""
     names = spared_structures(results, surface)
     if not names or headline.value == "–":
         return headline
@@ -222,12 +221,13 @@ def _contradicted(
         excess=difference_words(in_direction.kc, kh.value),
     )
     phrase += excluded
-    return HeadlinePart(name=_("critical Kh"), value=kh.text, interval=_interval(kh.interval, _), conclusion=phrase)
+    interval = _interval(kh.interval, _, _("by this strict bound alone"))
+    return HeadlinePart(name=_("critical Kh"), value=kh.text, interval=interval, conclusion=phrase)
 
 
-def _interval(error: Accuracy | None, _: Texts) -> str:
+def _interval(error: Accuracy | None, _: Texts, unknown: str = "") -> str:
     if error is None:
-        return _("numerical error not known: one mesh, no strict bounds")
+        return unknown or _("numerical error not known: one mesh, no strict bounds")
     return _from_to(coefficient(error.low), coefficient(error.high), error.method, _)
 
 

@@ -23,6 +23,13 @@ def bracket(lower: float | None, upper: float | None, digits: int) -> str:
     return f"{number(lower, digits)} to {number(upper, digits)}"
 
 
+def strict_words(lower: float | None, upper: float | None) -> str:
+    """Return the strict bounds of a critical Kh, either of which may be missing, after a comma."""
+    if lower is not None and upper is not None:
+        return f", with strict bounds of {range_of([lower, upper])}"
+    return f", at most {coefficient(upper)} by a strict bound" if upper is not None else ""
+
+
 def scaled(value: float | None, unit: float) -> float | None:
     """Return a value in multiples of a unit; None for None."""
     return None if value is None else value / unit

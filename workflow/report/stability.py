@@ -98,7 +98,7 @@ def _factors(results: Results, fem: FemAnswer, _: Texts) -> Iterator[StabilityRo
             yield StabilityRow(of, f"{factor.associated:.2f}", "", _(FLOW["associated"]) + above)
 
 
-def _bound_words(kc: float, strict: tuple[float, float] | None, _: Texts) -> str:
+def _bound_words(kc: float, strict: tuple[float | None, float | None] | None, _: Texts) -> str:
     """Return, for the conditions of a critical Kh by finite elements, that it lies beyond a strict bound, which counts;
     empty otherwise."""
     return "" if strict is None else _beyond(kc, *strict, 3, _)

@@ -99,8 +99,10 @@ def _critical(results: Results) -> Iterator[Interval]:
         least = most = governing.value
         if governing.bound is None:
             most = max(most, fem.kc_upper)
-        if governing.is_limit and governing.interval is not None:  # the bounds are too wide for a number
-            least, most = governing.interval.low, governing.interval.high
+        if governing.is_limit:  # the bounds are too wide for a number, or one is missing
+            ends = governing.interval
+            least = -OPEN_END if ends is None and governing.bound == "upper" else least if ends is None else ends.low
+            most = most if ends is None else ends.high
         yield "the section by finite elements", least, most, ""
 
 

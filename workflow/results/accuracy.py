@@ -1,7 +1,8 @@
 """Gives the numerical error of the critical Kh, by the sequence of meshes and by strict bounds."""
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import assert_never
 
 from fem.continuum.loads import Direction
@@ -57,10 +58,20 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
     if strict is None:
         return meshes
     low, high = strict
+    if low is None or high is None:
+        return _limited(meshes, low, high)
     bounds = proven_by(results.bounds is not None and results.bounds.strengthened)
     if meshes is None or not meshes.reliable or meshes.low > high or meshes.high < low:
         return Accuracy(low, high, bounds, True)
     return Accuracy(max(low, meshes.low), min(high, meshes.high), f"{bounds} and {meshes.method[3:]}", True)
+
+
+def _limited(meshes: Accuracy | None, low: float | None, high: float | None) -> Accuracy | None:
+    """Return the interval by ``meshes`` that one strict bound, ``low`` or ``high``, cuts off; None if it is empty."""
+    least, most = -math.inf if low is None else low, math.inf if high is None else high
+    if meshes is None or exceeds(meshes.low, most) or falls_below(meshes.high, least):
+        return None
+    return replace(meshes, low=min(max(least, meshes.low), most), high=max(min(most, meshes.high), least))
 
 
 def exceeds(value: float, upper: float) -> bool:
@@ -144,21 +155,26 @@ def _halved(results: Results) -> float | None:
     return next((variant.kc for variant in variants if variant.name == "mesh" and variant.kc_without is None), None)
 
 
-def strict_kh(results: Results, fem: FemAnswer, flow: Flow, direction: Direction) -> tuple[float, float] | None:
+def strict_kh(
+    results: Results, fem: FemAnswer, flow: Flow, direction: Direction
+) -> tuple[float | None, float | None] | None:
     """Return the strict lower and upper bound of a critical Kh for the same sides as in the finite elements ``fem``,
-    by flow rule and direction of the seismic force; None without both bounds."""
+    by flow rule and direction of the seismic force; None without any bound. Either bound may be missing. An upper bound
+    with ψ = φ holds for every ψ ≤ φ (Radenkovic 1961).
+    """
     bounds = results.bounds
     if bounds is None or bounds.sides != fem.settings.sides:
         return None
+    full = bounds.towards(direction)
     match flow:
         case "associated":
-            bracket = bounds.towards(direction)
+            bracket = full
         case "davis":
             bracket = bounds.substitute.towards(direction) if bounds.substitute is not None else None
         case "non-associated":
             bracket = None
         case _:
             assert_never(flow)
-    if bracket is None or bracket.lower is None or bracket.upper is None:
-        return None
-    return bracket.lower, bracket.upper
+    uppers = [part.upper for part in (bracket, full) if part is not None and part.upper is not None]
+    lower, upper = None if bracket is None else bracket.lower, min(uppers, default=None)
+    return None if lower is None and upper is None else (lower, upper)

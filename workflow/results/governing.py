@@ -10,7 +10,7 @@ from workflow.estimates.comparison import estimates
 from workflow.estimates.estimate import Estimate, with_flow_failure
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.slide_error import SlideError, slide_error
-from workflow.results.accuracy import Accuracy, accuracy, exceeds, falls_below, proven_by, strict_factor
+from workflow.results.accuracy import Accuracy, accuracy, exceeds, falls_below, proven_by, strict_factor, strict_kh
 from workflow.results.bounds import DirectionPart
 from workflow.results.cases import CaseAnswer
 from workflow.results.continuum import FactorOfSafety, FemAnswer
@@ -59,11 +59,12 @@ def governing_kh(results: Results) -> GoverningKh | None:
     kc, fem = results.kc, results.fem
     if kc is None or fem is None:
         return None
-    interval, governing = accuracy(results, fem), GoverningKh(kc)
-    if interval is not None:
-        bound = _governing_bound(kc, interval.low, interval.high)
-        is_limit = bound is not None and interval.low < CLOSE_BOUNDS * interval.high
-        governing = GoverningKh(governing_value(kc, interval.low, interval.high), bound, is_limit, interval)
+    interval = accuracy(results, fem)
+    ends = strict_kh(results, fem, fem.flow, fem.direction) if interval is None else (interval.low, interval.high)
+    low, high = (None, None) if ends is None else ends
+    bound = _governing_bound(kc, low, high)
+    is_limit = bound is not None and (low is None or high is None or low < CLOSE_BOUNDS * high)
+    governing = GoverningKh(governing_value(kc, low, high), bound, is_limit, interval)
     return _against_elements(results, fem, governing.value) or governing
 
 

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from tests.support.answers import bounds, fem, results
@@ -17,12 +17,14 @@ from workflow.report.summary import summary
 from workflow.results import governing
 from workflow.results.bounds import DirectionPart, SafetyPart
 from workflow.results.continuum import FactorOfSafety, OtherCriticalKh
-from workflow.results.governing import governing_factor, governing_value
+from workflow.results.governing import governing_factor, governing_kh, governing_value
 from workflow.results.results import Results
 from workflow.texts.report_texts import Texts
 
 HALF_DIGIT = 0.0005 + 1e-9  # of the last digit of a critical Kh; ten times this of a factor of safety
 ROUNDING = 0.001  # elements this share beyond a bound do not contradict it
+
+RUN = analysed(slope())
 
 kh_values = st.floats(0.02, 0.8)
 factors = st.floats(1.3, 4.0)  # an upper bound below 1 proves that there is no critical Kh
@@ -129,3 +131,35 @@ def test_rounding_is_no_contradiction() -> None:
     assert governing_value(0.1990, 0.2, 0.21) == 0.2
     assert governing_value(0.2120, 0.2, 0.21) == 0.21
     assert governing_value(0.1, None, None) == 0.1
+
+
+@pytest.mark.parametrize("flow", ["associated", "davis", "non-associated"])
+def test_an_upper_bound_without_a_lower_one_limits_the_headline(flow: str) -> None:
+    """The headline of a dam with a key trench, whose lower bounds the solver did not find, was 3 % above its strict
+    upper bound, beside a warning of this contradiction."""
+    answer, strict = fem(RUN, 0.1865), bounds(RUN, 0.15, 0.181)
+    parts = tuple(part.model_copy(update={"lower": None}) for part in strict.directions)
+    strict = strict.model_copy(update={"lower": None, "directions": parts})
+    answers = results(RUN, fem=answer.model_copy(update={"flow": flow}), bounds=strict)
+    kh = governing_kh(answers)
+    assert kh is not None
+    assert (kh.value, kh.bound, kh.text) == (0.181, "upper", "≤ 0.181")
+    [headline, *_] = headlines(answers, Texts())
+    assert (headline.value, headline.interval) == ("≤ 0.181", "by this strict bound alone")
+    assert "reported as an upper limit" in headline.conclusion
+    rows = [row for row in stability_rows(answers, Texts()) if row.quantity == "critical Kh, finite elements"]
+    assert "above the strict upper bound of 0.181, which counts" in rows[0].conditions
+    text = " ".join(fem_sentences(answers.fem, RUN.section, False, answers)) if answers.fem else ""
+    assert "Critical Kh ≤ 0.181" in text
+
+
+@given(st.floats(0.02, 0.5), st.none() | st.floats(0.01, 0.5), st.none() | st.floats(0.01, 0.5))
+def test_no_headline_lies_beyond_a_strict_bound(kc: float, lower: float | None, upper: float | None) -> None:
+    assume(lower is None or upper is None or lower <= upper)
+    strict = bounds(RUN, lower or 0.0, upper or 1.0)
+    parts = tuple(part.model_copy(update={"lower": lower, "upper": upper}) for part in strict.directions)
+    strict = strict.model_copy(update={"lower": lower, "upper": upper, "directions": parts})
+    kh = governing_kh(results(RUN, fem=fem(RUN, kc), bounds=strict))
+    assert kh is not None
+    assert upper is None or kh.value <= upper + 6e-4
+    assert lower is None or kh.value >= lower - 6e-4
