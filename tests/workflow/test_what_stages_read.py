@@ -171,7 +171,9 @@ def test_what_a_section_is_called_changes_no_result() -> None:
     for changes in ({"name": "another", "title": "Another"}, {"report": {"project": "Another", "number": "2"}}):
         assert stale(before, analysed({**SECTION, **changes})) == {"report"}
     named = analysed({**SECTION, "structures": [{"name": "bank", "from": 10.0, "to": 30.0}]})
-    assert stale(before, named) == {"slices", "faces", "report"}
+    assert stale(before, named) == {"slices", "faces", "liquefied", "report"}  # circles of its faces
+    renamed = analysed({**SECTION, "structures": [{"name": "quay", "kind": "quay", "from": 10.0, "to": 30.0}]})
+    assert stale(named, renamed) == {"slices", "faces", "report"}
     assert title(before) == title(named)  # pictures are not drawn again
 
 

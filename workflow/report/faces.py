@@ -12,6 +12,8 @@ from workflow.config import Config
 from workflow.estimates.comparison import block_slide
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import structures_of
+from workflow.report.numbers import of_cases
+from workflow.report.slices import face_circles
 from workflow.report.structures import BEFORE_SHAKING, FaceRow, face_rows, smaller_kh
 from workflow.results.cases import MovedSurface
 from workflow.results.faces import FacesAnswer, FaceValue
@@ -255,6 +257,16 @@ def _overlap(line: tuple[tuple[float, float], ...], surface: list[tuple[float, f
     return shared > 0.5 * min(line[-1][0] - line[0][0], surface[-1][0] - surface[0][0])
 
 
+def _after_shaking(results: Results) -> Iterator[str]:
+    """Yield the factors of safety of the faces by slip circles after shaking, and after liquefaction in each case."""
+    section = results.config.section
+    if results.slices is not None and results.slices.after_shaking is not None:
+        yield from (f"{words} after shaking." for words in face_circles(results.slices.after_shaking, section))
+    for case in results.liquefied.cases if results.liquefied is not None else ():
+        for words in face_circles(case.circles, section) if case.circles is not None else ():
+            yield f"{words} after liquefaction in {of_cases(case.cases)}."
+
+
 def note_sentences(results: Results) -> Iterator[str]:
     """Yield sentences on the strong zones of the faces, values without an answer, and values left out of the table."""
     config, answer = results.config, results.faces
@@ -287,6 +299,7 @@ def note_sentences(results: Results) -> Iterator[str]:
         for reason in face.reasons:
             yield f"{of[0].upper()}{of[1:]}: no {reason.rstrip('.')}."
     yield from _beyond_bounds(face_lines(results))
+    yield from _after_shaking(results)
     if config.section.water_pressure.rises_by_shaking:
         yield BEFORE_SHAKING
     if answer is None:

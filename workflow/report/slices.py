@@ -7,12 +7,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from meshes.section.cutting import shown_name
+from meshes.section.section import Section
 from workflow.config import Config
 from workflow.estimates.slip_circles import least_balance
+from workflow.estimates.structures import structures_of
 from workflow.report.circles import against_elements, of_circles, of_longer_sections
 from workflow.results.continuum import FactorOfSafety
 from workflow.results.results import Results
-from workflow.results.slices import CirclePart, SlicesAnswer
+from workflow.results.slices import CirclePart, CirclesAtRest, SlicesAnswer
 
 
 def slices_sentences(answer: SlicesAnswer, rises_by_shaking: bool = False) -> Iterator[str]:
@@ -26,6 +28,9 @@ def slices_sentences(answer: SlicesAnswer, rises_by_shaking: bool = False) -> It
         if factors.circles:
             when = " before shaking" if rises_by_shaking and factors.kh == 0.0 else ""
             yield f"Factor of safety at Kh = {factors.kh:g}{when} by slip circles: {_circle_list(factors.circles, 2)}."
+    if answer.after_shaking is not None and answer.after_shaking.circles:
+        circles = _circle_list(answer.after_shaking.circles, 2)
+        yield f"Factor of safety at Kh = 0 after shaking, with its excess pore pressure, by slip circles: {circles}."
     if answer.critical:
         fails = ": the ground fails without shaking" if min(circle.bishop for circle in answer.critical) < 0.0 else ""
         if fails and rises_by_shaking:
@@ -56,6 +61,19 @@ def contradicted_circles(results: Results) -> Iterator[str]:
     for text in (*of_circles(results), *against_elements(results)):
         observation, _, remedy = text.partition(": ")
         yield f"Warning: {observation[0].upper()}{observation[1:]}. To do: {remedy}."
+
+
+def circles_after_liquefaction(answer: CirclesAtRest) -> str:
+    """Return the factors of safety of liquefied ground by slip circles as a sentence; empty if no circle slides."""
+    return f"By slip circles it is {_circle_list(answer.circles, 2)}." if answer.circles else ""
+
+
+def face_circles(answer: CirclesAtRest, section: Section) -> Iterator[str]:
+    """Yield the factor of safety of every face of structures by slip circles, in words without a full stop."""
+    names = {(item.crest.start, item.crest.end): item.name for item in structures_of(section)}
+    for face in answer.faces:
+        name = names.get((face.start_m, face.end_m), f"structure from x = {face.start_m:g} to {face.end_m:g} m")
+        yield f"{name}, towards the {face.towards}: factor of safety {face.circle.bishop:.2f} by slip circles"
 
 
 def _circle_list(circles: Sequence[CirclePart], digits: int) -> str:

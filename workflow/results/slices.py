@@ -48,6 +48,26 @@ class FactorCircles(Part):
     circles: tuple[CirclePart, ...]
 
 
+class FaceCircle(Part):
+    """Holds the critical slip circle of one face of a structure, with which a part of the crest slides."""
+
+    start_m: float = Field(description="x of the left foot of the structure")
+    end_m: float = Field(description="x of the right foot of the structure")
+    towards: Literal["left", "right"] = Field(description="side to which the face slides")
+    circle: CirclePart
+
+
+class CirclesAtRest(Part):
+    """Holds the slip circles with the least factors of safety without a seismic force, in ground with the excess pore
+    pressure of shaking or with its strength after liquefaction."""
+
+    cases: tuple[int, ...] = Field(
+        default=(), description="cases of liquefaction with this strength; empty without any"
+    )
+    circles: tuple[CirclePart, ...] = Field(description="circles of the section towards either side, the least first")
+    faces: tuple[FaceCircle, ...] = Field(default=(), description="circles of the faces of structures")
+
+
 class FacePart(Part):
     """Holds one face of a structure, and the slip circles with which a part of its crest slides."""
 
@@ -82,6 +102,10 @@ class SlicesAnswer(Answer):
     factors: tuple[FactorCircles, ...] = Field(description="factors of safety, one entry for each Kh")
     critical: tuple[CirclePart, ...] = Field(description="circles with the least critical Kh, the least first")
     faces: tuple[FacePart, ...] = Field(description="the faces of structures, towards the left and the right")
+    after_shaking: CirclesAtRest | None = Field(
+        default=None,
+        description="circles at Kh = 0 with the excess pore pressure that shaking leaves behind; null without any",
+    )
     least_depth: float = Field(description="depth (m) below which circles count; shallower ones are left out")
     reason: str = Field(description="reason why there is no circle; empty if there is one")
     weak_layers: tuple[str, ...] = Field(default=(), description="thin, weak layers that circles cannot follow")

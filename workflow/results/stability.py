@@ -9,6 +9,7 @@ from pydantic import Field
 from fem.continuum.loads import Direction
 from fem.settings import Sides
 from workflow.results.answer import Answer, Line, Part, SectionLabel
+from workflow.results.slices import CirclesAtRest
 
 BearingVerdict = Literal["stands", "flows"]
 
@@ -117,6 +118,9 @@ class LiquefiedCase(Bearing):
     cases: tuple[int, ...]
     names: tuple[str, ...] = Field(description="names of these cases; empty for cases without a name")
     strata: tuple[LiquefiedStratum, ...]
+    circles: CirclesAtRest | None = Field(
+        default=None, description="slip circles with the least factors of safety at Kh = 0; null without any strength"
+    )
 
 
 class LiquefiedAnswer(Answer):

@@ -71,3 +71,23 @@ def resolved_inputs(config: Config) -> dict[str, Any]:
     stratum."""
     decides = (config.slide.accelerogram or config.slide.kh_cycles) and config.slide.liquefies_at == "F_L"
     return {"what liquefies": cases_as_data(config)} | ({"its F_L": lowest_factors(config)} if decides else {})
+
+
+def liquefied_ground(config: Config, remains: Mapping[int, RemainingStrength]) -> Section:
+    """Return the section after liquefaction."""
+    from fem.continuum.liquefied_ground import liquefied_section
+
+    return liquefied_section(config.section, remains)
+
+
+def different_cases(config: Config) -> dict[tuple[tuple[int, RemainingStrength], ...], list[int]]:
+    """Return the numbers of the cases, grouped by the residual strength of their liquefied strata."""
+    groups: dict[tuple[tuple[int, RemainingStrength], ...], list[int]] = {}
+    for number, remains in remaining(config).items():
+        groups.setdefault(tuple(remains.items()), []).append(number)
+    return groups
+
+
+def has_strength(remains: Mapping[int, RemainingStrength]) -> bool:
+    """Return whether any liquefied stratum has a residual strength."""
+    return any(soil.friction or soil.residual or soil.strength for soil in remains.values())

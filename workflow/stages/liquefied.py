@@ -1,7 +1,6 @@
 """Defines the stage `liquefied`: stability of the continuum after liquefaction, before any slide."""
 
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from meshes.errors import NoAnswerError
@@ -11,11 +10,18 @@ from workflow.results.answer import SectionLabel
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.run.stage import Job, Stage, unless_it_liquefies
 from workflow.stages.bearing import WITHOUT_EFFECT, bearing_of
-from workflow.stages.liquefaction import STRENGTH_KEYS, cases_as_data, remaining
+from workflow.stages.liquefaction import (
+    STRENGTH_KEYS,
+    cases_as_data,
+    different_cases,
+    has_strength,
+    liquefied_ground,
+    remaining,
+)
+from workflow.stages.slices import circles_at_rest
 
 if TYPE_CHECKING:
     from meshes.quad_mesh import QuadMesh
-    from meshes.section.section import Section
 
 
 def work(job: Job) -> None:
@@ -24,7 +30,7 @@ def work(job: Job) -> None:
 
     mesh = stored_mesh(job.config.section, job.store)
     answers = []
-    for remains, numbers in _different(job.config).items():
+    for remains, numbers in different_cases(job.config).items():
         job.progress(f"case {', '.join(map(str, numbers))}", None)
         answers.append(_case(job.config, mesh, dict(remains), numbers))
     LiquefiedAnswer(
@@ -49,7 +55,7 @@ def _required(job: Job, mesh: "QuadMesh", answers: list[LiquefiedCase]) -> tuple
         return ()
     strongest = max(answers, key=lambda case: case.factor or 0.0)
     remains = remaining(config)[strongest.cases[0]]
-    section = _liquefied_section(config, remains)
+    section = liquefied_ground(config, remains)
     frictional = any(section.strata[k].friction_angle for k in remains)
     if frictional or not 0.0 < (strongest.factor or 0.0) < 1.0 or not is_associated(section.strata, flow):
         return ()
@@ -62,27 +68,11 @@ def _required(job: Job, mesh: "QuadMesh", answers: list[LiquefiedCase]) -> tuple
     return tuple(stratum.scaled(multiple) for stratum in strongest.strata)
 
 
-def _liquefied_section(config: Config, remains: Mapping[int, RemainingStrength]) -> "Section":
-    """Return the section after liquefaction."""
-    from fem.continuum.liquefied_ground import liquefied_section
-
-    return liquefied_section(config.section, remains)
-
-
-def _different(config: Config) -> dict[tuple[tuple[int, RemainingStrength], ...], list[int]]:
-    """Return the numbers of the cases, grouped by the residual strength of their liquefied strata."""
-    groups: dict[tuple[tuple[int, RemainingStrength], ...], list[int]] = {}
-    for number, remains in remaining(config).items():
-        groups.setdefault(tuple(remains.items()), []).append(number)
-    return groups
-
-
 def _case(config: Config, mesh: "QuadMesh", remains: dict[int, RemainingStrength], numbers: list[int]) -> LiquefiedCase:
     """Return the stability of the ground in cases of equal residual strengths."""
-    section = _liquefied_section(config, remains)
+    section = liquefied_ground(config, remains)
     mean = section.cohesion_field.means()
-    no_strength = not any(soil.friction or soil.residual or soil.strength for soil in remains.values())
-    bearing = bearing_of(section, config, mesh, no_strength)
+    bearing = bearing_of(section, config, mesh, no_strength=not has_strength(remains))
     cases = [config.cases[number - 1] for number in numbers]
     return LiquefiedCase.taken(
         bearing,
@@ -97,6 +87,7 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, RemainingStrength
             )
             for k in remains
         ),
+        circles=circles_at_rest(section, config) if has_strength(remains) else None,
     )
 
 
@@ -105,9 +96,12 @@ STAGE = Stage(
     description="stability after liquefaction",
     work=work,
     needs=("mesh",),
-    reads=("fem",),
+    reads=("fem", "tension_crack"),
     ignores=lambda config: WITHOUT_EFFECT,
-    takes=lambda config: {"what liquefies": cases_as_data(config, STRENGTH_KEYS)},
+    takes=lambda config: {
+        "what liquefies": cases_as_data(config, STRENGTH_KEYS),
+        "structures": [item.model_dump(mode="json", exclude={"name", "kind"}) for item in config.section.structures],
+    },
     concurrent_after=("mesh",),
     results=(LiquefiedAnswer.FILE,),
     read=LiquefiedAnswer.read,

@@ -4,7 +4,15 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Literal
 
 from workflow.results.answer import SectionLabel, line
-from workflow.results.slices import CirclePart, FacePart, FactorCircles, LongerCircle, SlicesAnswer
+from workflow.results.slices import (
+    CirclePart,
+    CirclesAtRest,
+    FaceCircle,
+    FacePart,
+    FactorCircles,
+    LongerCircle,
+    SlicesAnswer,
+)
 from workflow.run.stage import Job, Stage
 
 if TYPE_CHECKING:
@@ -48,6 +56,7 @@ def work(job: Job) -> None:
         factors=tuple(FactorCircles(kh=kh, circles=parts) for kh, parts in zip(coefficients, factors, strict=True)),
         critical=critical,
         faces=tuple(_faces(job, circles)),
+        after_shaking=_after_shaking(job),
         least_depth=fem.least_depth,
         reason=reason,
         weak_layers=thin_weak_layers(section),
@@ -56,6 +65,36 @@ def work(job: Job) -> None:
     ).write(job.store)
     if not reason:
         draw(job)
+
+
+def _after_shaking(job: Job) -> CirclesAtRest | None:
+    """Return the circles in the ground with the excess pore pressure of shaking; None without such pressure."""
+    if not job.config.section.water_pressure.rises_by_shaking:
+        return None
+    job.progress("factor of safety after shaking", None)
+    return circles_at_rest(job.config.section.after_shaking(), job.config)
+
+
+def circles_at_rest(section: "Section", config: "Config") -> CirclesAtRest:
+    """Find the critical circles at Kh = 0 of a ``section`` whose strength or pore pressure differs from that of the
+    ``config``, towards either side and for every face of its structures."""
+    from workflow.estimates.deeper_circles import ground_of_circles
+    from workflow.estimates.slices import LEFT, RIGHT
+    from workflow.estimates.structures import face_circle, structures_of
+
+    fem, crack = config.fem, config.tension_crack
+    circles = {
+        side: ground_of_circles(section, side, 0.0, fem.least_depth, fem.vertical, crack) for side in (LEFT, RIGHT)
+    }
+    faces = []
+    for structure in structures_of(config.section):
+        for side, (ground, critical) in circles.items():
+            circle = face_circle(ground, structure, side, critical, 0.0, fem.least_depth, fem.vertical, crack)
+            for part in _circle_parts(section, 0.0, ((ground, circle),)):
+                towards: Literal["left", "right"] = "left" if side == LEFT else "right"
+                start, end = structure.crest.start, structure.crest.end
+                faces.append(FaceCircle(start_m=start, end_m=end, towards=towards, circle=part))
+    return CirclesAtRest(circles=_circle_parts(section, 0.0, circles.values()), faces=tuple(faces))
 
 
 def _faces(job: Job, whole: "Circles") -> Iterator[FacePart]:

@@ -1,0 +1,94 @@
+"""Slip circles without a seismic force, after shaking and after liquefaction, of the section and of its crests."""
+
+import re
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from fem.continuum.liquefied_ground import liquefied_section
+from meshes.section.liquefies import RemainingStrength
+from tests.support.answers import results
+from tests.support.sections import SOIL, analysed
+from workflow.config import Config
+from workflow.report.faces import note_sentences
+from workflow.report.post_liquefaction import sentences
+from workflow.report.slices import slices_sentences
+from workflow.report.stability import stability_rows
+from workflow.results.answer import SectionLabel
+from workflow.results.slices import CirclesAtRest, SlicesAnswer
+from workflow.results.stability import LiquefiedAnswer, LiquefiedCase
+from workflow.run.store import Store
+from workflow.stages.slices import circles_at_rest, work
+from workflow.texts.report_texts import Texts
+
+BANK = [[0.0, 4.0], [20.0, 4.0], [32.0, 10.0], [40.0, 10.0], [52.0, 4.0], [72.0, 4.0]]
+
+
+def bank(**soil: object) -> Config:
+    """Return the config of an embankment of one soil."""
+    strata = [{"name": "Silt", **SOIL, **soil}]
+    return analysed({"name": "bank", "surface": BANK, "base": {"elevation": 0.0}, "strata": strata})
+
+
+def test_circles_after_liquefaction_have_the_strength_that_remains() -> None:
+    """Without friction the factor of safety is proportional to the strength, on every circle."""
+    clay = bank(cohesion="30 kPa", friction_angle="0 deg")
+    before = circles_at_rest(clay.section, clay)
+    soft = liquefied_section(clay.section, {0: RemainingStrength(0.4, 0.0, 0.0)})
+    after = circles_at_rest(soft, clay)
+    assert len(before.circles) == len(after.circles) == 2
+    for circle, other in zip(before.circles, after.circles, strict=True):
+        assert other.bishop == pytest.approx(0.4 * circle.bishop, rel=1e-3)
+    # c / (γ H N) by Taylor (1937), chart for 1:2, H = 6 m and firm ground 4 m below the toe: N = 0.165 to 0.18
+    unit_weight = 9.81 * clay.section.strata[0].density_ordinary
+    assert 30e3 / (unit_weight * 6.0 * 0.18) < before.circles[0].bishop < 30e3 / (unit_weight * 6.0 * 0.165)
+    assert {face.towards for face in after.faces} == {"left", "right"}
+    assert len({(face.start_m, face.end_m) for face in after.faces}) == 1
+
+
+def test_circles_after_shaking_have_its_excess_pore_pressure(tmp_path: Path) -> None:
+    """The factor of safety before shaking stood there alone."""
+    run = bank(cohesion="5 kPa", friction_angle="32 deg", excess_pore_pressure_ratio=0.3)
+    store = Store(tmp_path)
+    work(cast(Any, SimpleNamespace(config=run, store=store, progress=lambda *what: None)))
+    answer = SlicesAnswer.read(store)
+    shaken = answer.after_shaking
+    assert shaken is not None
+    before = next(group for group in answer.factors if group.kh == 0.0).circles[0].bishop
+    # with less effective stress by 30 %: between 70 % and all of the strength
+    assert 0.7 * before < shaken.circles[0].bishop < 0.95 * before
+    text = " ".join(slices_sentences(answer, rises_by_shaking=True))
+    assert "after shaking, with its excess pore pressure, by slip circles: to the" in text
+    rows = [row for row in stability_rows(results(run, slices=answer), Texts()) if "after shaking" in row.quantity]
+    assert [row.value for row in rows] == [f"{circle.bishop:.2f}" for circle in shaken.circles]
+    assert any("by slip circles after shaking." in note for note in note_sentences(results(run, slices=answer)))
+
+
+def test_the_circles_of_liquefied_ground_are_reported() -> None:
+    clay = bank(cohesion="12 kPa", friction_angle="0 deg")
+    circles = circles_at_rest(clay.section, clay)
+    case = LiquefiedCase(
+        verdict="flows", reason="it fails", kc=None, kc_lower=None, kc_upper=None, factor=0.9, factor_lower=None,
+        factor_upper=None, notes=(), cases=(1, 2), names=(), strata=(), circles=circles,
+    )  # fmt: skip
+    answer = LiquefiedAnswer(section=SectionLabel.of(clay.section), sides="smooth", cases=(case,))
+    least = circles.circles[0]
+    text = "\n".join(sentences(answer))
+    assert f"By slip circles it is to the {least.towards}" in text
+    assert f"{least.bishop:.2f} by Bishop's method" in text
+    notes = [note for note in note_sentences(results(clay, liquefied=answer)) if "after liquefaction" in note]
+    assert len(notes) == 2
+    for note, face in zip(notes, circles.faces, strict=True):
+        words = f"towards the {face.towards}: factor of safety {face.circle.bishop:.2f} by slip circles after"
+        assert note.startswith("embankment at x = 36 m, ")
+        assert f"{words} liquefaction in cases 1 and 2." in note
+        assert re.search("[a-z]{4}", Texts("ja").sentence(note)) is None
+
+
+def test_ground_without_excess_pressure_has_no_circles_after_shaking(tmp_path: Path) -> None:
+    run = bank()
+    work(cast(Any, SimpleNamespace(config=run, store=Store(tmp_path), progress=lambda *what: None)))
+    assert SlicesAnswer.read(Store(tmp_path)).after_shaking is None
+    assert CirclesAtRest(circles=()).faces == ()
