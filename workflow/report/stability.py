@@ -160,8 +160,8 @@ def _slices(results: Results, _: Texts) -> Iterator[StabilityRow]:
     for group in results.slices.factors:
         of = _("factor of safety at Kh = {kh}, slip circles", kh=f"{group.kh:g}")
         yield from (_circle(of, circle, section, 2, _) for circle in group.circles)
-    shaken = results.slices.after_shaking
-    for circle in shaken.circles if shaken is not None else ():
+    circles_after = results.slices.after_shaking
+    for circle in circles_after.circles if circles_after is not None else ():
         yield _circle(_("factor of safety after shaking, slip circles"), circle, section, 2, _)
     yield from (_circle(_("critical Kh, slip circles"), circle, section, 3, _) for circle in results.slices.critical)
     for factor in results.fem.safety_factors if results.fem is not None else ():

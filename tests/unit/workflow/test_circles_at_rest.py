@@ -54,15 +54,15 @@ def test_circles_after_shaking_have_its_excess_pore_pressure(tmp_path: Path) -> 
     store = Store(tmp_path)
     work(cast(Any, SimpleNamespace(config=run, store=store, progress=lambda *what: None)))
     answer = SlicesAnswer.read(store)
-    shaken = answer.after_shaking
-    assert shaken is not None
+    circles_after = answer.after_shaking
+    assert circles_after is not None
     before = next(group for group in answer.factors if group.kh == 0.0).circles[0].bishop
     # with less effective stress by 30 %: between 70 % and all of the strength
-    assert 0.7 * before < shaken.circles[0].bishop < 0.95 * before
+    assert 0.7 * before < circles_after.circles[0].bishop < 0.95 * before
     text = " ".join(slices_sentences(answer, rises_by_shaking=True))
     assert "after shaking, with its excess pore pressure, by slip circles: to the" in text
     rows = [row for row in stability_rows(results(run, slices=answer), Texts()) if "after shaking" in row.quantity]
-    assert [row.value for row in rows] == [f"{circle.bishop:.2f}" for circle in shaken.circles]
+    assert [row.value for row in rows] == [f"{circle.bishop:.2f}" for circle in circles_after.circles]
     assert any("by slip circles after shaking." in note for note in note_sentences(results(run, slices=answer)))
 
 
