@@ -12,8 +12,10 @@ import numpy as np
 
 from workflow.estimates.slices import Slices
 
-# cos α + sin α tan φ / F below this makes the normal force of a slice meaningless (Whitman & Bailey 1967).
-LEAST_M_ALPHA = 0.2
+# cos α + sin α tan φ / F below this makes the normal force of a slice meaningless (Whitman & Bailey 1967). Slices below
+# it have the normal force at this value, which is smaller; a circle counts if they bear no more than this share of its
+# shear force: a thin layer of gravel at the toe, where the circle leaves the ground steeply.
+LEAST_M_ALPHA, LARGEST_STEEP_SHARE = 0.2, 0.02
 STEPS, TOLERANCE = 100, 1e-7
 FACTORS = np.geomspace(100.0, 0.02, 60)
 LARGEST_KH = 5.0
@@ -48,8 +50,8 @@ def bishop_factor(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.ndarr
             bases = bases.of_surfaces(moves)
         if not len(moving):
             break
-    _, m_alpha = _Bases.of(slices, vertical).shear(np.where(np.isfinite(result), result, 1.0))
-    sound = (m_alpha.min(axis=1) >= LEAST_M_ALPHA) & (result > 0.0) & (result < FACTORS[0])
+    shear, m_alpha = _Bases.of(slices, vertical).shear(np.where(np.isfinite(result), result, 1.0))
+    sound = _is_sound(shear, m_alpha) & (result > 0.0) & (result < FACTORS[0])
     return np.where(sound, result, np.nan)
 
 
@@ -72,8 +74,15 @@ def bishop_critical_kh(slices: Slices, x: np.ndarray, z: np.ndarray, radius: np.
         radius * static_part.sum(axis=1) + moments[:, 0],
         radius * seismic_part.sum(axis=1) + moments[:, 1],
     )
-    sound = (m_alpha.min(axis=1) >= LEAST_M_ALPHA) & (added < 0.0)
+    sound = _is_sound(static_part, m_alpha) & (added < 0.0)
     return np.where(sound, -resisting / np.where(sound, added, 1.0), np.nan)
+
+
+def _is_sound(shear: np.ndarray, m_alpha: np.ndarray) -> np.ndarray:
+    """Return whether the normal forces of circles have a meaning: next to no shear force (surfaces, slices) is borne by
+    slices whose ``m_alpha`` is too small."""
+    steep = np.where(m_alpha < LEAST_M_ALPHA, np.abs(shear), 0.0).sum(axis=1)
+    return steep <= LARGEST_STEEP_SHARE * np.abs(shear.sum(axis=1))
 
 
 def _moments(slices: Slices, x: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -118,7 +127,7 @@ class _Bases:
         m_α."""
         m_alpha = self.cos + self.sin * (self.friction / factor[:, None])
         balance = -self.vertical - self.bond * self.sin / factor[:, None]
-        normal = balance / np.where(np.abs(m_alpha) > 1e-3, m_alpha, 1e-3)
+        normal = balance / np.maximum(m_alpha, LEAST_M_ALPHA)
         return self.bond + normal * self.friction, m_alpha
 
 
@@ -205,8 +214,9 @@ def _residuals(slices: Slices, factor: np.ndarray, kh: float, theta: float) -> t
         slices.cohesion[0] / factor[:, None] * slices.length[0] - (across + slices.pressure[0] * slices.length[0]) * tan
     )
     m_alpha = np.cos(angle - theta) + np.sin(angle - theta) * tan
-    sound = m_alpha.min(axis=1) >= LEAST_M_ALPHA
-    side = -(along + bond) / np.where(sound[:, None], m_alpha, np.nan)
+    side = -(along + bond) / np.maximum(m_alpha, LEAST_M_ALPHA)
+    steep = np.where(m_alpha < LEAST_M_ALPHA, np.abs(side), 0.0).sum(axis=1)
+    side = np.where((steep <= LARGEST_STEEP_SHARE * np.abs(side).sum(axis=1))[:, None], side, np.nan)
     turning = (side * (x * np.sin(theta) - z * np.cos(theta))).sum(axis=1) - moment
     return side.sum(axis=1), turning
 
