@@ -20,6 +20,9 @@ from numba import njit
 
 # Smallest pivot of a compliance, as a share of its diagonal.
 LEAST_PIVOT = 1e-15
+# Largest η² of which the compliance δ of clay is a share. Where liquefied ground flows η² is 5,000, and with a share of
+# it volume strain rates of 1e-6 remained that refinement did not remove: 9 of 60 programs of clay failed that do not.
+LARGEST_SQUARE = 1e-3
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -30,8 +33,8 @@ def stiffnesses(
     """Compute C⁻¹ of all corners into ``out`` (k, 3, 3).
 
     ``axis``: w (cones, 3); ``size``: η (cones,); ``lone``: w² of the scalar constraints of cut-offs (singles,). The
-    compliance δ of a corner is ``soft`` times its η². ``sine``, ``clay``, ``single``, ``triple``: see above;
-    ``torn_sine``: sin φ of the cones of tension cut-offs.
+    compliance δ of a corner is ``soft`` times its η², or times `LARGEST_SQUARE` if that is less. ``sine``, ``clay``,
+    ``single``, ``triple``: see above; ``torn_sine``: sin φ of the cones of tension cut-offs.
     """
     corners = len(sine)
     c, low = np.empty((3, 3)), np.zeros((3, 3))
@@ -54,7 +57,7 @@ def _stiffness(w: np.ndarray, much: float, sine: float, is_clay: bool, soft: flo
     """Compute C⁻¹ (3, 3) in closed form, without cancellation of digits."""
     if is_clay:
         scale = sine * sine / (much * (1.0 + 2.0 * (w[1] * w[1] + w[2] * w[2])))
-        out[0, 0] = sine * sine / (soft * much)
+        out[0, 0] = sine * sine / (soft * min(much, LARGEST_SQUARE))
         out[0, 1] = out[0, 2] = 0.0
         out[1, 1], out[2, 2] = scale * (1.0 + 2.0 * w[2] * w[2]), scale * (1.0 + 2.0 * w[1] * w[1])
         out[1, 2] = -2.0 * scale * w[1] * w[2]
@@ -75,7 +78,7 @@ def _add_compliance(w: np.ndarray, much: float, sine: float, is_clay: bool, soft
     c[2, 2] += scale * (2.0 * w[2] * w[2] + 1.0)
     c[1, 2] += scale * 2.0 * w[1] * w[2]
     if is_clay:
-        c[0, 0] += soft * scale
+        c[0, 0] += soft * min(much, LARGEST_SQUARE) / (sine * sine)
     else:
         c[0, 0] += much * (2.0 * w[0] * w[0] - 1.0)
         c[0, 1] += much * 2.0 * w[0] * w[1] / sine

@@ -21,11 +21,17 @@ PROOF_MARGIN = 0.0005
 ROUGH_PROOF_MARGIN = 0.005
 # Share of the distance of extrapolation that is added to the margin of a proof.
 EXTRAPOLATION_SHARE = 0.05
+# Share of the allowed gap that both bounds leave open, by which a proof is further to the safe side: nearer to its
+# estimate it fails more often, and where both have succeeded the gap is closer than it has to be.
+SLACK_SHARE = 0.1
+# Share of the allowed gap between a proven upper and the estimated lower bound within which the upper bound suffices.
+ENOUGH_SHARE_OF_GAP = 0.5
 # Largest number of proofs of one bound on one mesh.
 MOST_PROOFS = 4
-# Distance (in ln F) of a trial from the estimated factor with which its mesh is refined: this, or this share of the gap
-# between the bounds of the trial. A share of 0.5 is at the lower bound.
-CLOSE_STEP, CLOSE_SHARE_OF_GAP = 0.015, 0.6
+# Distance (in ln F) of a trial from the estimated factor with which its mesh is refined: the largest of this number, of
+# this share of the gap between the bounds of the trial (a share of 0.5 is at the lower bound), and of this share of the
+# allowed gap.
+CLOSE_STEP, CLOSE_SHARE_OF_GAP, CLOSE_SHARE_OF_ALLOWED_GAP = 0.015, 0.6, 0.3
 # Share of the gap by which the lower bound rises at least on the next mesh: it rose by 0.24 to 0.3 of the gap on five
 # sections. The first trial there then proves the lower bound, and is close enough to both bounds.
 LOWER_BOUND_RISE = 0.15
@@ -49,6 +55,8 @@ FURTHEST_CELL_RATIO = 4.5
 GAP_EXPONENTS = 1.0, 2.0
 # Distance (in ln F) from the estimated upper bound at which both bounds are tried, and how far below it.
 STEP_TO_BOTH_BOUNDS, STEP_BELOW_UPPER_BOUND = 0.1, 0.04
+# Excess of Kh of the first upper bound up to which the next trial is of both bounds without a slope.
+NEAR_EXCESS = 0.003
 # Ratio of the work of a trial of both bounds and of their proofs to that of one trial. With less work left there are
 # only proofs.
 WORK_RATIO_OF_PROOFS = 2.5
@@ -158,6 +166,9 @@ class FactorSearch(WeakenedGround):
             if last is not None:
                 self.update_slope(last, trial)
             excess, last = self.excess(trial.upper), trial
+            if self.slope is None and abs(excess) < NEAR_EXCESS:
+                self.factor = self.looked_for(trial.factor * math.exp(-STEP_BELOW_UPPER_BOUND))
+                return
             step = LARGEST_FACTOR_RATIO**-2.0 if excess < -LARGEST_EXCESS else self.step(excess)
             if self.slope is not None and abs(math.log(step)) < STEP_TO_BOTH_BOUNDS:
                 self.factor = self.looked_for(trial.factor * step * math.exp(-STEP_BELOW_UPPER_BOUND))
@@ -175,14 +186,22 @@ class FactorSearch(WeakenedGround):
             expected_lower, expected_upper = self.expected_bounds
             self.measure(expected_lower, upper_factor=expected_upper)
             return
+        before = self.trials[-1] if self.trials else None
         last = self.with_deciding_multiplier(self.measure(self.factor))
+        if self.slope is None and before is not None:
+            self.update_slope(before, last)
         safe, unsafe = 0.0, math.inf
         for _ in range(MOST_TRIALS):
             middle = self.mean_excess(last)
             step = 1.0 / LARGEST_FACTOR_RATIO if middle < -LARGEST_EXCESS else self.step(middle)
             if self.is_enough or self.solver_fails or not self.work.allows(last.work):
                 return
-            close = abs(math.log(step)) < max(CLOSE_STEP, CLOSE_SHARE_OF_GAP * self.gap_of_trial(last))
+            distance = (
+                CLOSE_STEP,
+                CLOSE_SHARE_OF_GAP * self.gap_of_trial(last),
+                CLOSE_SHARE_OF_ALLOWED_GAP * self.settings.gap,
+            )
+            close = abs(math.log(step)) < max(distance)
             if self.slope is not None and (close or self.work.left < WORK_RATIO_OF_PROOFS * last.work):
                 break
             safe, unsafe = (last.factor, unsafe) if middle >= 0.0 else (safe, last.factor)
@@ -214,21 +233,34 @@ class FactorSearch(WeakenedGround):
             root, proven = self.root(side), getattr(self, side)
             known = 0.0 < proven < math.inf and math.isfinite(root)
             decides = side == "upper" and root * math.exp(PROOF_MARGIN) < self.upper_suffices
+            if side == "upper" and known and not decides and self.upper_is_close_enough:
+                continue
             if on_last_mesh or decides or not known or abs(math.log(root / proven)) > FALLBACK_GAP:
                 self.prove(side, sense, on_last_mesh)
+
+    @property
+    def upper_is_close_enough(self) -> bool:
+        """Return whether a proof of the estimated lower bound leaves at most half of the allowed gap."""
+        lower = self.root("lower")
+        return math.isfinite(lower) and math.log(self.upper / lower) <= ENOUGH_SHARE_OF_GAP * self.settings.gap
 
     def prove(self, side: BoundSide, sense: float, on_last_mesh: bool = True) -> None:
         """Prove a bound by trials a little to the safe side of the estimated factor until no better bound is proven.
         The lower bound takes most of the work, so that its trials end as soon as the gap is small enough. Without an
         estimate, the interval of the factor is bisected. Where no stress has balanced the loads yet, the factor is
-        reduced, but only once unless the triangles are the last of the search (``on_last_mesh``).
+        reduced, but only once unless the triangles are the last of the search (``on_last_mesh``). On earlier triangles
+        one bound is proven.
         """
-        last = self.trials[-1].factor
+        last, before = self.trials[-1].factor, getattr(self, side)
         work = 0.5 * min(trial.work for trial in self.trials_on_mesh)  # of one bound, at least
         decides = not self.upper_suffices <= self.root(side) * math.exp(sense * PROOF_MARGIN) < self.lower_suffices
         margin = PROOF_MARGIN if on_last_mesh or decides else ROUGH_PROOF_MARGIN
+        if not decides and math.isfinite(self.open_here):
+            margin = max(margin, SLACK_SHARE * (self.settings.gap - self.open_here))
         for times in range(1, MOST_PROOFS + 1):
             proven = getattr(self, side)
+            if not on_last_mesh and proven != before:
+                return
             at = self.root(side) * math.exp(sense * (times * margin + EXTRAPOLATION_SHARE * self.extrapolated(side)))
             unbalanced = [trial.factor for trial in self.trials_on_mesh if side == "lower" and trial.no_equilibrium]
             least_unbalanced = min(unbalanced, default=math.inf)
@@ -263,7 +295,8 @@ class FactorSearch(WeakenedGround):
     def needed_growth(self) -> float:
         """Return how many times more triangles are expected to close the gap, less the margins of its proofs."""
         margins = 2.0 * PROOF_MARGIN
-        needed = GAP_RATIO_AIMED_AT * min(self.gap, self.open_here) / max(self.settings.gap - margins, margins)
+        gap = max(min(self.gap, self.open_here), 0.0)  # secants may cross: the lower bound seems to be the larger one
+        needed = GAP_RATIO_AIMED_AT * gap / max(self.settings.gap - margins, margins)
         return float(needed ** (1.0 / self.gap_exponent))
 
     @property

@@ -58,7 +58,7 @@ INFEASIBLE: Mapping[str, NoSolution] = {"PrimalInfeasible": "no mechanism", "Dua
 REGULARISATIONS, REGULARISATIONS_OF_STRESS = (1e-8, 1e-7, 1e-6), (1e-7, 1e-6)
 # The same for elements, whose answer is no bound: at 1e-8 they often break down, and a residual of 1e-7 is met in three
 # quarters of the iterations and changes the answer by 0.03 % at most, as a rule (0.1 % in 1 of 10 published cases).
-REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS = (1e-7, 1e-6), 1e-7
+REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS, STALLED_RESIDUAL_OF_ELEMENTS = (1e-7, 1e-6), 1e-7, 3e-7
 # Tolerances met almost will do where the equations are met to this.
 ACCEPTED_RESIDUAL = 1e-6
 MOST_ITERATIONS = 120
@@ -184,7 +184,7 @@ def solve_for_elements(program: ConeProgram, start: Warm | None = None, least: f
     smaller.
     """
     ask = partial(_by_clarabel, REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS)
-    tolerance = Tolerance(INTERIOR_GAP_OF_ELEMENTS, least, FEASIBILITY_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS)
+    tolerance = Tolerance(INTERIOR_GAP_OF_ELEMENTS, least, FEASIBILITY_OF_ELEMENTS, STALLED_RESIDUAL_OF_ELEMENTS)
     return _solve(program, tolerance, ask, in_the_middle=True, start=start)
 
 

@@ -29,7 +29,7 @@ PUBLISHED = (
     "greco_5",
 )  # fmt: skip
 RANDOM = NUMBERS[:6]
-SOLVERS = {"own": "", "clarabel": "from fem.solvers import cone_program; cone_program.LEAST_VELOCITIES = 10**12; "}
+SOLVERS = {"own": "", "clarabel": "from fem.solvers import cone_program; cone_program.FEWEST_VELOCITIES = 10**12; "}
 COMMAND = "import sys; {}from workflow.cli import main; sys.argv[0] = 'noshiro'; sys.exit(main())"
 FACTOR = """import sys; {}
 from mpi4py import MPI

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 
-from fem.limit.bracket import BoundSide
+from fem.limit.bracket import LEAST_CELL_RATIO, BoundSide
 from fem.limit.factor_search import FactorSearch
 from fem.limit.factor_trial import FactorWork, TrialStart, root_of
 from fem.limit.first_mesh import first_mesh
@@ -57,6 +57,30 @@ def test_a_lower_bound_is_looked_for_below_a_factor_at_which_no_stress_balances_
     assert 0.65 * factor.lower < search.lower <= factor.upper
     other = FactorSearch(section, mesh, fem, settings, 1, TrialStart(0.0, 2.0 * factor.upper, False), FactorWork(60.0))
     assert other.measure(2.0 * factor.upper, upper=False).no_equilibrium  # with no trial of both bounds before it
+
+
+def test_secants_that_cross_ask_for_the_fewest_triangles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The secant of the lower bound seemed to meet the given Kh at a larger factor than that of the upper bound: the
+    number of triangles became a complex number, and `noshiro bounds` ended in a TypeError."""
+    section, fem, settings = Section.parse(slope()), FemSettings(sides="smooth"), BoundsSettings(max_cells=400)
+    mesh = first_mesh(section, 400, "smooth")
+    search = FactorSearch(section, mesh, fem, settings, 1, TrialStart(0.0, 1.0, False), FactorWork(60.0))
+    search.measure(1.5)
+    monkeypatch.setattr(search, "root", {"lower": 1.6, "upper": 1.5}.get)
+    monkeypatch.setattr(FactorSearch, "gap_exponent", 1.5)
+    assert search.open_here < 0.0
+    assert search.needed_growth == 0.0
+    assert search.growth() == pytest.approx(LEAST_CELL_RATIO)
+
+
+def test_a_good_guess_leaves_few_trials_within_a_wide_gap() -> None:
+    """Near the factor of the elements a second upper bound, further proofs on triangles that are refined, and a third
+    trial of both bounds decided nothing: 13 trials of S-13 after liquefaction are now 8."""
+    section, fem = Section.parse(slope()), FemSettings(sides="smooth")
+    factor = safety_bounds(section, fem, BoundsSettings(max_cells=1500, gap=0.08), guess=6.17)  # bounds: 6.10 to 6.24
+    assert factor.gap <= 0.08
+    assert factor.lower < 6.2 < factor.upper
+    assert len(factor.trials) <= 5
 
 
 def test_two_trials_of_one_factor_have_no_secant() -> None:
