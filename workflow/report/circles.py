@@ -32,6 +32,7 @@ STEEPLY = (
     ", since they cut steeply through {strata}, where the normal force on a circle is an assumption of the method; "
     "with ψ = φ the ground resists a larger Kh"
 )
+FAILS = "the section fails"  # with which the reason of a stage begins if the ground has no critical Kh
 CIRCLE_REMEDY = (
     "rely on finite elements and bounds, since the critical mechanism is no circle, for example along a weak layer"
 )
@@ -74,6 +75,7 @@ def against_elements(results: Results) -> Iterator[str]:
     """Warn of slip circles far from the result of the finite elements with ψ = φ, if strict bounds do not contradict
     the circles already."""
     circles, fem, bounds = results.slices, results.fem, results.bounds
+    yield from _against_failure(results)
     if circles is None or fem is None or fem.flow != "associated" or results.config.fem.direction != "both":
         return
     least = {group.kh: min(group.circles, key=_value) for group in circles.factors if group.circles}
@@ -97,6 +99,20 @@ def against_elements(results: Results) -> Iterator[str]:
         line = np.array(state.slip_surface if state is not None else ())
         statement = f"slip circles have a critical Kh of {coefficient(circle.bishop)}, while finite elements have "
         yield f"{statement}{coefficient(fem.kc)}{_why_far(results, circle, fem.kc, line, None)}"
+
+
+def _against_failure(results: Results) -> Iterator[str]:
+    """Warn of slip circles that stand without a seismic force where finite elements find that the section fails."""
+    circles, entry = results.slices, results.no_answer("fem")
+    if circles is None or entry is None or not entry.reason.startswith(FAILS) or results.fails_at_rest:
+        return
+    at_rest = [circle for group in circles.factors if group.kh == 0.0 for circle in group.circles]
+    circle = min(at_rest, key=_value, default=None)
+    if circle is not None and circle.bishop > 1.0 and not results.config.section.water_pressure.rises_by_shaking:
+        yield (
+            f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = 0, while finite elements find that "
+            f"{entry.reason}: rely on the finite elements, whose slip surface is no circle"
+        )
 
 
 def _contradicted(value: float, lower: float | None, upper: float | None) -> bool:

@@ -1,5 +1,7 @@
 """What is said of slip circles."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from workflow.report.slices import contradicted_circles, slices_sentences
 from workflow.results.bounds import DirectionPart, SafetyPart
 from workflow.results.continuum import FactorOfSafety, FemAnswer, StoredState
 from workflow.results.slices import CirclePart, FactorCircles, LongerCircle, SlicesAnswer
+from workflow.run.record import Entry
 from workflow.stages.slices import _circle_parts
 
 
@@ -145,3 +148,28 @@ def test_a_circle_in_level_ground_is_no_failure(kh: float | None, value: float, 
     line = np.array([[0.0, 19.0], [2.0, 19.0]])
     circle = SlipCircle("left", (1.0, 30.0), 11.0, line, kh, value, None)
     assert len(_circle_parts(run.section, kh, ((run.section, circle),))) == count
+
+
+@pytest.mark.parametrize(
+    ("factor", "reason", "warned"),
+    [
+        (1.11, "the section fails under its own weight; its factor of safety is 0.92 with ψ = φ", True),
+        (0.95, "the section fails under its own weight", False),
+        (1.11, "no state on the path is in equilibrium", False),
+    ],
+)
+def test_circles_that_stand_where_the_elements_fail_are_warned_of(
+    run: Config, factor: float, reason: str, warned: bool
+) -> None:
+    """On a soft lens circles had a factor of safety of 1.11 without a word, where the elements had failed at 0.92."""
+    circle = CirclePart.model_construct(
+        towards="right", bishop=factor, spencer=None, surface_m=((28.0, 30.0), (72.0, 12.0)), strengthened=False
+    )
+    group = FactorCircles.model_construct(kh=0.0, circles=(circle,))
+    answer = SlicesAnswer.model_construct(factors=(group,), critical=(), faces=(), reason="")
+    known = replace(results(run, slices=answer), ends={"fem": Entry({}, "no answer", reason)})
+    texts = list(contradicted_circles(known))
+    assert [text.startswith("Warning: Slip circles have a factor of safety of 1.11") for text in texts] == [
+        True
+    ] * warned
+    assert all(f"while finite elements find that {reason}. To do: rely on the finite" in text for text in texts)
