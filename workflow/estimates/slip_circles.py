@@ -26,6 +26,7 @@ FEW_POINTS = 8  # intervals between the points of a circle that are checked firs
 STEEPEST_BASE = np.radians(80.0)  # inclination of the base: steeper bases would be in tension
 OUT, INTO = np.radians((30.0, 60.0))  # slopes at which a slip surface that ends below the ground is taken to it
 LEAST_DEPTH = 0.02  # of the height of the section: shallower circles are the infinite slope's
+EDGE_SHARE = 1e-7  # of the length of the section, by which at least a circle reaches over the edge of a crest
 FEWEST_POINTS = 3  # of a slip surface
 
 NO_CRACK = TensionCrack()
@@ -233,7 +234,8 @@ class _CircleSearch:
             ends[:, self._head] -= self.crack.depth(self.section, (first, last)[self._head])
         half = 0.5 * np.hypot(last - first, ends[:, 1] - ends[:, 0])
         if self.crest is not None:
-            sound &= (first <= self.crest[1]) & (last >= self.crest[0])
+            edge = EDGE_SHARE * (right - left)
+            sound &= (first < self.crest[1] - edge) & (last > self.crest[0] + edge)
         half, sagitta = np.where(sound, half, 1.0), np.where(sound, bulge * half, 0.5)
         radius = (half**2 + sagitta**2) / (2.0 * sagitta)
         to_centre = (radius - sagitta) / half  # times half the chord, turned by a right angle

@@ -9,6 +9,8 @@ from meshes.section.tension_crack import TensionCrack
 from workflow.estimates.crest import Crest, crest_between, embankments
 from workflow.estimates.slip_circles import NO_CRACK, SlipCircle, critical_circle
 
+EDGE = 1e-6  # m, up to which the end of a slip circle lies at the edge of a crest
+
 
 @dataclass(frozen=True)
 class CrestedStructure:
@@ -21,6 +23,11 @@ class CrestedStructure:
     def slides_with(self, surface: Sequence[tuple[float, float]]) -> bool:
         """Return whether a part of the crest lies above a slip surface, whose points (m) go from left to right."""
         return surface[0][0] <= self.crest.right and surface[-1][0] >= self.crest.left
+
+    def slides_on(self, surface: Sequence[tuple[float, float]]) -> bool:
+        """Return whether a part of the crest lies above a slip circle. A circle that ends at the edge of the crest has
+        none above it: at a wall it lies in the ground before the wall."""
+        return surface[0][0] < self.crest.right - EDGE and surface[-1][0] > self.crest.left + EDGE
 
 
 def structures_of(section: Section) -> tuple[CrestedStructure, ...]:
@@ -55,7 +62,7 @@ def face_circle(
     part of the crest slides with it. The other arguments, ``kh``, ``least_depth``, ``vertical`` and ``crack``, are
     those of `critical_circle`.
     """
-    if critical is not None and structure.slides_with([(x, z) for x, z in critical.surface]):
+    if critical is not None and structure.slides_on([(x, z) for x, z in critical.surface]):
         return critical
     crest = structure.crest.left, structure.crest.right
     return critical_circle(section, towards, kh, least_depth, vertical, crest, crack)

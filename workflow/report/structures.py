@@ -91,7 +91,7 @@ def circles_without_crest(config: Config, answer: SlicesAnswer | None) -> Iterat
     structures = structures_of(config.section)
     at_rest = [("factor of safety at Kh = 0", slip, 2) for group in answer.factors[:1] for slip in group.circles]
     for quantity, circle, digits in [*at_rest, *(("critical Kh", slip, 3) for slip in answer.critical)]:
-        if not any(structure.slides_with(circle.surface_m) for structure in structures):
+        if not any(structure.slides_on(circle.surface_m) for structure in structures):
             yield (
                 f"Elsewhere, from x = {circle.surface_m[0][0]:.0f} to {circle.surface_m[-1][0]:.0f} m towards the "
                 f"{circle.towards}, {quantity} is {circle.bishop:.{digits}f}: no crest is part of this failure."
