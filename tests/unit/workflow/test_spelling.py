@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -55,13 +56,35 @@ def test_what_is_spelled_is_ascii_and_something(character: str) -> None:
     assert spelled(character)
 
 
-def said(arguments: list[str], environment: dict[str, str]) -> tuple[int, bytes]:
+# One process for several commands, since each would take seconds to import its modules: after each, its exit code.
+COMMANDS = """
+import sys
+from itertools import groupby
+from workflow.cli import main
+for is_end, arguments in groupby(sys.argv[1:], lambda word: word == "then"):
+    if is_end:
+        continue
+    try:
+        main(list(arguments))
+        code = 0
+    except SystemExit as stop:
+        code = stop.code or 0
+    sys.stdout.flush()
+    sys.stderr.flush()
+    print(f"{chr(10)}ended with {code}", flush=True)
+"""
+
+
+def messages_of(requests: list[list[str]], environment: dict[str, str]) -> list[tuple[int, bytes]]:
+    """Return exit code and output of each command in a process with this environment."""
     plain = {key: value for key, value in os.environ.items() if key not in ("PYTHONIOENCODING", "LC_ALL", "LANG")}
+    words = [word for request in requests for word in (*request, "then")]
     done = subprocess.run(
-        [sys.executable, "-m", "workflow.cli", *arguments], cwd=TOP, capture_output=True, timeout=120, check=False,
-        env={**plain, "PYTHONPATH": str(TOP), **environment},
+        [sys.executable, "-c", COMMANDS, *words], cwd=TOP, timeout=120, check=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env={**plain, "PYTHONPATH": str(TOP), **environment},
     )  # fmt: skip
-    return done.returncode, done.stdout + done.stderr
+    parts = re.split(rb"\nended with (\d+)\r?\n", done.stdout)
+    return [(int(code), text) for text, code in zip(parts[:-1:2], parts[1::2], strict=True)]
 
 
 @pytest.fixture(scope="module")
@@ -78,11 +101,11 @@ def section(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_commands_answer_wherever_they_are_asked(place: dict[str, str], section: Path, tmp_path: Path) -> None:
     encoding = place.get("PYTHONIOENCODING", "ascii")
     requested = [["check", str(section), "--json"], ["check" if encoding == "ascii" else "liquefaction", str(section)]]
-    for arguments in requested:
-        code, messages = said([*arguments, "--out", str(tmp_path)], place)
+    requested = [[*arguments, "--out", str(tmp_path)] for arguments in requested]
+    *answered, missing = messages_of([*requested, ["check", str(section.parent / "ψ.toml")]], place)
+    for arguments, (code, messages) in zip(requested, answered, strict=True):
         assert code == 0, messages.decode(encoding, "replace")
         assert b"Traceback" not in messages
         if "--json" in arguments:
             assert json.loads(messages.decode(encoding))["section"]["title"] == "Böschung é, 堤防"
-    code, messages = said(["check", str(section.parent / "ψ.toml")], place)
-    assert (code, b"there is no such file" in messages) == (2, True)
+    assert (missing[0], b"there is no such file" in missing[1]) == (2, True)
