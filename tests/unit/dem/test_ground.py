@@ -73,7 +73,7 @@ def test_other_sections_are_cut_to_their_outline(packing: str) -> None:
     assert ground.tilt == 0.0
 
 
-@pytest.mark.parametrize("elements", [100, 300, 1000])
+@pytest.mark.parametrize("elements", [300, *(pytest.param(count, marks=pytest.mark.slow) for count in (100, 1000))])
 def test_a_packing_too_dense_for_its_walls_gets_a_little_more_room(elements: int) -> None:
     section = Section.parse(slope())
     ground = ground_of(section, DemSettings(model="paper", packing="random", elements=elements, porosity=0.19))

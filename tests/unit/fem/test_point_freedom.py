@@ -150,7 +150,7 @@ def test_a_slope_of_46_degrees_of_friction_has_both_bounds(sides):
     assert bounds.gap <= 0.1
 
 
-@pytest.mark.parametrize("factor", [0.845, 0.95])
+@pytest.mark.parametrize("factor", [0.845, pytest.param(0.95, marks=pytest.mark.slow)])
 def test_ground_whose_side_hardly_strains_at_a_point_has_a_mechanism(factor: float) -> None:
     """On the left side of S-13 a layer of sand meets clay: the slack there is 0.018 and 0.0203 at these factors."""
     fem = FemSettings()

@@ -72,7 +72,9 @@ def test_a_plan_loads_nothing_that_crashes_on_ctrl_c(tmp_path: Path) -> None:
     assert there & {"pyvista", "vtkmodules", "gmsh", "numba", "matplotlib"} == set()
 
 
-@pytest.mark.parametrize("section", ["s13", pytest.param("slope_2to1", marks=pytest.mark.slow), "natural_slope"])
+@pytest.mark.parametrize(
+    "section", ["natural_slope", *(pytest.param(name, marks=pytest.mark.slow) for name in ("s13", "slope_2to1"))]
+)
 def test_check_draws_without_vtk_and_reads_common_units_without_pint(section: str, tmp_path: Path) -> None:
     there = loaded("check", SECTIONS / f"{section}.toml", "--out", tmp_path)
     assert there & (COMPUTE | READ) == set()

@@ -24,7 +24,7 @@ def test_a_sheared_box_holds_what_was_asked(ratio: float, seed: int, strain: flo
     assert windows.max() < 1.1
 
 
-@pytest.mark.parametrize("rows", [2.0, 3.0])
+@pytest.mark.parametrize("rows", [2.0, pytest.param(3.0, marks=pytest.mark.slow)])
 def test_a_weak_stratum_between_strong_ones_holds_its_own_strength(rows: float) -> None:
     """A band of a few discs between ground of five times its strength: with the mean of both strengths in the bonds
     across its edges, it would hold 1.3 to 2 times its own.

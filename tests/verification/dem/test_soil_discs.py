@@ -229,7 +229,10 @@ def heap(seed: int, attraction: float = 0.0) -> DiscModel:
     return discs
 
 
-@pytest.mark.parametrize(("seed", "attraction"), [(1, 0.0), (2, 0.0), (1, 1.0), (2, 2.0)])
+@pytest.mark.parametrize(
+    ("seed", "attraction"),
+    [(1, 0.0), (2, 2.0), *(pytest.param(*each, marks=pytest.mark.slow) for each in ((2, 0.0), (1, 1.0)))],
+)
 def test_ledger_closes_with_every_part_of_the_law(seed: int, attraction: float) -> None:
     model = heap(seed, attraction)
     energies = Engine(dt=0.03 * largest_step(model).seconds, balance=np.inf).run(model, 1.5)

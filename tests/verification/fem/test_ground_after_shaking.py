@@ -42,9 +42,7 @@ def random_slope(seed: int) -> Section:
     })  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "seed", [0, 1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2, 3))])
 def test_kh_and_factor_of_safety_of_one_ground_agree(seed: int) -> None:
     """With the static factor of 1.26 and a Kh of -0.002 a dam stood and failed without shaking."""
     section, settings = random_slope(seed), FemSettings(direction="downhill", sides="smooth")

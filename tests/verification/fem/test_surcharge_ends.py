@@ -12,7 +12,7 @@ from meshes.settings import MeshSettings
 from tests.support.water import section, soil
 
 
-@pytest.mark.parametrize("sides", ["free-field", "smooth"])
+@pytest.mark.parametrize("sides", [pytest.param("free-field", marks=pytest.mark.slow), "smooth"])
 def test_the_seismic_step_of_a_load_is_balanced_on_the_first_mesh(sides: Sides) -> None:
     """Two triangles at the end of a load on straight ground have six stresses there and six equations, of which one
     asks that the step of the load acts along the edge between them (the stresses are symmetric): no mesh had a lower
