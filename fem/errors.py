@@ -1,11 +1,9 @@
 """Defines the errors that end an analysis without an answer."""
 
-from collections.abc import Callable
-from typing import TypeVar
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from meshes.errors import NoAnswerError
-
-Answer = TypeVar("Answer")
 
 
 class UnstableError(NoAnswerError):
@@ -26,12 +24,13 @@ class NoEquilibriumError(NoAnswerError):
     """
 
 
-def answer_or_none(find: Callable[[], Answer]) -> Answer | None:
-    """Return the answer of limit analysis; None if the solver has none, so that an equilibrium path has to do. An
+@contextmanager
+def accepting_no_answer() -> Iterator[None]:
+    """Leave the block of a limit analysis whose solver has no answer, so that an equilibrium path has to do. An
     UnstableError is an answer, and is raised."""
     try:
-        return find()
+        yield
     except UnstableError:
         raise
     except NoAnswerError:
-        return None
+        pass

@@ -23,6 +23,7 @@ from fem.solvers.least_norm import smallest_correction
 # The margin is proportional to the size of the cell, and at least the second number.
 STRESS_MARGIN, SMALLEST_MARGIN = 3e-5, 1e-6
 LARGEST_MARGIN = 0.1  # of the strength of clay
+ACCURACY = cone_program.of_bounds(cone_program.REGULARISATIONS_OF_STRESS)
 
 # Matrix A, right-hand sides b0 (dead) and b1 (live), and the point of every equation.
 Equations = tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]
@@ -101,7 +102,7 @@ def lower_bound(
         tension=np.repeat(problem.tension, 3)[free[::3]],
         bare=bare_corners(problem).ravel()[free[::3]],
     )
-    solution = cone_program.solve(program, cone_program.REGULARISATIONS_OF_STRESS, most_work=most_work, start=start)
+    solution = cone_program.solve(program, ACCURACY, most_work=most_work, start=start)
     stresses = solution.stress.ravel()
     stresses = stresses + smallest_correction(balance, dead + solution.multiplier * live - balance @ stresses)
     stresses = _all_round(stresses.reshape(-1, 3), all_round).ravel()

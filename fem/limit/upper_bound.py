@@ -31,7 +31,7 @@ MOST_REPAIRS = 30
 # Residual of the solver's velocities that is accepted if its iterations no longer reduce it. The volume conditions of
 # clay are nearly dependent where edges pass almost straight through a point, and a residual of 2e-8 remained in layers
 # of clay whose strength follows the stress; the velocities are corrected to rounding afterwards.
-STALLED_RESIDUAL = 1e-7
+ACCURACY = cone_program.of_bounds(stalled_residual=1e-7)
 # Ratio of singular values of the volume equations at a point up to which they depend on each other. The equations that
 # are left out then hold to this share of the strain rates.
 DEPENDENT_VOLUMES = 1e-10
@@ -106,9 +106,7 @@ def upper_bound(
         tension=np.repeat(problem.tension, 3)[corners],
     )
     magnified = max(1.0, len(problem.mesh.cells) / UNSCALED_CELLS)
-    solution = cone_program.solve(
-        program, magnified=magnified, most_work=most_work, start=start, stalled_residual=STALLED_RESIDUAL
-    )
+    solution = cone_program.solve(program, ACCURACY, magnified, most_work, start)
     if solution.none == "no stress":  # its proof are rates at which the dead load alone fails
         solution = replace(
             solution, rates=LARGEST_VELOCITY / np.abs(solution.rates).max() * solution.rates, none="", end_status=""

@@ -136,7 +136,7 @@ class DiscreteEquilibrium:
         """
         attempts = []
         for ground, place in ((self, start), (replace(self, unit=UNIT_RATIO * self.unit), None)):
-            solution = cone_program.solve_for_elements(program(ground), place, least)
+            solution = cone_program.solve(program(ground), cone_program.of_elements(least), start=place)
             if solution.sure and solution.none != "no stress":
                 return ground, solution
             attempts.append((ground, solution))

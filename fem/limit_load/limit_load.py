@@ -8,7 +8,6 @@ less strength, is never above the limit load with ψ = φ.
 
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from fem.continuum.nodal_loads import seismic_load
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure, faces_at, failing_at_rest, shallow_failures
 from fem.continuum.strength import Flow, flow_of, is_associated, strength_of
-from fem.errors import UnstableError, answer_or_none
+from fem.errors import UnstableError, accepting_no_answer
 from fem.limit_load.conic_limit_load import ConicLimitLoad, conic_limit_load
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import at_the_sides, element_for, fixed_components, gravity_equilibrium, under_weight
@@ -187,7 +186,9 @@ def loaded_ground(
     while True:
         problem, weight, constant = at_the_sides(section, mesh, settings, comm, faces)
         load = seismic_load(problem, mesh, section, seismic_sign(section, settings))
-        limit = answer_or_none(partial(conic_limit_load, problem, mesh, constant, load))
+        limit = None
+        with accepting_no_answer():
+            limit = conic_limit_load(problem, mesh, constant, load)
         if limit is not None and limit.multiplier < 0.0:
             raise UnstableError("the section fails under its own weight")
         if limit is None or not limit.multiplier <= first < np.inf or first <= 0.0:

@@ -11,7 +11,7 @@ from typing import Any
 
 from fem.continuum.loads import ADVICE_ON_UPLIFT, uplift_error
 from fem.continuum.strength import flow_of, is_associated, is_dilating_fully
-from fem.errors import NoEquilibriumError, UnstableError, answer_or_none
+from fem.errors import NoEquilibriumError, UnstableError, accepting_no_answer
 from fem.limit_load.limit_load import LimitLoadResult
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import element_for
@@ -98,7 +98,8 @@ def assess(
             if is_associated(section.strata, settings.flow):
                 if settings.direction != "both":
                     safety = search.begin_safety(settings)
-                adapted = answer_or_none(partial(search.on_meshes("critical Kh").critical, settings))
+                with accepting_no_answer():
+                    adapted = search.on_meshes("critical Kh").critical(settings)
             if adapted is None:
                 assessment = search.by_path(settings, safety)
             else:
@@ -267,12 +268,12 @@ class _Search:
         the flow rule is ψ = φ. The limit load by the other flow rule is None if it was not found, or if the section
         file has ψ = φ in all strata.
         """
-        both = None
-        if self.dilates_more(settings):
-            both = answer_or_none(partial(self.on_meshes("Kh by Davis's estimate").with_davis, adapted, settings))
-        elif self.is_substituted(settings):
-            both = answer_or_none(partial(self.on_meshes("Kh with ψ = φ").with_full_dilation, adapted, settings))
-        return both or (adapted, None)
+        with accepting_no_answer():
+            if self.dilates_more(settings):
+                return self.on_meshes("Kh by Davis's estimate").with_davis(adapted, settings)
+            if self.is_substituted(settings):
+                return self.on_meshes("Kh with ψ = φ").with_full_dilation(adapted, settings)
+        return adapted, None
 
     def by_own_dilation(
         self,
@@ -327,9 +328,8 @@ class _Search:
         """Return the factor of safety on adapted meshes, or on the first mesh if the flow is not associated. Meshes
         begin ``like`` those of the critical Kh if it is known."""
         if is_associated(self.section.strata, settings.flow):
-            adapted = answer_or_none(partial(self.on_meshes().safety, settings, kh, like))
-            if adapted is not None:
-                return self.with_other_factor(adapted, settings, kh)
+            with accepting_no_answer():
+                return self.with_other_factor(self.on_meshes().safety(settings, kh, like), settings, kh)
         result = safety_factor(
             self.section, self.first_mesh, settings, kh, self.comm, self.path_listener("factor of safety")
         )

@@ -7,7 +7,6 @@ of equilibria along which the factor is an unknown.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from fem.continuum.nodal_loads import hydrostatic_load, seismic_load
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.shallow_failure import ShallowFailure, faces_at, least_rolling_factor
 from fem.continuum.strength import is_associated, strength_of
-from fem.errors import UnstableError, answer_or_none
+from fem.errors import UnstableError, accepting_no_answer
 from fem.limit_load.conic_safety_factor import LARGEST_FACTOR, FactorStart, conic_safety_factor, too_weak
 from fem.path.equilibrium_path import EquilibriumPath
 from fem.path.gravity import (
@@ -170,9 +169,8 @@ def safety_factor(
         If no state on the path is in equilibrium.
     """
     if is_associated(section.strata, settings.flow):
-        by_limit_load = answer_or_none(partial(limit_load_safety_factor, section, mesh, settings, kh, comm))
-        if by_limit_load is not None:
-            return by_limit_load
+        with accepting_no_answer():
+            return limit_load_safety_factor(section, mesh, settings, kh, comm)
     faces = faces_at(section, settings, kh)
     problem, constant, load, start = _standing_ground(section, mesh, settings, kh, comm, faces)
     forces = constant + load

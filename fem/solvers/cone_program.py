@@ -20,7 +20,7 @@ multipliers.
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal
@@ -155,49 +155,60 @@ class Warm:
         )
 
 
+@dataclass(frozen=True)
+class ProgramAccuracy:
+    """Holds how exactly a program is solved.
+
+    Attributes
+    ----------
+    tolerance : criteria of the built-in interior-point method
+    regularisations : of Clarabel, which is called again with the next one if it ends without an answer, or almost meets
+        its tolerances but with large residuals
+    feasibility, feasibility_at_cut_off : residual of the equations of Clarabel, and the same with tension cut-offs
+    in_the_middle : whether the multiplier is the mean of the bracket of the solver
+    """
+
+    tolerance: Tolerance
+    regularisations: tuple[float, ...]
+    feasibility: float
+    feasibility_at_cut_off: float
+    in_the_middle: bool = False
+
+
+def of_bounds(
+    regularisations: tuple[float, ...] = REGULARISATIONS, stalled_residual: float = STALLED_RESIDUAL
+) -> ProgramAccuracy:
+    """Return the accuracy of a bound. Residuals of the equations up to ``stalled_residual`` are accepted where
+    iterations no longer reduce them."""
+    tolerance = Tolerance(INTERIOR_GAP, LEAST_KH, stalled_residual=stalled_residual, floor=LEAST_MULTIPLIER)
+    return ProgramAccuracy(tolerance, regularisations, FEASIBILITY, FEASIBILITY_AT_CUT_OFF)
+
+
+def of_elements(least: float = 1.0) -> ProgramAccuracy:
+    """Return the accuracy of a finite element limit analysis, which is less than that of a bound. The width of the
+    bracket is a share of the multiplier, or of ``least`` where the multiplier is smaller."""
+    feasibility = FEASIBILITY_OF_ELEMENTS
+    tolerance = Tolerance(INTERIOR_GAP_OF_ELEMENTS, least, feasibility, STALLED_RESIDUAL_OF_ELEMENTS)
+    return ProgramAccuracy(tolerance, REGULARISATIONS_OF_ELEMENTS, feasibility, feasibility, in_the_middle=True)
+
+
+BOUNDS = of_bounds()
+
+
 def solve(
     program: ConeProgram,
-    regularisations: Sequence[float] = REGULARISATIONS,
+    accuracy: ProgramAccuracy = BOUNDS,
     magnified: float = 1.0,
     most_work: float = math.inf,
     start: Warm | None = None,
-    stalled_residual: float = STALLED_RESIDUAL,
 ) -> Solution:
-    """Solve a cone program of bounds; return stress, velocities and multiplier.
+    """Solve a cone program by the built-in interior-point method, or by Clarabel if this method finds no solution;
+    return stress, velocities and multiplier.
 
-    Where Clarabel ends without an answer, or almost meets its tolerances but with large residuals, it is called again
-    with the next of the ``regularisations``. Clarabel's forces are multiplied by ``magnified``, since its
-    tolerances are relative to one where forces are smaller than one. After ``most_work`` (seconds on the reference
-    machine) both methods end with their last iterate. The built-in interior-point method begins at a ``start`` that
-    suits the program, which changes only its computing time. Residuals of the equations
-    up to ``stalled_residual`` are accepted where iterations no longer reduce them.
+    Forces are multiplied by ``magnified``, since the tolerances of Clarabel are relative to one where forces are
+    smaller than one. After ``most_work`` (seconds on the reference machine) both methods end with their last iterate.
+    The built-in method begins at a ``start`` that suits the program, which changes only its computing time.
     """
-    feasibility = FEASIBILITY_AT_CUT_OFF if len(program.torn) else FEASIBILITY
-    ask = partial(_by_clarabel, regularisations, feasibility)
-    tolerance = Tolerance(INTERIOR_GAP, LEAST_KH, stalled_residual=stalled_residual, floor=LEAST_MULTIPLIER)
-    return _solve(program, tolerance, ask, magnified, most_work, start=start)
-
-
-def solve_for_elements(program: ConeProgram, start: Warm | None = None, least: float = 1.0) -> Solution:
-    """Solve the program of a finite element limit analysis, less exactly than one of bounds. The multiplier is the mean
-    of the bracket of the solver, whose width is a share of the multiplier, or of ``least`` where the multiplier is
-    smaller.
-    """
-    ask = partial(_by_clarabel, REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS)
-    tolerance = Tolerance(INTERIOR_GAP_OF_ELEMENTS, least, FEASIBILITY_OF_ELEMENTS, STALLED_RESIDUAL_OF_ELEMENTS)
-    return _solve(program, tolerance, ask, in_the_middle=True, start=start)
-
-
-def _solve(
-    program: ConeProgram,
-    tolerance: Tolerance,
-    ask_clarabel: "Callable[[Assembled, float, float], _End]",
-    magnified: float = 1.0,
-    most_work: float = math.inf,
-    in_the_middle: bool = False,
-    start: Warm | None = None,
-) -> Solution:
-    """Return the solution by the built-in interior-point method, or by Clarabel if this method finds none."""
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)
     data = assembled(program, clay)
@@ -205,11 +216,13 @@ def _solve(
     around = SETUP_SECONDS * n
     most_work -= around
     if n >= FEWEST_VELOCITIES and cholmod.available():
-        built_in = _by_interior_point(program, data, magnified, tolerance, most_work, start)
+        built_in = _by_interior_point(program, data, magnified, accuracy.tolerance, most_work, start)
     if built_in is not None and (built_in.sure or built_in.out_of_work):
         end = built_in
     else:
-        end = ask_clarabel(data, magnified, most_work - (built_in.work if built_in is not None else 0.0))
+        rest = most_work - (built_in.work if built_in is not None else 0.0)
+        feasibility = accuracy.feasibility_at_cut_off if len(program.torn) else accuracy.feasibility
+        end = _by_clarabel(accuracy.regularisations, feasibility, data, magnified, rest)
     if built_in is not None and end is not built_in:
         end = replace(
             end, work=end.work + built_in.work, iterations=end.iterations + built_in.iterations, fallback=True
@@ -220,7 +233,7 @@ def _solve(
     own_multiplier = -float(z[0])
     bracket = end.bracket or (own_multiplier, own_multiplier)
     return Solution(
-        multiplier=0.5 * sum(bracket) if in_the_middle else own_multiplier,
+        multiplier=0.5 * sum(bracket) if accuracy.in_the_middle else own_multiplier,
         rates=x[:n],
         stress=stress,
         shear=data.shear @ x,

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from fem.continuum.strength import is_associated
-from fem.errors import UnstableError, answer_or_none
+from fem.errors import UnstableError, accepting_no_answer
 from fem.limit.bounds import kh_bounds
 from fem.search.adaptive import AdaptiveSearch
 from fem.search.critical import critical_coefficient
@@ -39,7 +39,8 @@ def continuum(sample: StudySample) -> Numbers:
 def _critical(config: Config, first: "QuadMesh") -> "tuple[LimitLoadResult | CriticalResult, QuadMesh]":
     if is_associated(config.section.strata, config.fem.flow):
         search = AdaptiveSearch(config.section, config.mesh, first)
-        if (critical := answer_or_none(lambda: search.critical(config.fem))) is not None:
+        with accepting_no_answer():
+            critical = search.critical(config.fem)
             return critical.result, critical.mesh
     return critical_coefficient(config.section, first, config.fem), first
 

@@ -130,14 +130,14 @@ def test_daviss_factor_begins_where_that_with_full_dilation_ended(monkeypatch):
     mesh = generate(case.section, case.mesh)
     full, davis = (case.fem.model_copy(update={"flow": flow}) for flow in ("associated", "davis"))
     base = limit_load_safety_factor(case.section, mesh, full, 0.0, MPI.COMM_SELF)
-    solve, solutions = cone_program.solve_for_elements, []
+    solve, solutions = cone_program.solve, []
 
-    def counted(*arguments):
-        solution = solve(*arguments)
+    def counted(*arguments, **named):
+        solution = solve(*arguments, **named)
         solutions.append(solution)
         return solution
 
-    monkeypatch.setattr(cone_program, "solve_for_elements", counted)
+    monkeypatch.setattr(cone_program, "solve", counted)
     near = limit_load_safety_factor(case.section, mesh, davis, 0.0, MPI.COMM_SELF, start=base.start)
     programs = len(solutions)
     cold = limit_load_safety_factor(case.section, mesh, davis, 0.0, MPI.COMM_SELF, near.factor)
