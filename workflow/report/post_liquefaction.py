@@ -210,8 +210,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
         yield f"    The residual strength is {listed(list(dict.fromkeys(strengths)))}."
         if case.factor is not None or case.factor_lower is not None:
             yield f"    The factor of safety at Kh = 0, between sides held horizontally, is {factors(case)}."
-        if case.circles is not None and (words := circles_after_liquefaction(case.circles)):
-            yield f"    {words}"
+        yield from (f"    {words}" for words in circles_after_liquefaction(case))
         if case.kc is not None and case.kc_lower is not None:
             bounds = bracket(case.kc_lower, case.kc_upper, 3)
             yield f"    The critical Kh is {case.kc:.3f} by finite elements, and {bounds} by strict bounds."

@@ -11,10 +11,11 @@ from meshes.section.section import Section
 from workflow.config import Config
 from workflow.estimates.slip_circles import least_balance
 from workflow.estimates.structures import structures_of
-from workflow.report.circles import against_elements, of_circles, of_longer_sections
+from workflow.report.circles import RATIO_ABOVE_BOUND, against_elements, of_circles, of_longer_sections
 from workflow.results.continuum import FactorOfSafety
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, CirclesAtRest, SlicesAnswer
+from workflow.results.stability import LiquefiedCase
 
 
 def slices_sentences(answer: SlicesAnswer, rises_by_shaking: bool = False) -> Iterator[str]:
@@ -63,9 +64,24 @@ def contradicted_circles(results: Results) -> Iterator[str]:
         yield f"Warning: {observation[0].upper()}{observation[1:]}. To do: {remedy}."
 
 
-def circles_after_liquefaction(answer: CirclesAtRest) -> str:
-    """Return the factors of safety of liquefied ground by slip circles as a sentence; empty if no circle slides."""
-    return f"By slip circles it is {_circle_list(answer.circles, 2)}." if answer.circles else ""
+def circles_after_liquefaction(case: LiquefiedCase) -> Iterator[str]:
+    """Yield the factors of safety of liquefied ground by slip circles, and a warning if they are far above its strict
+    upper bound."""
+    if case.circles is None or not case.circles.circles:
+        return
+    yield f"By slip circles it is {_circle_list(case.circles.circles, 2)}."
+    if above_bound(case):
+        yield (
+            f"Warning: Slip circles are above the strict upper bound of {case.factor_upper:.2f}, which counts: the "
+            "critical mechanism follows the liquefied ground, and is no circle."
+        )
+
+
+def above_bound(case: LiquefiedCase) -> bool:
+    """Return whether the slip circles of a case of liquefaction are far above its strict upper bound."""
+    if case.circles is None or not case.circles.circles or case.factor_upper is None:
+        return False
+    return case.circles.circles[0].bishop > RATIO_ABOVE_BOUND * case.factor_upper
 
 
 def face_circles(answer: CirclesAtRest, section: Section) -> Iterator[str]:

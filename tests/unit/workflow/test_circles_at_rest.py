@@ -78,6 +78,10 @@ def test_the_circles_of_liquefied_ground_are_reported() -> None:
     text = "\n".join(sentences(answer))
     assert f"By slip circles it is to the {least.towards}" in text
     assert f"{least.bishop:.2f} by Bishop's method" in text
+    assert "Warning" not in text
+    bounded = case.model_copy(update={"factor_upper": 0.9 * least.bishop})
+    text = "\n".join(sentences(answer.model_copy(update={"cases": (bounded,)})))
+    assert f"Slip circles are above the strict upper bound of {0.9 * least.bishop:.2f}, which counts" in text
     notes = [note for note in note_sentences(results(clay, liquefied=answer)) if "after liquefaction" in note]
     assert len(notes) == 2
     for note, face in zip(notes, circles.faces, strict=True):
