@@ -13,7 +13,7 @@ from PIL import Image
 from meshes.errors import InputError
 from tests.support import SECTIONS, TOP, dem_fixture
 from tests.support.answers import bounds, fem, results, variant
-from tests.support.sections import slope
+from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.figures.displacements import slides
 from workflow.report.captions import collect
@@ -251,3 +251,13 @@ def test_a_film_shows_ground_that_slides_out_of_its_section() -> None:
     start = np.linspace(1.0, 99.0, 50)
     assert _extent([start, start + 4.0], 1.0) == pytest.approx((0.0, 104.0))
     assert _extent([start, np.append(start, 900.0)], 1.0) == pytest.approx((0.0, 110.0))
+
+
+def test_a_report_without_displacements_has_no_empty_table_of_them(s13: Config) -> None:
+    """A block under a constant Kh above the critical one moves without end: heading, caption and head had no row."""
+    run = analysed(slope())
+    text = html(results(run, fem=fem(run, 0.05)))
+    assert "Displacements by other methods" not in text
+    assert "Displacements by other methods" in html(results(s13, fem=fem(s13)))
+    for table in re.findall(r"<table>(.*?)</table>", text, re.DOTALL):
+        assert "<td" in table
