@@ -309,7 +309,8 @@ class SlideSettings(Model):
         description=(
             "length (m) by which a surface at rest moves in 5 s at most; 0.2 % of the slide if that is more. The "
             "surface of discs may oscillate by three times this length. Most of the surface of material points may "
-            "move by 1 % of the slide, and has to be at rest for two intervals of 5 s in a row"
+            "move by 1 % of the slide, and has to be at rest for two intervals of 5 s in a row, or to move by less "
+            "than half of this length in one"
         ),
     )
     duration: float = Field(default=60.0, gt=0.0, description="largest simulated duration of a slide (s)")

@@ -64,7 +64,8 @@ class SlideProgramme:
     rest_from : time before which the computation does not end, even if the ground is at rest (s)
     duration : time at which the computation ends (s)
     rest_displacement : the surface counts as at rest if its mean displacement changes by less than this length (m), or
-        by less than 0.2 % of the slide, from one window of 5 s to the next, twice in a row
+        by less than 0.2 % of the slide, from one window of 5 s to the next, twice in a row, or if it moves
+        by less than half of this length within one window
     drained : volumetric strain by drainage while a stratum liquefies (-)
     base_impedance : impedance of a compliant base times its length (kg/s per metre), see
         `meshes.section.base_impedance`; 0 for a rigid base
