@@ -28,6 +28,7 @@ from workflow.cli.options import (
     Verbose,
     Version,
     literal_help,
+    stages_of_slides,
 )
 from workflow.cli.section import migrate, section
 from workflow.cli.study import converge, study
@@ -361,8 +362,7 @@ def slide(
 
     invocation, cases = Invocation.of(section, folder, {}, settings), tuple(case) if case else None
     invocation.refuse_unknown(cases or ())
-    with_points = model is None and "mpm" in invocation.config.slide.methods
-    stage, also = "mpm" if model == "mpm" else "slide", ("mpm",) if with_points else ()
+    stage, *also = stages_of_slides(invocation.config.slide.methods, None if model is None else model.value)
     execute(*_up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), also, cases=cases))
 
 

@@ -1,6 +1,6 @@
 """Defines the options that commands have in common."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -84,3 +84,12 @@ def literal_help(call: Callable[..., Any]) -> Any:
             if text.help:
                 text.help = escape(text.help)
     return program
+
+
+def stages_of_slides(methods: Sequence[str], model: str | None) -> list[str]:
+    """Return the stages of the slides by a ``model`` or, by default, by the ``methods`` of the settings. Discs are also
+    calibrated if they are asked for and the settings want material points alone."""
+    wanted = methods if model is None else (model,)
+    if "discs" not in wanted:
+        return ["mpm"]
+    return ["slide", *([] if "discs" in methods else ["calibrate"]), *(["mpm"] if "mpm" in wanted else [])]

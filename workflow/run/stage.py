@@ -19,6 +19,12 @@ def unless_it_liquefies(config: Config) -> str:
     return "" if config.section.liquefies else "no layer liquefies"
 
 
+def unless_discs_slide(config: Config) -> str:
+    """Return the reason why stages of discs do not run, if no layer liquefies or slides are wanted by material points
+    alone; else empty."""
+    return unless_it_liquefies(config) or ("" if "discs" in config.slide.methods else "slide.methods")
+
+
 @dataclass(frozen=True)
 class Job:
     """Holds the input of a stage.

@@ -7,7 +7,7 @@ from workflow.results.calibration import CalibrationAnswer
 from workflow.results.continuum import FemAnswer
 from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.discs import DiscsAnswer
-from workflow.run.stage import Job, Stage, unless_it_liquefies
+from workflow.run.stage import Job, Stage, unless_discs_slide
 
 
 def work(job: Job) -> None:
@@ -47,5 +47,5 @@ STAGE = Stage(
     read=lambda store: (DiscsAnswer.read(store), CalibrationAnswer.read(store)),
     pictures=("figures/dem_*.png",),
     leftovers=("dem/**/*",),
-    unwanted=unless_it_liquefies,
+    unwanted=unless_discs_slide,
 )

@@ -7,7 +7,7 @@ from dem.settings import AVERAGE
 from fem.settings import WITHOUT_EFFECT
 from workflow.config import Config
 from workflow.results.cases import CasesAnswer
-from workflow.run.stage import Job, Stage, unless_it_liquefies
+from workflow.run.stage import Job, Stage, unless_discs_slide
 from workflow.stages.liquefaction import resolved_inputs
 
 
@@ -66,5 +66,5 @@ STAGE = Stage(
     pictures=("figures/case*.png", "figures/case*.webp", "figures/history.png", "figures/profiles.png"),
     leftovers=("dem/case*", "dem/case*/*", "dem/slide*", "dem/slide*/*", "dem/history.csv"),
     partial=lambda job: job.cases is not None,
-    unwanted=unless_it_liquefies,
+    unwanted=unless_discs_slide,
 )

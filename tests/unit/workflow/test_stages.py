@@ -9,6 +9,7 @@ import pytest
 
 import workflow.stages
 from tests.support.sections import slope
+from workflow.cli.options import stages_of_slides
 from workflow.config import Config
 from workflow.run.fingerprint import inputs
 from workflow.run.stage import Job
@@ -75,3 +76,30 @@ def test_a_setting_makes_those_stages_stale_that_read_it_and_no_others(
         for config in (settings_in, settings_in.with_settings(table, **{name: value}))
     )
     assert {name for name in before if before[name] != after[name]} - {"report"} == stale
+
+
+@pytest.mark.parametrize(
+    ("methods", "wanted"),
+    [(["mpm"], {"mpm"}), (["discs"], {"calibrate", "slide"}), (None, {"mpm", "calibrate", "slide"})],
+)
+def test_slides_are_computed_by_the_methods_of_the_settings_alone(methods: list[str] | None, wanted: set[str]) -> None:
+    """`slide.methods = ["mpm"]` calibrated discs all the same, and let them slide, most of the time of a run."""
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1]
+    config = Config.parse(data | ({} if methods is None else {"slide": {"methods": methods}}))
+    of_slides = {"mpm", "calibrate", "slide"}
+    assert {stage.name for stage in STAGES if stage.name in of_slides and not stage.unwanted(config)} == wanted
+
+
+@pytest.mark.parametrize(
+    ("methods", "model", "names"),
+    [
+        (("discs", "mpm"), None, ["slide", "mpm"]), (("mpm",), None, ["mpm"]), (("discs",), None, ["slide"]),
+        (("discs", "mpm"), "mpm", ["mpm"]), (("mpm",), "discs", ["slide", "calibrate"]),
+        (("discs", "mpm"), "discs", ["slide"]),
+    ],
+)  # fmt: skip
+def test_the_command_of_slides_runs_the_stages_of_its_methods(
+    methods: tuple[str, ...], model: str | None, names: list[str]
+) -> None:
+    assert stages_of_slides(methods, model) == names
