@@ -23,7 +23,7 @@ G = 9.81
 
 def sand(friction: float = FRICTION) -> LayerSprings:
     discs = soil_discs("sand", 1e7, Strength(friction, 0.0, ROLLING), 2000.0, 2000.0, RADIUS, 0.25)
-    return replace(discs, undisturbed_friction=friction * SMALLER / FRICTION)
+    return replace(discs, undisturbed_friction=friction * (1.0 - DILATION_SHARE * FRICTION))
 
 
 def two_discs(angle: float, gap: float = -0.01) -> DiscModel:

@@ -1,18 +1,18 @@
-"""Dense sand of discs fails at the strength that it keeps: in compression, and as a bare slope.
+"""Dense sand of discs fails at the strength that it keeps: in compression, in shear, and as a bare slope.
 
 A dry bare slope at the angle b fails at Kh = tan(phi - b), in planes parallel to its surface.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from dem.laboratory import compression, patch
-from dem.laboratory.compression import compress
+from dem.laboratory import patch
+from dem.laboratory.compression import INERTIAL_NUMBER, STRAIN_RATE
 from dem.laboratory.contact_numbers import PRESSURE, ContactNumbers
-from dem.laboratory.loading import confine
-from dem.laboratory.patch import Patch
+from dem.laboratory.loading import LoadingKind, confine, load, probe
 from dem.laboratory.soil_contacts import DILATION_SHARE, soil_layers
 from dem.search.deposit import deposit
 from dem.slides.drive import Shaking
@@ -20,37 +20,59 @@ from dem.slides.liquefaction import Slider
 from dem.undisturbed_contacts import mark_undisturbed
 from workflow.config import Config
 
-POROSITY = 0.20  # of ground that has settled
-KAPPA = 1600.0  # kn over the pressure, as in the middle of a layer
+POROSITY = 0.22  # of a patch before it is confined: then as of ground that has settled
+KAPPA = 800.0  # kn over the pressure, as in the middle of a layer
 G = 9.81
 
 
-def peak_over_post_peak(friction: float, marked: bool, monkeypatch: pytest.MonkeyPatch) -> float:
-    """Peak of the mean curve of six patches, over their strength from 8 to 15 % of strain."""
+@pytest.fixture(autouse=True)
+def packings_of_this_porosity() -> Iterator[None]:
+    """Packings of patches are kept in memory, by their seed alone."""
+    patch._heap.cache_clear()
+    yield
+    patch._heap.cache_clear()
 
-    def confined(sample: Patch, pressure: float) -> None:
-        confine(sample, pressure)
+
+def mean_curve(friction: float, kind: LoadingKind, marked: bool, monkeypatch: pytest.MonkeyPatch) -> np.ndarray:
+    """Resistance of six patches over the pressure, at 59 strains up to 0.145 in compression and 0.29 in shear."""
+    monkeypatch.setattr(patch, "POROSITIES", {"soil": (POROSITY, POROSITY + 0.005)})
+    last = 0.145 if kind == "biaxial" else 0.29
+    courses = []
+    for seed in range(6):
+        sample = ContactNumbers(True, friction, 0.0, KAPPA).sample(seed).patch()
+        confine(sample, PRESSURE)
+        stiffness, _ = probe(sample, PRESSURE)
         if marked:
             (layer,) = sample.model.springs.layers
             smaller = layer.friction * (1.0 - DILATION_SHARE * layer.friction)
             sample.model.set_springs([replace(layer, undisturbed_friction=smaller)])
             mark_undisturbed(sample.model)
-
-    monkeypatch.setattr(patch, "POROSITIES", {"soil": (POROSITY, POROSITY + 0.005)})
-    monkeypatch.setattr(compression, "confine", confined)
-    tests = [compress(ContactNumbers(True, friction, 0.0, KAPPA).sample(seed), PRESSURE) for seed in range(6)]
-    course = np.mean([test.course for test in tests], axis=0)
-    return float(course.max() / np.mean([test.post_peak for test in tests]))
+        rate = min(STRAIN_RATE, INERTIAL_NUMBER / sample.inertia(PRESSURE))
+        curve = load(sample, kind, PRESSURE, 1.04 * last, rate, stiffness, to_the_end=True)
+        resistance = 0.5 * curve.deviator if kind == "biaxial" else curve.shear
+        courses.append(np.interp(np.linspace(0.0, last, 59), curve.strain, resistance) / PRESSURE)
+    return np.mean(courses, axis=0)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("friction", "before", "now"), [(0.25, 1.33, 1.20), (0.378, 1.60, 1.20), (0.5, 1.80, 1.26)])
-def test_patches_have_hardly_a_peak(
+@pytest.mark.parametrize(("friction", "before", "now"), [(0.25, 1.12, 1.11), (0.378, 1.27, 1.11), (0.5, 1.40, 1.19)])
+def test_patches_have_hardly_a_peak_in_compression(
     friction: float, before: float, now: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With mu = 0.677 of the strongest sand: 2.5 and 1.3."""
-    assert peak_over_post_peak(friction, False, monkeypatch) == pytest.approx(before, rel=0.05)
-    assert peak_over_post_peak(friction, True, monkeypatch) == pytest.approx(now, rel=0.05)
+    """With mu = 0.677 of the strongest sand: 1.9 and 1.25."""
+    for marked, ratio in ((False, before), (True, now)):
+        curve = mean_curve(friction, "biaxial", marked, monkeypatch)
+        assert curve.max() / curve[33:].mean() == pytest.approx(ratio, rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction", [0.378, 0.5])
+def test_patches_shear_at_the_same_strength_from_the_beginning(
+    friction: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In simple shear the strength from 2 to 5 % of strain is that from 10 to 29 %, within a tenth."""
+    curve = mean_curve(friction, "simple shear", True, monkeypatch)
+    assert curve[5:11].mean() == pytest.approx(curve[21:].mean(), rel=0.10)
 
 
 def slope(angle: float, friction_angle: float) -> Config:
@@ -68,14 +90,19 @@ def slope(angle: float, friction_angle: float) -> Config:
 @pytest.mark.slow
 @pytest.mark.parametrize(("angle", "friction_angle"), [(25.0, 30.0), (30.0, 33.0), (33.0, 36.0)])
 def test_a_bare_slope_fails_at_its_friction_angle(angle: float, friction_angle: float) -> None:
-    """It stands at an angle 4 degrees below its strength and fails 4 degrees above: discs of 33 degrees stood at 39."""
+    """It stands at an angle 3 degrees below its strength and fails 3 degrees above.
+
+    Its 9,000 discs have a radius of 0.15 m. With 2,500 discs a slide is 1.2 m deep or more, and is held by the ground
+    at its toe: by finite elements, slides of 33 degrees that are deeper fail at Kh = 0.154, as one of 38.8 degrees
+    would without toe (0.098 from 0.6 m depth on, 35.6 degrees).
+    """
     run = slope(angle, friction_angle)
-    lies = deposit(run.section, run.dem.changed(elements=2500, seed=0), soil_layers(run.section))
+    lies = deposit(run.section, run.dem.changed(elements=9000, seed=0), soil_layers(run.section))
     moved = []
-    for excess in (-4.0, 4.0):
+    for excess in (-3.0, 3.0):
         kh = np.tan(np.radians(friction_angle + excess - angle)) * G
         seismic = Shaking(np.array([0.0, 2.0, 12.0]), np.array([0.0, kh, kh]), {})
         slider = Slider(lies.settled, lies.ground, [], None, run.slide, shaking=seismic)
         moved.append(slider.run().rows[-1].slide_max_m)
-    assert moved[0] < 0.1, moved
+    assert moved[0] < 0.2, moved
     assert moved[1] > 0.5, moved
