@@ -1,8 +1,8 @@
 """Follows the contacts that ground of soil discs has had since it came to rest, whose friction is smaller.
 
 Sand resists shear by the friction of its grains and by its dilation, and a dense packing dilates until it has sheared
-by some ten per cent (Rowe 1962, Proc. R. Soc. A 269, 500-527). Ground of discs settles to a porosity of 0.20 to 0.21 (by
-area, without overlaps), at which the peak of its strength in compression is 1.1 to 1.9 times the strength after it,
+by some ten per cent (Rowe 1962, Proc. R. Soc. A 269, 500-527). Ground of discs settles to a porosity of 0.20 to 0.21
+(by area, without overlaps), at which the peak of its strength in compression is 1.1 to 1.9 times the strength after it,
 while the continuum is perfectly plastic. Contacts of undisturbed sand therefore have the friction mu (1 - b mu), with
 b = `soil_contacts.DILATION_SHARE`. A contact that has opened, or whose branch vector has turned by
 `DISTURBING_ROTATION`, has the friction mu from then on, as every new contact has: friction takes the place of the
