@@ -94,8 +94,8 @@ def test_a_bare_slope_fails_at_its_friction_angle(angle: float, friction_angle: 
 
     Its 9,000 discs have a radius of 0.15 m. With 2,500 discs a slide is 1.2 m deep or more, and is held by the ground
     at its toe: by finite elements, slides of 33 degrees that are deeper fail at Kh = 0.154, as one of 38.8 degrees
-    would without toe (0.098 from 0.6 m depth on, 35.6 degrees). A slope of 36 degrees at 33 degrees moves by 0.15 m only
-    at 39 degrees.
+    would without toe (0.098 from 0.6 m depth on, 35.6 degrees). A slope of 36 degrees at 33 degrees moves by 0.15 m
+    only at 39 degrees.
     """
     run = slope(angle, friction_angle)
     lies = deposit(run.section, run.dem.changed(elements=9000, seed=0), soil_layers(run.section))
