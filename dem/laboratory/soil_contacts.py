@@ -23,7 +23,7 @@ LEAST_RIGIDITY = 50.0  # E over strength; of clays some 150 to 1000
 # LARGEST_STIFFNESS.
 FIRM_STIFFNESS = 200.0
 STRENGTH_TOLERANCE = 0.09  # of the required strength
-DILATION_SHARE = 0.3  # of mu squared: share of dilation in the friction of undisturbed sand
+DILATION_SHARE = 0.45  # of mu squared: share of dilation in the friction of undisturbed sand
 OVERLAP = 0.5  # of a radius, that soil discs may reach whatever softens
 
 
