@@ -55,11 +55,11 @@ def mean_curve(friction: float, kind: LoadingKind, marked: bool, monkeypatch: py
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("friction", "before", "now"), [(0.25, 1.12, 1.11), (0.378, 1.27, 1.11), (0.5, 1.40, 1.19)])
+@pytest.mark.parametrize(("friction", "before", "now"), [(0.25, 1.12, 1.11), (0.378, 1.27, 1.10), (0.5, 1.40, 1.10)])
 def test_patches_have_hardly_a_peak_in_compression(
     friction: float, before: float, now: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With mu = 0.677 of the strongest sand: 1.9 and 1.25."""
+    """With mu = 0.677 of the strongest sand: 1.9 and 1.1."""
     for marked, ratio in ((False, before), (True, now)):
         curve = mean_curve(friction, "biaxial", marked, monkeypatch)
         assert curve.max() / curve[33:].mean() == pytest.approx(ratio, rel=0.05)
@@ -67,12 +67,12 @@ def test_patches_have_hardly_a_peak_in_compression(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.378, 0.5])
-def test_patches_shear_at_the_same_strength_from_the_beginning(
+def test_patches_shear_at_nearly_the_same_strength_from_the_beginning(
     friction: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """In simple shear the strength from 2 to 5 % of strain is that from 10 to 29 %, within a tenth."""
+    """In simple shear the strength from 2 to 5 % of strain is 0.9 of that from 10 to 29 %."""
     curve = mean_curve(friction, "simple shear", True, monkeypatch)
-    assert curve[5:11].mean() == pytest.approx(curve[21:].mean(), rel=0.10)
+    assert curve[5:11].mean() == pytest.approx(0.92 * curve[21:].mean(), rel=0.05)
 
 
 def slope(angle: float, friction_angle: float) -> Config:
