@@ -28,8 +28,8 @@ shear, from 2 to 5 % and from 10 to 29 % of shear strain.
 | 0.677 | 0 | 2.91 | 1.56 | 0.71 | 0.69 |
 | | 0.45 | 2.07 | 1.85 | 0.57 | 0.64 |
 
-Sand dilates less in simple shear. With b = 0.3 its strength there has no peak and no delay, but in compression a peak of
-1.1 to 1.25; with b = 0.6 it has no peak in compression, but at 2 % of shear 0.63 to 0.75 of the sine of the friction
+Sand dilates less in simple shear. With b = 0.3 its strength there has no peak and no delay, but in compression a peak
+of 1.1 to 1.25; with b = 0.6 it has no peak in compression, but at 2 % of shear 0.63 to 0.75 of the sine of the friction
 angle, and a quay of rubble fails at 0.17 where elements fail at 0.28. b lies between both.
 """
 
