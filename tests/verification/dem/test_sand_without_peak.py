@@ -55,7 +55,7 @@ def mean_curve(friction: float, kind: LoadingKind, marked: bool, monkeypatch: py
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("friction", "before", "now"), [(0.25, 1.12, 1.11), (0.378, 1.27, 1.10), (0.5, 1.40, 1.10)])
+@pytest.mark.parametrize(("friction", "before", "now"), [(0.25, 1.12, 1.11), (0.378, 1.27, 1.10), (0.5, 1.40, 1.04)])
 def test_patches_have_hardly_a_peak_in_compression(
     friction: float, before: float, now: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
