@@ -67,12 +67,12 @@ class PointSlide:
         """
         times, slide = np.array(self.times), np.array(self.slide)
         moved = np.hstack([slide, np.array(self.settlement)])
-        since = times[-1] - max(rest_from, times[0]) + 1e-9
-        if since < WINDOW_LENGTH:
+        since = max(rest_from, times[0])
+        if times[-1] < earliest_rest(since) - 1e-9:
             return False
         if float(np.ptp(moved[times >= times[-1] - WINDOW_LENGTH - 1e-9], axis=0).max()) < STEADY_SHARE * still:
             return True
-        if since < WINDOWS * WINDOW_LENGTH:
+        if times[-1] < since + WINDOWS * WINDOW_LENGTH - 1e-9:
             return False
         window = ((times[-1] - times) / WINDOW_LENGTH).astype(int)
 

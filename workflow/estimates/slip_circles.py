@@ -249,7 +249,7 @@ class _CircleSearch:
             x = first[valid, None] + share * (last - first)[valid, None]
             reach = radius[valid, None] ** 2 - (x - centre[valid, :1]) ** 2
             z = centre[valid, 1:] - np.sqrt(np.maximum(reach, 0.0))
-            ground, base = (layering.interface(number, x.ravel()).reshape(x.shape) for number in (0, -1))
+            ground, base = (layering.interface(k, x.ravel()).reshape(x.shape) for k in (0, -1))
             near = 1e-6 * half[valid, None]
             inside = np.all(ground - z >= -near, axis=1) & np.all(z - base >= -near, axis=1)
             if share is shares:
