@@ -224,7 +224,6 @@ def test_the_tutorial_in_python_runs(capsys: pytest.CaptureFixture[str]) -> None
     assert re.search(r"slides \d+\.\d m, settles -?\d+\.\d m uphill", said)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["docs/theory/discs.md", "meshes/README.md", "fem/README.md", "dem/README.md"])
 def test_other_examples_in_python_run(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -56,13 +56,14 @@ def papers(folder: Path) -> Config:
 
 def soil(folder: Path) -> Config:
     """Soil discs, calibrated on two packings, and a moment of material points, on an adapted mesh; clay that loses its
-    peak strength."""
+    peak strength, below tension cracks."""
     few = {"elements": 150, "resolution": 0.1, "workers": 1}
     slide = {**SECTION["slide"], "judges": ["discs", "mpm"], "duration": 1.0, "mpm_cells": 300}
     slide |= {"kh_seconds": None, "kh_cycles": 1.0, "kh_period": 0.5}
     crust, loose, clay = SECTION["strata"]
     strata = [crust, loose, {**clay, "residual_cohesion": "25 kPa", "residual_friction_angle": "0 deg"}]
     adapted = {"mesh": {"max_cells": 200}, "fem": {**SECTION["fem"], "accuracy": 0.2, "max_cells": 400}}
+    adapted["tension_crack"] = {"bottom": {"depth": 0.5}, "water": 0.2}
     return analysed({**SECTION, **adapted, "strata": strata, "dem": {**SECTION["dem"], **few}, "slide": slide})
 
 
@@ -88,6 +89,17 @@ def shaking(folder: Path) -> Config:
         "slide": {**small_run.SHORT_SLIDE, "judges": ["discs", "mpm"], "cases": cases, "accelerogram": quake},
         "sliding_block": {},
     }
+    return analysed(data)
+
+
+def embankment(folder: Path) -> Config:
+    """An embankment with a crest, whose faces are analysed, without slides."""
+    data = tomllib.loads(small_run.written(folder).read_text())
+    data["surface"] = [[0.0, 10.0], [20.0, 10.0], [26.0, 16.0], [36.0, 16.0], [54.0, 10.0], [70.0, 10.0]]
+    data["structures"] = [{"name": "Embankment", "from": 26.0, "to": 36.0, "kind": "levee"}]
+    data["bounds"] |= {"safety_factor": True}
+    del data["strata"][0]["liquefies_in"]
+    del data["slide"], data["sliding_block"]
     return analysed(data)
 
 
@@ -124,7 +136,7 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Config, R
     """Over inputs that take other ways through the program: whatever makes a stage run again is read by it, or by one
     that it needs, in one of them."""
     seen = [of_the_papers]
-    for kind in (soil, shaking):
+    for kind in (soil, shaking, embankment):
         (folder := tmp_path / kind.__name__).mkdir()
         item = kind(folder)
         seen.append((item, read_by(item, folder / "out")))

@@ -97,7 +97,7 @@ STAGE = Stage(
     work=work,
     needs=("mesh",),
     reads=("fem", "tension_crack"),
-    ignores=lambda config: WITHOUT_EFFECT,
+    ignores=lambda config: (*WITHOUT_EFFECT, "fem.own_dilation"),
     takes=lambda config: {
         "what liquefies": cases_as_data(config, STRENGTH_KEYS),
         "structures": [item.model_dump(mode="json", exclude={"name", "kind"}) for item in config.section.structures],
