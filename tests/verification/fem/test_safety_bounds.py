@@ -139,7 +139,7 @@ def test_triangles_of_kh_serve_the_factor_of_a_levee_of_which_coarse_ones_bear_n
     """
     config = load_config(TOP / "tests" / "support" / "levee" / "levee.toml")
     known = kh_bounds(config.section, config.fem, BoundsSettings(seconds=40.0))
-    left = BoundsSettings(gap=0.005, seconds=80.0 - known.work)
+    left = BoundsSettings(gap=0.005, seconds=110.0 - known.work)
     bounds = safety_bounds(config.section, config.fem, left, smooth_sides=True, known=known)
     assert bounds.end_reason == "gap"
     assert 1.355 < bounds.lower < 1.36 < bounds.upper < 1.365
