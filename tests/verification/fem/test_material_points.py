@@ -315,6 +315,9 @@ def test_s13_under_the_cycles_of_its_earthquake_keeps_its_energy() -> None:
     assert coarse.slide_max == pytest.approx(fine.slide_max, rel=0.07)
 
 
+FAR = 5.0  # m: ground that has slid as far has failed, even if it has come to rest
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "cells", "sides", "least", "critical"),
@@ -332,10 +335,12 @@ def test_sections_slide_at_the_critical_kh_of_the_finite_elements(
     bare sand of the river bank, which that path leaves out, fails at 0.123 in closed form and may slide before; at a
     free-field side the pressure at rest, K0 = 0.49, bears the active pressure of such sand (Mononobe & Okabe) to a Kh
     of 0.092 with tan φ* = sin φ, of 0.132 with φ. S-13 in 2,000 cells fails at 0.96 of that path. Kh comes within 8 s:
-    in 4 s S-13, which swings with a period of 2 s, overshoots."""
+    in 4 s S-13, which swings with a period of 2 s, overshoots. Between free-field sides the bank comes to rest
+    after 17 m."""
     stands, slides = (displaced(name, cells, sides, kh, 8.0, 22.0) for kh in (0.97 * least, 1.03 * critical))
     assert _speed(stands) < 0.01
-    assert _speed(slides) > 0.05
+    assert stands.slide_max < 0.2 * FAR
+    assert _speed(slides) > 0.05 or slides.slide_max > FAR
 
 
 def _speed(slide: PointSlide) -> float:
