@@ -47,6 +47,25 @@ def test_a_long_formula_of_cohesion_leaves_room_for_names_and_densities(
         assert text in table
 
 
+@pytest.mark.parametrize("width", [80, 50])
+def test_a_table_of_strata_wider_than_the_screen_loses_no_number(
+    width: int, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In 80 columns a tailings dam had the heading "φ/" and friction angles of "33/"."""
+    data = slope()
+    data["surface"] = [[0.0, 30.0], [57.6667, 20.0], [1140.0, 20.0]]
+    data["strata"][0] |= {"name": "Tailings", "bottom": {"elevation": 22.3456}}
+    data["strata"][1] |= {"name": "Slimes", "strength_ratio": 0.253, "ocr": 1.55, "ocr_exponent": 0.85,
+                          "cohesion_minimum": "15 kPa", "friction_angle": "0 deg", "cohesion": "0 kPa"}  # fmt: skip
+    path = tmp_path / "slope.toml"
+    path.write_text(tomli_w.dumps(data))
+    monkeypatch.setattr("workflow.cli.terminal.out", Console(width=width, highlight=False))
+    assert run("check", path, "--out", tmp_path / "out") == 0
+    table = capsys.readouterr().out.partition("The section is sound")[0]
+    for text in ("φ/ψ", "deg", "0/–", "25/–", "σ'v", "1.55^0.85,", "15", "Slimes", "Tailings"):
+        assert text in table
+
+
 def test_check_tells_what_is_not_as_it_was_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A layer of 0.2 mm at x = 40 m, and one that thins out at 3 deg: both are told of a section that is sound."""
     data = slope()

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.markup import escape
+from rich.measure import Measurement
 from rich.table import Table
 
 from meshes.errors import InputError, NoAnswerError
@@ -40,6 +41,8 @@ NAME_WIDTH = 10  # characters of the column of strata: names in a narrower one c
 # The densities, of which a stratum may have two, and cohesions, which may have a minimum, a tension cut-off and a
 # factor of overconsolidation: wrapped after a comma or before the factor where the screen is narrow.
 SEVERAL = (tables.STRATA_HEADS[6], tables.STRATA_HEADS[7])
+AFTER_COMMAS = r"(?<=,) | (?=\()"
+BEFORE_POWERS = AFTER_COMMAS + r"| (?=[\d.]+\^)"  # on a screen that is narrower still
 out = Console(highlight=False)
 err = Console(stderr=True, highlight=False)
 LINE_INTERVAL = 10.0  # s between two lines where there is no terminal
@@ -81,24 +84,42 @@ def show_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     out.print(table)
 
 
-def show_strata(section: Section) -> None:
-    """Print the strata in a table, and a note if the ground is a reconstruction."""
-    if section.reconstruction:
-        out.print(f"[bold]Reconstruction.[/] {escape(section.reconstruction_note)}")
+def _strata_table(section: Section, breaks: str = "") -> Table:
+    """Return the table of the strata. ``breaks``: where cells of several numbers are wrapped, as an expression; empty
+    to wrap none."""
     title = escape(legible(section.heading))
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     rows = [[legible(cell) for cell in row] for row in tables.strata_rows(section)]
     for head, cells in zip(tables.STRATA_HEADS, zip(*rows, strict=True), strict=True):
-        name, wraps = head == "stratum", head == "stratum" or head in SEVERAL  # a number is reported whole
-        width = NAME_WIDTH if name else max(len(part) for cell in cells for part in re.split(r"(?<=,) | (?=\()", cell))
+        name, wraps = head == "stratum", bool(breaks) and head in SEVERAL
+        parts = [part for cell in (*cells, *head.split("\n")) for part in (re.split(breaks, cell) if wraps else [cell])]
         table.add_column(
-            legible(head), justify="left" if name else "right", no_wrap=not wraps, overflow="fold", min_width=width
-        )
+            legible(head), justify="left" if name else "right", no_wrap=not (name or wraps), overflow="fold",
+            min_width=NAME_WIDTH if name else None, width=max(map(len, parts)) if wraps else None,
+        )  # fmt: skip
     for row in rows:
         table.add_row(*map(escape, row))
-    if table.__rich_measure__(out, out.options.update_width(1000)).minimum > out.width:
-        table.padding = 0  # one space between columns remains
-    out.print(table)
+    return table
+
+
+def _widths(table: Table) -> Measurement:
+    """Return the least and the largest width (characters) of a table that shows all of its cells."""
+    return table.__rich_measure__(out, out.options.update_width(1000))
+
+
+def show_strata(section: Section) -> None:
+    """Print the strata in a table, and a note if the ground is a reconstruction."""
+    if section.reconstruction:
+        out.print(f"[bold]Reconstruction.[/] {escape(section.reconstruction_note)}")
+    table = _strata_table(section)
+    for breaks, padding in ((AFTER_COMMAS, (0, 1, 0, 0)), (AFTER_COMMAS, 0), (BEFORE_POWERS, 0)):
+        if _widths(table).maximum > out.width:  # too narrow a screen for whole cells
+            table = _strata_table(section, breaks)
+            table.padding = padding
+            if _widths(table).minimum <= out.width:
+                break
+    table.width = max(out.width, _widths(table).minimum) if _widths(table).maximum > out.width else None
+    out.print(table, crop=False)
     if any(not text.isascii() for text in tables.texts(section)):
         from workflow.figures import fonts
 
