@@ -37,6 +37,7 @@ from workflow.figures.canvas import (
 HATCH = "...."
 SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
 LEAST_NUMBERED = 0.02  # of the height of a section: a number would not fit into a thinner stratum
+LOWERED = (0, (2, 2))  # dashes of the water table after a drawdown
 WALL = "#7a1fa2"  # colour of cut-off walls
 NUMBER_SIZE = 6.5  # points
 NAME_ABOVE = 15.0  # of the name of a boring over the ground (points): clear of the numbers of thin layers there
@@ -119,6 +120,8 @@ def section_sheet(
         if water is not None:
             _fill_water(axes, section, water)
             axes.plot(*water.T, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
+        if (lowered := table_after_drawdown(section)) is not None:
+            axes.plot(*lowered.T, color=WATER, linewidth=1.4, linestyle=LOWERED)
         _draw_walls(axes, section)
         for line in lines:
             axes.plot(*line.points.T, color=line.colour, linewidth=2.0, linestyle=line.dashes)
@@ -261,6 +264,12 @@ def _fill_water(axes: Axes, section: Section, table: np.ndarray) -> None:
     axes.fill_between(x, ground, level, where=list(level > ground), color=WATER, alpha=0.25, linewidth=0)
 
 
+def table_after_drawdown(section: Section) -> np.ndarray | None:
+    """Return the water table (n, 2) in m after a drawdown; None without a drawdown."""
+    water = section.water
+    return None if water is None or water.after_drawdown is None else section.elevations_of(water.after_drawdown)
+
+
 def heights_in_words(much: int) -> str:
     """Return how many times the heights of a view are exaggerated."""
     return "true proportions" if much == 1 else f"heights exaggerated {much} times"
@@ -287,7 +296,12 @@ def _legend_of(section: Section, water: bool = True) -> list[Artist]:
         remainder = f"and {len(handles) - room + 1} more, down to {soil_of(section.strata[-1].name)}"
         handles = [*handles[: room - 1], Patch(facecolor="none", label=remainder)]
     if water and section.water_points() is not None:
-        handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label="water table"))
+        lowered = table_after_drawdown(section) is not None
+        label = "water table before the drawdown" if lowered else "water table"
+        handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label=label))
+        if lowered:
+            label = "water table after the drawdown"
+            handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=LOWERED, label=label))
     if water and section.water is not None and section.water.cutoffs:
         handles.append(Line2D([], [], color=WALL, linewidth=2.5, label="cut-off wall"))
     if water and section.given_extent != section.extent:

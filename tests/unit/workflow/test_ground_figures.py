@@ -1,14 +1,16 @@
 """Pictures of the ground."""
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
 from tests.support.sections import slope
 from workflow.config import Config
 from workflow.figures.fem import conditions
-from workflow.figures.ground import WALL, section_sheet
+from workflow.figures.ground import WALL, WATER, section_sheet
 
 
 def test_a_cut_off_wall_is_drawn_from_the_ground_to_its_foot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -25,6 +27,32 @@ def test_a_cut_off_wall_is_drawn_from_the_ground_to_its_foot(tmp_path: Path, mon
     top = section.ground[:, 1].max()
     assert x == [40.0, 40.0]
     assert z[1] == 5.0 < z[0] <= top
+
+
+def test_both_water_tables_of_a_drawdown_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The picture had the water table before the drawdown alone, called "water table"."""
+    before, after = [[0, 12], [100, 12]], [[0, 12], [100, 6]]
+    drawn, plot = [], Axes.plot
+    monkeypatch.setattr(
+        Axes, "plot", lambda axes, *args, **how: (drawn.append((args, how)), plot(axes, *args, **how))[1]
+    )
+
+    def lines_and_labels(water: dict[str, Any]) -> tuple[list[list[list[float]]], set[str]]:
+        drawn.clear()
+        data = slope()
+        for stratum in data["strata"]:
+            stratum |= {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
+            stratum.pop("density_ordinary", None)
+            stratum.pop("density_seismic", None)
+        sheet = section_sheet(Config.parse({**data, "water": water}).section)
+        labels = {text.get_text() for legend in sheet.figure.legends for text in legend.get_texts()}
+        lines = [np.column_stack(args).tolist() for args, how in drawn if how.get("color") == WATER]
+        return lines, {label for label in labels if label.startswith("water table")}
+
+    assert lines_and_labels({"table": before}) == ([before], {"water table"})
+    assert lines_and_labels({"table": before, "after_drawdown": after}) == (
+        [before, after], {"water table before the drawdown", "water table after the drawdown"},
+    )  # fmt: skip
 
 
 def test_the_foot_of_a_picture_names_the_seismic_force_once() -> None:
