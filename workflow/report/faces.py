@@ -211,13 +211,19 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
     surface = [(float(x), float(z)) for x, z in results.slip_surface]
     if fem is None or slices is None or not fem.has_kc or results.no_answer("fem") is not None or not surface:
         return
-    if any(structure.slides_with(surface) for structure in structures_of(config.section)):
+    structures = structures_of(config.section)
+    if any(structure.slides_with(surface) for structure in structures):
         return
+
+    def is_this_failure(circle: CirclePart) -> bool:
+        """Return whether a circle is the failure of the finite elements: it overlaps it, and slides with no crest."""
+        return _meets(circle, surface) and not any(structure.slides_on(circle.surface_m) for structure in structures)
+
     others = (None if other is None else other.kc for other in (fem.davis, fem.associated))
     full, low = _by_both_rules(fem.flow, fem.kc, *others)
-    circle = next((c.bishop for c in slices.critical if c.towards == fem.towards and _meets(c, surface)), None)
+    circle = next((c.bishop for c in slices.critical if c.towards == fem.towards and is_this_failure(c)), None)
     factor = next((f for f in fem.safety_factors if f.kh == 0.0 and _overlap(f.slip_surface, surface)), None)
-    circles = [c for group in slices.factors if group.kh == 0.0 for c in group.circles if _meets(c, surface)]
+    circles = [c for group in slices.factors if group.kh == 0.0 for c in group.circles if is_this_failure(c)]
     safety = MethodValues(circles=circles[0].bishop if circles else None)
     if factor is not None:
         results_of_rules = _by_both_rules(fem.flow, factor.factor, factor.davis, factor.associated)

@@ -30,6 +30,7 @@ from workflow.report.first_page import headlines
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, StrongZonePart
+from workflow.results.slices import FactorCircles
 from workflow.stages import faces
 from workflow.texts.report_texts import Texts
 
@@ -234,6 +235,24 @@ def test_every_face_is_a_line_with_all_methods_and_the_bank_is_one_of_its_own() 
         "strength); without shaking its factor of safety is 1.65."
     )
     assert any(text.startswith("Left out for their cost: strict bounds of factors of safety") for text in notes)
+
+
+def test_a_circle_with_the_crest_is_no_circle_of_the_bank() -> None:
+    """The line "no crest is part of this failure" had 1.65, the factor of safety of a circle below the crest."""
+    config = levee()
+    of_fem = fem(config, 0.078)
+    state = of_fem.states[-1].model_copy(update={"slip_surface": BANK, "past_equilibrium": False})
+    of_fem = of_fem.model_copy(update={"states": (state,), "towards": "left"})
+    slices = by_slices(config)
+    for surface, drawn in ((WHOLE, ("", "")), (BANK, ("1.65", "0.144"))):
+        part = next(face.critical for face in slices.faces if face.critical is not None)
+        part = part.model_copy(update={"surface_m": surface, "towards": "left", "bishop": 0.144})
+        factor = FactorCircles(kh=0.0, circles=(part.model_copy(update={"bishop": 1.65}),))
+        answers = results(
+            config, slices=slices.model_copy(update={"factors": (factor,), "critical": (part,)}), fem=of_fem
+        )
+        bank = face_lines(answers)[-1]
+        assert (bank.safety.pair("circles", 2)[0], bank.critical.pair("circles", 3)[0]) == drawn
 
 
 def test_the_command_prints_every_face() -> None:
