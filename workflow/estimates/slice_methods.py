@@ -229,15 +229,28 @@ def _moment_balance(
     values = np.array([force_balance(theta) for theta in angles])
     turning = np.array([moment(value, theta) for value, theta in zip(values, angles, strict=True)])
     changes = np.flatnonzero(turning[1:] * turning[:-1] <= 0.0)
-    if not len(changes):
-        return None
-    k = changes[np.argmin(np.abs(angles[changes]))]  # the flattest side forces
-    theta = _root(lambda angle: moment(force_balance(angle), angle), angles[k], angles[k + 1], 1e-8)
-    return force_balance(theta), theta
+    for k in changes[np.argsort(np.abs(angles[changes]), kind="stable")]:  # the flattest side forces first
+        theta = _root(lambda angle: moment(force_balance(angle), angle), angles[k], angles[k + 1], 1e-8)
+        if np.isfinite(theta) and np.isfinite(value := force_balance(theta)):
+            return value, theta
+    return None
 
 
 def _root(function: Callable[[float], float], low: float, high: float, tolerance: float = 2e-12) -> float:
-    """Return the zero of a function of one variable between two ends, by Brent's method."""
+    """Return the zero of a function of one variable between two ends, by Brent's method; NaN if the function has no
+    value somewhere between the ends, where the normal force of a slice has no meaning."""
     from scipy.optimize import brentq  # what only reads answers of slices does without it
 
-    return float(brentq(function, low, high, xtol=tolerance))
+    def defined(place: float) -> float:
+        if np.isnan(value := function(place)):
+            raise _UndefinedError
+        return value
+
+    try:
+        return float(brentq(defined, low, high, xtol=tolerance))
+    except _UndefinedError:
+        return np.nan
+
+
+class _UndefinedError(ArithmeticError):
+    """Raised where a function has no value."""

@@ -96,10 +96,14 @@ class SufficientStrength:
     @property
     def description(self) -> str:
         """Return the strengths as a sentence without its full stop."""
+        ratios: dict[str, list[float]] = {}  # of parts of one soil that differ in their effective stress alone
+        for s in self.strata:
+            place = f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)}"
+            ratios.setdefault(place, []).append(s.residual_strength_ratio)
         phrases = [
-            f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)} ({s.residual_strength_ratio:.2g} of its mean vertical "
-            "effective stress)"
-            for s in self.strata
+            f"{place} ({' to '.join(dict.fromkeys(f'{end:.2g}' for end in (min(values), max(values))))} of its mean "
+            "vertical effective stress)"
+            for place, values in ratios.items()
         ]
         sentence = f"The residual strength required to stand without shaking is {self.qualifier} {listed(phrases)}"
         if self.qualifier != "more than":

@@ -1,5 +1,7 @@
 """Whether the ground stands after liquefaction, in sentences: what strength would do, and what the field says to it."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests.support import dem_fixture
@@ -49,6 +51,16 @@ def test_the_strength_with_which_it_just_stands() -> None:
     assert computed is not None
     assert (computed.qualifier, computed.strata[0].cohesion_kPa) == ("about", pytest.approx(6.0))
     assert just_enough(()) is None
+
+
+def test_parts_of_a_soil_with_equal_strength_are_named_once() -> None:
+    """A zone divides sand into parts of equal residual strength, whose names for the reader are equal."""
+    enough = just_enough((after_liquefaction(1, 4.0, 1.0),))
+    assert enough is not None
+    [sand] = enough.strata
+    deeper = sand.model_copy(update={"name": f"{sand.name}, part 2", "residual_strength_ratio": 0.05})
+    words = replace(enough, strata=(sand, deeper)).description
+    assert words.endswith(f'about 4 kPa in "{sand.name}" (0.05 to 0.1 of its mean vertical effective stress)')
 
 
 def test_elements_below_the_strict_bounds_say_why() -> None:

@@ -19,7 +19,13 @@ from tests.support.sections import layer
 from tests.support.slice_statics import range_of_kh
 from workflow.estimates.deeper_circles import ground_of_circles
 from workflow.estimates.longer_section import circle_of_longer_section
-from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
+from workflow.estimates.slice_methods import (
+    _moment_balance,
+    bishop_critical_kh,
+    bishop_factor,
+    spencer_critical_kh,
+    spencer_factor,
+)
 from workflow.estimates.slices import LEFT, RIGHT, divide, loaded_by_crack
 from workflow.estimates.slip_circles import SlipCircle, critical_circle, surface_balance
 from workflow.estimates.structures import face_circle, structures_of
@@ -336,3 +342,20 @@ def test_a_circle_along_a_wet_face_is_the_failure_of_this_face() -> None:
     assert ground is not section
     assert circle is not None
     assert circle.bishop > 1.03 * math.tan(math.radians(31.0)) / 0.5
+
+
+@pytest.mark.parametrize(("second", "expected"), [(None, None), (0.31, (1.3, 0.31))])
+def test_side_forces_between_which_a_slice_has_no_normal_force_are_no_balance(
+    second: float | None, expected: tuple[float, float] | None
+) -> None:
+    """The flattest change of sign is a pole, where no factor has a meaning; a steeper balance counts, if there is one.
+    Below a levee whose sand had liquefied a run ended with a traceback at such a pole."""
+
+    def factor(theta: float) -> float:
+        return math.nan if 0.01 < theta < 0.02 else 1.3
+
+    def turning(value: float, theta: float) -> float:
+        return value * (theta - 0.015) * (1.0 if second is None else theta - second)
+
+    result = _moment_balance(factor, turning)
+    assert result == (None if expected is None else pytest.approx(expected, abs=1e-6))
