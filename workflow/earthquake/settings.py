@@ -112,6 +112,13 @@ class EarthquakeSettings(Model):
     component: RecordComponent = ""
     scale: RecordScale = 1.0
 
+    @property
+    def gives_peak(self) -> bool:
+        """Return whether the input determines a peak acceleration: directly, by a record, or by magnitude and
+        distance."""
+        expected = self.magnitude is not None and self.distance is not None
+        return self.peak_acceleration is not None or bool(self.record) or expected
+
     def motion(self) -> PeakMotion | None:
         """Return the peak acceleration with its standard deviation; None if the input does not determine it.
 

@@ -116,3 +116,25 @@ def test_a_preset_needs_a_peak_acceleration() -> None:
     assert config.criteria.factor_of_safety is not None
     assert config.criteria.factor_of_safety.kh == pytest.approx(0.15)
     assert Config.parse(tomllib.loads(config.to_toml())).criteria == config.criteria
+
+
+@pytest.mark.parametrize(
+    "earthquake",
+    [{"peak_acceleration": "0.3 g"}, {"magnitude": 7.0, "distance": "20 km"}, {"magnitude": 12.0, "distance": "20 km"}],
+)
+def test_another_fault_of_a_file_does_not_make_the_peak_of_a_preset_missing(earthquake: dict[str, object]) -> None:
+    """A negative cohesion, or a magnitude of 12, was followed by "expected peak_acceleration, or magnitude and
+    distance"."""
+    stratum = {
+        "name": "clay", "density": "18 kN/m^3", "youngs_modulus": "10 MPa", "poissons_ratio": 0.3,
+        "cohesion": "-20 kPa", "friction_angle": "10 deg",
+    }  # fmt: skip
+    section = {
+        "name": "slope", "surface": [[0, 10], [20, 10], [40, 0], [60, 0]], "base": {"elevation": -10},
+        "strata": [stratum], "criteria": {"preset": "nchrp_611"}, "earthquake": earthquake,
+    }  # fmt: skip
+    with pytest.raises(InputError) as caught:
+        Config.parse(section)
+    problems = caught.value.problems
+    assert any("cohesion = '-20 kPa'" in problem for problem in problems)
+    assert not any("preset" in problem for problem in problems)
