@@ -78,17 +78,20 @@ def _strata(connected: ConnectedBorings) -> Iterator[str]:
 
 def _soil(counts: list[Sample]) -> Iterator[str]:
     """Yield lines with stiffness and strength estimated from the mean blow count. Each line states the estimate beside
-    the value."""
+    the value. Refusals are left out where the layer has other tests: one stone in a soft clay would raise the mean."""
     if not counts:
         for key, value in (("youngs_modulus", '"20 MPa"'), ("poissons_ratio", "0.33"), ("cohesion", '"0 kPa"'),
                            ("friction_angle", '"30 deg"')):  # fmt: skip
             yield f"# {key} = {value:<18}   # no blow count: give it"
         return
-    blows = float(np.mean([sample.N for sample in counts]))
+    counted = [sample.N for sample in counts if not is_refusal(sample.N)]
+    left_out = len(counts) - len(counted) if counted else 0
+    blows = float(np.mean(counted or [sample.N for sample in counts]))
+    without = f", without {left_out} refusal{'s' if left_out > 1 else ''}" if left_out else ""
     fines = [sample.fines for sample in counts if sample.fines is not None]
     clayey = bool(fines) and float(np.mean(fines)) >= CLAYEY
     stiff = max(2.8 * blows, 1.0)
-    yield f'youngs_modulus = "{stiff:.3g} MPa"      # estimated: 2800 kPa times N = {blows:.3g} (highway code)'
+    yield f'youngs_modulus = "{stiff:.3g} MPa"      # estimated: 2800 kPa times N = {blows:.3g}{without} (highway code)'
     yield f"poissons_ratio = {0.45 if clayey else 0.33}              # estimated"
     if clayey:
         yield f'cohesion = "{max(6.25 * blows, 1.0):.3g} kPa"          # estimated: 6.25 kPa times N (Terzaghi & Peck)'

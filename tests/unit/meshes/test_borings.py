@@ -262,6 +262,20 @@ def test_a_layer_may_have_a_line_for_each_of_its_tests(tmp_path: Path) -> None:
     assert 'beyond = "20 m"' in text_of(connected(read_csv(path).logs), "two")
 
 
+def test_strength_is_estimated_from_blow_counts_without_refusals(tmp_path: Path) -> None:
+    """A stone in a clay of N = 4 and 6 gave it a cohesion of 125 kPa; a layer with refusals alone has these."""
+    lines = (
+        "A,0,5,0,4,clay,4,95\nA,0,5,4,6,clay,R,95\nA,0,5,6,8,rock,R,5\nB,40,4,0,4,clay,6,95\nB,40,4,4,7,rock,>50,5\n"
+    )
+    path = written(tmp_path, "boring,x,ground_level,top,bottom,layer,N,fines\n" + lines)
+    text = text_of(connected(read_csv(path).logs), "stone")
+    clay, rock = tomllib.loads(text)["strata"]
+    assert (clay["cohesion"], clay["youngs_modulus"]) == ("31.2 kPa", "14 MPa")  # 6.25 kPa and 2.8 MPa times 5
+    assert "times N = 5, without 1 refusal (highway code)" in text
+    assert rock["youngs_modulus"] == "140 MPa"  # 2.8 MPa times 50
+    assert "times N = 50 (highway code)" in text
+
+
 def test_cones_of_a_csv_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Beside a file of borings; what is wrong has its line, and a sounding beyond the borings its x."""
     borings = written(tmp_path, HEAD + "\n" + LINES)
