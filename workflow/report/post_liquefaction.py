@@ -108,7 +108,8 @@ class SufficientStrength:
         sentence = f"The residual strength required to stand without shaking is {self.qualifier} {listed(phrases)}"
         if self.qualifier != "more than":
             return sentence
-        return f"{sentence}; add a case with more residual strength to find the required strength"
+        how = "add a case with more residual strength to find the required strength, unless other ground fails first"
+        return f"{sentence}; {how}"
 
 
 def just_enough(cases: Sequence[LiquefiedCase], required: Strata = ()) -> SufficientStrength | None:

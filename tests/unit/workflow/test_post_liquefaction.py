@@ -1,5 +1,6 @@
 """Whether the ground stands after liquefaction, in sentences: what strength would do, and what the field says to it."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -13,6 +14,7 @@ from workflow.report.summary_text import findings
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
+from workflow.texts.report_texts import Texts
 
 
 def after_liquefaction(number: int, strength: float, factor: float) -> LiquefiedCase:
@@ -51,6 +53,14 @@ def test_the_strength_with_which_it_just_stands() -> None:
     assert computed is not None
     assert (computed.qualifier, computed.strata[0].cohesion_kPa) == ("about", pytest.approx(6.0))
     assert just_enough(()) is None
+
+
+def test_more_residual_strength_is_not_promised_to_suffice() -> None:
+    """A tailings dam that failed before liquefaction, too, was told to "add a case with more residual strength"."""
+    enough = just_enough((after_liquefaction(1, 4.0, 0.8),))
+    assert enough is not None
+    assert enough.description.endswith("to find the required strength, unless other ground fails first")
+    assert not re.search("[a-z]{4}", Texts("ja").sentence(f"{enough.description}.").replace('"upper"', ""))
 
 
 def test_parts_of_a_soil_with_equal_strength_are_named_once() -> None:
