@@ -98,7 +98,7 @@ class SufficientStrength:
         """Return the strengths as a sentence without its full stop."""
         ratios: dict[str, list[float]] = {}  # of parts of one soil that differ in their effective stress alone
         for s in self.strata:
-            place = f"{s.cohesion_kPa:.2g} kPa in {shown_name(s.name)}"
+            place = f"{float(f'{s.cohesion_kPa:.2g}'):g} kPa in {shown_name(s.name)}"
             ratios.setdefault(place, []).append(s.residual_strength_ratio)
         phrases = [
             f"{place} ({' to '.join(dict.fromkeys(f'{end:.2g}' for end in (min(values), max(values))))} of its mean "
@@ -230,8 +230,12 @@ def factors(case: Bearing) -> str:
     """Return the factor of safety with its bounds. The sides are held in both, as in strength reduction without
     shaking."""
     phrases = []
-    if case.factor_lower is not None or case.factor_upper is not None:
+    if case.factor_lower is not None and case.factor_upper is not None:
         phrases.append(f"{bracket(case.factor_lower, case.factor_upper, 2)} by strict bounds with ψ = φ")
+    elif case.factor_upper is not None:
+        phrases.append(f"at most {case.factor_upper:.2f} by a strict bound with ψ = φ")
+    elif case.factor_lower is not None:
+        phrases.append(f"at least {case.factor_lower:.2f} by a strict bound with ψ = φ")
     if case.factor is not None:
         less = case.factor_lower is not None and case.factor < case.factor_lower
         phrases.append(f"{case.factor:.2f} by finite elements" + (", lower since ψ < φ" if less else ""))

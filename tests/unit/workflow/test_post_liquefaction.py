@@ -69,6 +69,7 @@ def test_parts_of_a_soil_with_equal_strength_are_named_once() -> None:
     assert enough is not None
     [sand] = enough.strata
     deeper = sand.model_copy(update={"name": f"{sand.name}, part 2", "residual_strength_ratio": 0.05})
+    assert "is at most 300 kPa in" in replace(enough, qualifier="at most", strata=(sand.scaled(75.9),)).description
     words = replace(enough, strata=(sand, deeper)).description
     assert words.endswith(f'about 4 kPa in "{sand.name}" (0.05 to 0.1 of its mean vertical effective stress)')
 
@@ -77,6 +78,8 @@ def test_elements_below_the_strict_bounds_say_why() -> None:
     """Bounds are those of ψ = φ: elements that take ψ as it is bear less, and a reader wants to know."""
     case = after_liquefaction(1, 4.0, 0.8)
     assert factors(case) == "0.79 to 0.81 by strict bounds with ψ = φ, 0.80 by finite elements"
+    one_bound = case.model_copy(update={"factor_lower": None})
+    assert factors(one_bound) == "at most 0.81 by a strict bound with ψ = φ, 0.80 by finite elements"
     less = case.model_copy(update={"factor": 0.7})
     assert factors(less).endswith("0.70 by finite elements, lower since ψ < φ")
 
