@@ -67,6 +67,9 @@ def test_from_the_file_to_what_liquefies(said: Ask) -> None:
     assert '"Loose sand" below water liquefies: F_L is below 1 in 100 % of it' in message
     assert '"Levee fill" was not assessed (above the water table).' in message
     assert '"Soft clay" was not assessed (plasticity index 35 % is at least 7 %: behaves as clay).' in message
+    # One of its tests lies at the very level of the water; what lies below water was called "above the water table".
+    clay = "plasticity index 25 % is at least 7 %: behaves as clay"
+    assert f'"Clay crust" below water was not assessed ({clay}).' in message
     assert '"Loose sand" was not assessed (above the water table).' in message
     assert '"Dense sand" does not liquefy' in message
     assert "below 1 in 0 % of it;" not in message

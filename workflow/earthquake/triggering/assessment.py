@@ -9,7 +9,7 @@ import numpy as np
 
 from meshes.borings.boring import Boring, Cone, Sample
 from meshes.errors import InputError
-from meshes.section.cutting import soil_of
+from meshes.section.cutting import BELOW_WATER, soil_of
 from meshes.section.overburden import Overburden, outside, overburden, reaches_water, water_level
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -306,7 +306,10 @@ def _of_stratum(section: Section, number: int, tests: list[TestResult], wanted: 
     )
     factors = [test.factor for test in tests_in_stratum if test.factor is not None]
     enough = share is not None and share >= wanted
-    reason = "; ".join(dict.fromkeys(test.reason for test in tests_in_stratum if test.reason))
+    reasons = list(dict.fromkeys(test.reason for test in tests_in_stratum if test.reason))
+    if section.strata[number].name.endswith(BELOW_WATER) and len(reasons) > 1:
+        reasons = [why for why in reasons if why != ABOVE_WATER]  # of a test at the very level of the water
+    reason = "; ".join(reasons)
     if not tests_in_stratum:
         reason = "no test lies in it" if reaches_water(section, number) else ABOVE_WATER
     return StratumResult(
