@@ -96,20 +96,32 @@ class SufficientStrength:
     @property
     def description(self) -> str:
         """Return the strengths as a sentence without its full stop."""
-        ratios: dict[str, list[float]] = {}  # of parts of one soil that differ in their effective stress alone
-        for s in self.strata:
-            place = f"{float(f'{s.cohesion_kPa:.2g}'):g} kPa in {shown_name(s.name)}"
-            ratios.setdefault(place, []).append(s.residual_strength_ratio)
         phrases = [
-            f"{place} ({' to '.join(dict.fromkeys(f'{end:.2g}' for end in (min(values), max(values))))} of its mean "
-            "vertical effective stress)"
-            for place, values in ratios.items()
+            f"{_span(kPa, 2)} kPa in {place} ({_span(ratios, 2)} of its mean vertical effective stress)"
+            for place, (kPa, ratios) in _by_place(self.strata).items()
         ]
         sentence = f"The residual strength required to stand without shaking is {self.qualifier} {listed(phrases)}"
         if self.qualifier != "more than":
             return sentence
         how = "add a case with more residual strength to find the required strength, unless other ground fails first"
         return f"{sentence}; {how}"
+
+
+def _by_place(strata: Strata) -> dict[str, tuple[list[float], list[float]]]:
+    """Return residual strengths (kPa) and their ratios to the mean vertical effective stress by the name that the
+    report shows, which parts of one soil share."""
+    parts: dict[str, tuple[list[float], list[float]]] = {}
+    for stratum in strata:
+        kPa, ratios = parts.setdefault(shown_name(stratum.name), ([], []))
+        kPa.append(stratum.cohesion_kPa)
+        ratios.append(stratum.residual_strength_ratio)
+    return parts
+
+
+def _span(values: Sequence[float], digits: int) -> str:
+    """Return the range of some values with significant digits: 0.25 to 2.6, or one value if all are equal."""
+    ends = (f"{float(f'{end:.{digits}g}'):g}" for end in (min(values), max(values)))
+    return " to ".join(dict.fromkeys(ends))
 
 
 def just_enough(cases: Sequence[LiquefiedCase], required: Strata = ()) -> SufficientStrength | None:
@@ -211,8 +223,8 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
     """Yield sentences on every case with its numbers, for the terminal."""
     for case in answer.cases:
         yield outcome(case)
-        strengths = [f"{s.cohesion_kPa:.3g} kPa in {shown_name(s.name)}" for s in case.strata]
-        yield f"    The residual strength is {listed(list(dict.fromkeys(strengths)))}."
+        strengths = [f"{_span(kPa, 3)} kPa in {place}" for place, (kPa, _) in _by_place(case.strata).items()]
+        yield f"    The residual strength is {listed(strengths)}."
         if case.factor is not None or case.factor_lower is not None:
             yield f"    The factor of safety at Kh = 0, between sides held horizontally, is {factors(case)}."
         yield from (f"    {words}" for words in circles_after_liquefaction(case))

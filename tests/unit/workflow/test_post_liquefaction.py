@@ -63,8 +63,8 @@ def test_more_residual_strength_is_not_promised_to_suffice() -> None:
     assert not re.search("[a-z]{4}", Texts("ja").sentence(f"{enough.description}.").replace('"upper"', ""))
 
 
-def test_parts_of_a_soil_with_equal_strength_are_named_once() -> None:
-    """A zone divides sand into parts of equal residual strength, whose names for the reader are equal."""
+def test_parts_of_a_soil_are_named_once() -> None:
+    """A zone divides sand into parts, whose names for the reader are equal."""
     enough = just_enough((after_liquefaction(1, 4.0, 1.0),))
     assert enough is not None
     [sand] = enough.strata
@@ -72,6 +72,9 @@ def test_parts_of_a_soil_with_equal_strength_are_named_once() -> None:
     assert "is at most 300 kPa in" in replace(enough, qualifier="at most", strata=(sand.scaled(75.9),)).description
     words = replace(enough, strata=(sand, deeper)).description
     assert words.endswith(f'about 4 kPa in "{sand.name}" (0.05 to 0.1 of its mean vertical effective stress)')
+    weaker = deeper.model_copy(update={"cohesion_kPa": 0.25})
+    words = replace(enough, strata=(sand, weaker)).description
+    assert f'about 0.25 to 4 kPa in "{sand.name}" (0.05 to 0.1 of' in words
 
 
 def test_elements_below_the_strict_bounds_say_why() -> None:
