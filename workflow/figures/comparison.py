@@ -26,6 +26,7 @@ DISPLACEMENTS = "figures/displacements.png"
 PICTURES = (FRONT, CURVES, SURFACES, CALIBRATION, BLOCK, DISPLACEMENTS)
 SOLID, DASHED, DOTTED = (0, ()), (0, (5, 2)), (0, (1, 2))
 PALE = "#7d8890"
+LEGEND_ROWS = 7  # of the load curves: every entry in a row of its own, since some labels are half as wide as the sheet
 VISIBLE_INTERVAL = 0.005  # of Kh: less is no interval
 
 
@@ -55,7 +56,8 @@ def _curves(results: Results) -> Sheet | None:
     answer, discs = results.fem, results.dem
     if answer is None:
         return None
-    sheet = Sheet(f"{_title(results)}: Kh and displacement", [0.45], foot(results.config.section), legend_rows=4)
+    title, note = f"{_title(results)}: Kh and displacement", foot(results.config.section)
+    sheet = Sheet(title, [0.45], note, legend_rows=LEGEND_ROWS)
     axes = sheet.plot(0, "mean displacement in the direction of Kh (m)", "seismic coefficient Kh (-)")
     path = [step for step in answer.curve if not step.at_rest]
     x = [0.0, *(step.displacement for step in path)]
@@ -95,7 +97,7 @@ def _curves(results: Results) -> Sheet | None:
     axes.set_xlim(0.0, 1.05 * widest)
     axes.set_ylim(bottom=0.0)
     axes.set_title(_brackets(results), fontsize=9, loc="left", color=INK, pad=4)
-    sheet.legend(handles, 2)
+    sheet.legend(handles, 1)
     return sheet
 
 

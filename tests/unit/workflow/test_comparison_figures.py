@@ -9,7 +9,8 @@ from workflow.figures import comparison
 
 
 def test_the_legend_of_the_load_curves_does_not_cover_the_note() -> None:
-    """Seven curves in two columns are four rows; the fourth lay on the note on the reconstruction."""
+    """Seven curves in two columns were four rows; the fourth lay on the note on the reconstruction, and the label of the
+    largest displacement was cut off at the right edge."""
     steps = [SimpleNamespace(displacement=0.1 * k, factor=0.08 * k, at_rest=k == 2, balanced=True) for k in range(1, 4)]
     trials = [SimpleNamespace(kh=0.1 * k, displacement_m=0.2 * k, verdict="stands") for k in range(4)]
     fem = SimpleNamespace(
@@ -21,7 +22,11 @@ def test_the_legend_of_the_load_curves_does_not_cover_the_note() -> None:
         after=SimpleNamespace(curve=(2,), **search),
     )  # fmt: skip
     like = SimpleNamespace(
-        terms="fixed sides, non-associated flow", curve=steps, yielding_m=0.2, kc=0.34, kc_upper=0.34
+        terms="fixed sides, non-associated flow with the given ψ, failures deeper than 1.6 m",
+        curve=steps,
+        yielding_m=0.2,
+        kc=0.34,
+        kc_upper=0.34,
     )
     results = SimpleNamespace(
         config=Config.load(SECTIONS / "s13.toml"), fem=fem, dem=discs, dem_counterpart=like, kc=0.24
@@ -33,3 +38,4 @@ def test_the_legend_of_the_load_curves_does_not_cover_the_note() -> None:
     assert "Reconstruction" in note.get_text()
     sheet.figure.canvas.draw()
     assert legend.get_window_extent().y0 >= note.get_window_extent().y1
+    assert legend.get_window_extent().x1 <= sheet.figure.bbox.x1
