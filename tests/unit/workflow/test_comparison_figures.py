@@ -9,8 +9,7 @@ from workflow.figures import comparison
 
 
 def test_the_legend_of_the_load_curves_does_not_cover_the_note() -> None:
-    """Seven curves in two columns were four rows; the fourth lay on the note on the reconstruction, and the label of the
-    largest displacement was cut off at the right edge."""
+    """Seven curves in two columns were four rows; the fourth lay on the note, and a label was cut off at the right."""
     steps = [SimpleNamespace(displacement=0.1 * k, factor=0.08 * k, at_rest=k == 2, balanced=True) for k in range(1, 4)]
     trials = [SimpleNamespace(kh=0.1 * k, displacement_m=0.2 * k, verdict="stands") for k in range(4)]
     fem = SimpleNamespace(
