@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel
 
 from dem.case import PAPER_CASES, Case, cases_of_loose_sand
@@ -86,10 +87,13 @@ def source_of(section: Section, stratum: Stratum) -> str:
 
 def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
     """Yield name, value and source of the water, the earthquake, the shaking and the cases of liquefaction."""
-    water = config.section.water_points()
-    if water is not None:
-        low, high = water[:, 1].min(), water[:, 1].max()
-        yield "water table", f"elevation {low:.4g} to {high:.4g} m" if high > low else f"elevation {low:.4g} m", FILE
+    section = config.section
+    after = None if section.water is None else section.water.after_drawdown
+    if (water := section.water_points()) is not None:
+        name = "water table" if after is None else "water table before the drawdown"
+        yield name, _elevations(water), FILE
+    if after is not None:
+        yield "water table after the drawdown", _elevations(section.elevations_of(after)), FILE
     earthquake = config.earthquake
     if facts := _of_earthquake(earthquake):
         yield "earthquake", ", ".join(facts), "[earthquake]"
@@ -105,6 +109,12 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
         derived = int(number) > len(config.slide.cases)
         by = "borings ([triggering])" if derived else "default" if assumed else "slide.cases"
         yield config.called(int(number)), f"{names}: {phrase}", by
+
+
+def _elevations(line: np.ndarray) -> str:
+    """Return the elevations between which a line (n, 2) lies, in words."""
+    low, high = line[:, 1].min(), line[:, 1].max()
+    return f"elevation {low:.4g} to {high:.4g} m" if high > low else f"elevation {low:.4g} m"
 
 
 def _of_earthquake(earthquake: EarthquakeSettings) -> list[str]:

@@ -11,6 +11,7 @@ from tests.support.sections import slope
 from workflow.config import Config
 from workflow.figures.fem import conditions
 from workflow.figures.ground import WALL, WATER, section_sheet
+from workflow.report.tables import parameter_rows
 
 
 def test_a_cut_off_wall_is_drawn_from_the_ground_to_its_foot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -60,3 +61,18 @@ def test_the_foot_of_a_picture_names_the_seismic_force_once() -> None:
     words = conditions(Config.parse(slope()), "reduced")
     assert words.count("seismic force") == 1
     assert "seismic force downslope and upslope; the smaller Kh counts" in words
+
+
+def test_the_table_of_parameters_has_both_water_tables_of_a_drawdown() -> None:
+    """It had the water table before the drawdown alone."""
+    data = slope()
+    for stratum in data["strata"]:
+        stratum |= {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
+        stratum.pop("density_ordinary", None)
+        stratum.pop("density_seismic", None)
+    water = {"table": [[0, 12], [100, 12]], "after_drawdown": [[0, 12], [100, 6]]}
+    rows = [row[:2] for row in parameter_rows(Config.parse({**data, "water": water}))]
+    assert rows[:2] == [
+        ("water table before the drawdown", "elevation 12 m"),
+        ("water table after the drawdown", "elevation 6 to 12 m"),
+    ]
