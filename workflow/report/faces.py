@@ -49,6 +49,17 @@ class MethodValues:
         bound, the bound; None without finite elements."""
         return None if self.elements is None else governing_value(self.elements, self.lower, self.upper)
 
+    @property
+    def of_face(self) -> float | None:
+        """Return the value of a face with ψ = φ: the value that counts, or that of the slip circle without one by
+        finite elements, which may not reach a mechanism that contains the crest."""
+        return self.circles if self.governing is None else self.governing
+
+    @property
+    def davis_of_face(self) -> float | None:
+        """Return the value of a face with Davis's strength, by the same method as `of_face`."""
+        return self.davis_circles if self.governing is None else self.davis
+
     def pair(self, by: Literal["elements", "circles"], digits: int) -> tuple[str, str]:
         """Return the value with ψ = φ that counts, and the value with Davis's strength, as texts; empty if there is
         none."""

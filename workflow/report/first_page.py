@@ -135,7 +135,7 @@ def _with_crests(
         return headline
     x = [point[0] for point in surface]
     phrase, values = "", [
-        value for line in face_lines(results) if line.of_structure and (value := getattr(line, quantity).governing)
+        value for line in face_lines(results) if line.of_structure and (value := getattr(line, quantity).of_face)
     ]  # fmt: skip
     if quantity == "critical":
         phrase = " " + _(
@@ -154,15 +154,15 @@ def _with_crests(
 
 
 def _first_face(results: Results, _: Texts) -> str:
-    """Return a sentence, after a blank, on the face of a structure that fails first by finite elements; empty without
-    any."""
-    lines = [(line.critical.governing, line) for line in face_lines(results) if line.of_structure]
+    """Return a sentence, after a blank, on the face of a structure that fails first; empty without any."""
+    lines = ((line.critical.of_face, line) for line in face_lines(results) if line.of_structure)
     known = [(kc, line) for kc, line in lines if kc is not None]
     if not known:
         return ""
     kc, line = min(known, key=lambda pair: pair[0])
-    low, factor = line.critical.davis, line.safety.governing
-    values = {"structure": line.name, "side": _.sentence(line.side), "kc": coefficient(kc)}
+    low, factor = line.critical.davis_of_face, line.safety.of_face
+    value = _("{kc} by slip circles", kc=coefficient(kc)) if line.critical.governing is None else coefficient(kc)
+    values = {"structure": line.name, "side": _.sentence(line.side), "kc": value}
     if low is None or factor is None:
         return " " + _("Of the crests, {structure} slides first ({side}), at Kh = {kc}.", **values)
     return " " + _(

@@ -237,6 +237,20 @@ def test_every_face_is_a_line_with_all_methods_and_the_bank_is_one_of_its_own() 
     assert any(text.startswith("Left out for their cost: strict bounds of factors of safety") for text in notes)
 
 
+def test_a_face_without_a_value_by_elements_has_that_of_its_circle_on_the_first_page() -> None:
+    """Elements that only reached ground below the crest left a riverward face out: the first page named the landward
+    face, at Kh = 0.253, although a circle through the crest fails riverward at 0.144."""
+    config = levee()
+    of_fem = fem(config, 0.078)
+    state = of_fem.states[-1].model_copy(update={"slip_surface": BANK, "past_equilibrium": False})
+    of_fem = of_fem.model_copy(update={"states": (state,), "towards": "left"})
+    left, right = answer().faces
+    faces = answer().model_copy(update={"faces": (left.model_copy(update={"critical": None}), right)})
+    first = headlines(results(config, slices=by_slices(config), faces=faces, fem=of_fem), Texts())[0]
+    assert "embankment at x = 69 m slides first (riverward, left), at Kh = 0.144 by slip circles" in first.conclusion
+    assert first.interval.endswith("; 0.144 for the first crest to slide")
+
+
 def test_a_circle_with_the_crest_is_no_circle_of_the_bank() -> None:
     """The line "no crest is part of this failure" had 1.65, the factor of safety of a circle below the crest."""
     config = levee()
