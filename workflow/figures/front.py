@@ -2,7 +2,7 @@
 slide.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -50,19 +50,22 @@ def front(results: Results) -> Sheet | None:
 
 def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
     """Yield the slip surface of the face that slides first with a crest, unless it is also the slip surface of the
-    section at ``kh``."""
+    section at ``kh``. A face without a value by finite elements has its slip circle."""
+    values: dict[tuple[str, str], tuple[float, str, Sequence[tuple[float, float]]]] = {}
+    for part in results.slices.faces if results.slices is not None else ():
+        if part.critical is not None:
+            values[part.structure, part.towards] = part.critical.bishop, "slip circle", part.critical.surface_m
     bounded = faces_with_bounds(results)
-    values = [
-        (governing_face_value(face.critical), face)
-        for face in (bounded.faces if bounded is not None else ())
-        if face.critical is not None and face.critical.reaches_crest
-    ]
-    if not values:
+    for face in bounded.faces if bounded is not None else ():
+        if face.critical is not None and face.critical.reaches_crest:
+            kc = governing_face_value(face.critical)
+            values[face.structure, face.towards] = kc, "slip surface", face.critical.slip_surface
+    if bounded is None or not values:
         return
-    least, face = min(values, key=lambda pair: pair[0])
-    if face.critical is not None and face.critical.slip_surface and least > SAME_KH_RATIO * kh:
-        label = f"{face.structure}, towards the {face.towards}: slip surface at Kh = {least:.3f}"
-        yield Overlay(np.array(face.critical.slip_surface), CRITICAL, (0, (4, 2)), label)
+    (structure, towards), (least, kind, surface) = min(values.items(), key=lambda item: item[1][0])
+    if len(surface) and least > SAME_KH_RATIO * kh:
+        label = f"{structure}, towards the {towards}: {kind} at Kh = {least:.3f}"
+        yield Overlay(np.array(surface), CRITICAL, (0, (4, 2)), label)
 
 
 def _tested_borings(results: Results) -> Iterator[tuple[str, float, float]]:

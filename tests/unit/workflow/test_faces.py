@@ -25,6 +25,7 @@ from workflow.config import Config
 from workflow.estimates.face_zones import is_of_face, zones_against
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import structures_of
+from workflow.figures.front import _of_structure
 from workflow.report.faces import face_lines, faces_sentences, note_sentences, side_words
 from workflow.report.first_page import headlines
 from workflow.results.answer import SectionLabel
@@ -249,6 +250,8 @@ def test_a_face_without_a_value_by_elements_has_that_of_its_circle_on_the_first_
     first = headlines(results(config, slices=by_slices(config), faces=faces, fem=of_fem), Texts())[0]
     assert "embankment at x = 69 m slides first (riverward, left), at Kh = 0.144 by slip circles" in first.conclusion
     assert first.interval.endswith("; 0.144 for the first crest to slide")
+    [overlay] = _of_structure(results(config, slices=by_slices(config), faces=faces, fem=of_fem), 0.078)
+    assert overlay.label == "embankment at x = 69 m, towards the left: slip circle at Kh = 0.144"
 
 
 def test_a_circle_with_the_crest_is_no_circle_of_the_bank() -> None:
