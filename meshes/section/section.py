@@ -232,6 +232,11 @@ class Section(Model):
         table = self.water_table if self.water is None else self.water.table
         return None if table is None else self.elevations_of(table)
 
+    def water_points_after_drawdown(self) -> np.ndarray | None:
+        """Return the water table after a drawdown as elevations (n, 2) in metres; None without a drawdown."""
+        lowered = None if self.water is None else self.water.after_drawdown
+        return None if lowered is None else self.elevations_of(lowered)
+
     @cached_property
     def water_pressure(self) -> WaterPressure:
         """Return the pressure of the water in the pores and on the ground."""

@@ -120,7 +120,7 @@ def section_sheet(
         if water is not None:
             _fill_water(axes, section, water)
             axes.plot(*water.T, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
-        if (lowered := table_after_drawdown(section)) is not None:
+        if (lowered := section.water_points_after_drawdown()) is not None:
             axes.plot(*lowered.T, color=WATER, linewidth=1.4, linestyle=LOWERED)
         _draw_walls(axes, section)
         for line in lines:
@@ -264,12 +264,6 @@ def _fill_water(axes: Axes, section: Section, table: np.ndarray) -> None:
     axes.fill_between(x, ground, level, where=list(level > ground), color=WATER, alpha=0.25, linewidth=0)
 
 
-def table_after_drawdown(section: Section) -> np.ndarray | None:
-    """Return the water table (n, 2) in m after a drawdown; None without a drawdown."""
-    water = section.water
-    return None if water is None or water.after_drawdown is None else section.elevations_of(water.after_drawdown)
-
-
 def heights_in_words(much: int) -> str:
     """Return how many times the heights of a view are exaggerated."""
     return "true proportions" if much == 1 else f"heights exaggerated {much} times"
@@ -296,7 +290,7 @@ def _legend_of(section: Section, water: bool = True) -> list[Artist]:
         remainder = f"and {len(handles) - room + 1} more, down to {soil_of(section.strata[-1].name)}"
         handles = [*handles[: room - 1], Patch(facecolor="none", label=remainder)]
     if water and section.water_points() is not None:
-        lowered = table_after_drawdown(section) is not None
+        lowered = section.water_points_after_drawdown() is not None
         label = "water table before the drawdown" if lowered else "water table"
         handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label=label))
         if lowered:

@@ -87,13 +87,12 @@ def source_of(section: Section, stratum: Stratum) -> str:
 
 def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
     """Yield name, value and source of the water, the earthquake, the shaking and the cases of liquefaction."""
-    section = config.section
-    after = None if section.water is None else section.water.after_drawdown
+    section, after = config.section, config.section.water_points_after_drawdown()
     if (water := section.water_points()) is not None:
         name = "water table" if after is None else "water table before the drawdown"
         yield name, _elevations(water), FILE
     if after is not None:
-        yield "water table after the drawdown", _elevations(section.elevations_of(after)), FILE
+        yield "water table after the drawdown", _elevations(after), FILE
     earthquake = config.earthquake
     if facts := _of_earthquake(earthquake):
         yield "earthquake", ", ".join(facts), "[earthquake]"
