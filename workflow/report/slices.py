@@ -33,10 +33,10 @@ def slices_sentences(answer: SlicesAnswer, rises_by_shaking: bool = False) -> It
         circles = _circle_list(answer.after_shaking.circles, 2)
         yield f"Factor of safety at Kh = 0 after shaking, with its excess pore pressure, by slip circles: {circles}."
     if answer.critical:
-        fails = ": the ground fails without shaking" if min(circle.bishop for circle in answer.critical) < 0.0 else ""
-        if fails and rises_by_shaking:
-            fails = ": the ground fails by the excess pore pressure of shaking, without any seismic force"
-        yield f"Critical Kh by slip circles: {_circle_list(answer.critical, 3)}{fails}."
+        fails = "the ground fails without shaking"
+        if rises_by_shaking:
+            fails = "the ground fails by the excess pore pressure of shaking, without any seismic force"
+        yield f"Critical Kh by slip circles: {_critical_list(answer.critical, fails)}."
     for text in of_longer_sections(answer.critical):
         observation, _, remedy = text.partition(": ")
         yield f"Warning: {observation[0].upper()}{observation[1:]}. To do: {remedy}."
@@ -90,6 +90,17 @@ def face_circles(answer: CirclesAtRest, section: Section) -> Iterator[str]:
     for face in answer.faces:
         name = names.get((face.start_m, face.end_m), f"structure from x = {face.start_m:g} to {face.end_m:g} m")
         yield f"{name}, towards the {face.towards}: factor of safety {face.circle.bishop:.2f} by slip circles"
+
+
+def _critical_list(circles: Sequence[CirclePart], fails: str) -> str:
+    """Return the critical Kh of circles, each side that fails without a seismic force with the words for this."""
+    negative = [circle.bishop < 0.0 for circle in circles]
+    if all(negative):
+        return f"{_circle_list(circles, 3)}: {fails}"
+    words = [
+        _words(circle, 3) + (f" ({fails})" if fell else "") for circle, fell in zip(circles, negative, strict=True)
+    ]
+    return "; ".join(words)
 
 
 def _circle_list(circles: Sequence[CirclePart], digits: int) -> str:

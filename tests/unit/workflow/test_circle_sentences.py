@@ -35,6 +35,26 @@ def test_a_negative_critical_kh_is_told_to_be_a_failure_without_shaking(kh: floa
     assert sentence.endswith("the ground fails without shaking.") == fails
 
 
+def test_only_the_side_that_fails_without_shaking_is_said_to_do_so() -> None:
+    """ "To the left 0.379: the ground fails without shaking" stood beside a failure to the right."""
+
+    def circle(towards: str, kh: float) -> CirclePart:
+        line = ((28.0, 30.0), (72.0, 12.0))
+        return CirclePart.model_construct(surface_m=line, towards=towards, bishop=kh, spencer=None, strengthened=False)
+
+    answer = SlicesAnswer.model_construct(
+        factors=(),
+        critical=(circle("right", -0.066), circle("left", 0.379)),
+        reason="",
+        weak_layers=(),
+        strong_blocks=(),
+    )
+    (sentence,) = slices_sentences(answer)
+    right, left = sentence.split("; ")
+    assert right.endswith("-0.066 by Bishop's method (the ground fails without shaking)")
+    assert left.endswith("0.379 by Bishop's method.")
+
+
 def test_slip_circles_above_a_strict_upper_bound_are_told(run: Config) -> None:
     """A slope on a seam: 1.06 by circles, which cannot follow it, and 0.713 to 0.721 by bounds."""
 
