@@ -15,7 +15,7 @@ from matplotlib.path import Path as Outline
 from matplotlib.patheffects import withStroke
 
 from meshes.quad_mesh import QuadMesh
-from meshes.section.cutting import soil_numbers, soil_of
+from meshes.section.cutting import CRACKED, soil_numbers, soil_of
 from meshes.section.section import Section
 from meshes.section.surcharge import Surcharge
 from workflow.config import Config
@@ -38,6 +38,7 @@ HATCH = "...."
 SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
 LEAST_NUMBERED = 0.02  # of the height of a section: a number would not fit into a thinner stratum
 LOWERED = (0, (2, 2))  # dashes of the water table after a drawdown
+CRACK_ENDS = (0, (6, 2, 1, 2))  # dashes of the bottom of tension cracks
 WALL = "#7a1fa2"  # colour of cut-off walls
 NUMBER_SIZE = 6.5  # points
 NAME_ABOVE = 15.0  # of the name of a boring over the ground (points): clear of the numbers of thin layers there
@@ -123,6 +124,7 @@ def section_sheet(
         if (lowered := section.water_points_after_drawdown()) is not None:
             axes.plot(*lowered.T, color=WATER, linewidth=1.4, linestyle=LOWERED)
         _draw_walls(axes, section)
+        axes.add_collection(LineCollection(crack_bottoms(section), colors=INK, linewidths=1.2, linestyle=CRACK_ENDS))
         for line in lines:
             axes.plot(*line.points.T, color=line.colour, linewidth=2.0, linestyle=line.dashes)
         if decorate is not None:
@@ -186,6 +188,19 @@ def borders(section: Section) -> list[np.ndarray]:
     return list(edges[~seam])
 
 
+def crack_bottoms(section: Section) -> list[np.ndarray]:
+    """Return the bottom of the tension cracks, a line (2, 2) in m in every column of layers that has cracks."""
+    layers = section.layering
+    cracked = np.array([CRACKED in stratum.name for stratum in section.strata])
+    there = cracked & layers.present()
+    lowest = len(cracked) - 1 - np.argmax(there[:, ::-1], axis=1)
+    columns = np.flatnonzero(there.any(axis=1))
+    x, below = layers.x[columns], lowest[columns] + 1
+    left, right = layers.left[columns, below], layers.right[columns, below]
+    ends = np.stack([np.column_stack([x, left]), np.column_stack([x + layers.width[columns], right])], axis=1)
+    return list(ends)
+
+
 def room_for_loads(section: Section) -> np.ndarray:
     """Return points (n, 2) in m above the ground, for which a picture with arrows of surcharges needs space; empty
     without surcharges.
@@ -196,7 +211,7 @@ def room_for_loads(section: Section) -> np.ndarray:
 
 def pressure_of(load: Surcharge) -> str:
     """Return the pressure of a surcharge at its ends, in kPa, in words."""
-    return " to ".join(dict.fromkeys(f"{end / 1e3:g}" for end in load.pressure)) + " kPa"
+    return " to ".join(dict.fromkeys(f"{end / 1e3:.4g}" for end in load.pressure)) + " kPa"
 
 
 def draw_loads(axes: Axes, section: Section) -> None:
@@ -298,6 +313,9 @@ def _legend_of(section: Section, water: bool = True) -> list[Artist]:
             handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=LOWERED, label=label))
     if water and section.water is not None and section.water.cutoffs:
         handles.append(Line2D([], [], color=WALL, linewidth=2.5, label="cut-off wall"))
+    if water and any(CRACKED in stratum.name for stratum in section.strata):
+        label = "bottom of the tension cracks"
+        handles.append(Line2D([], [], color=INK, linewidth=1.2, linestyle=CRACK_ENDS, label=label))
     if water and section.given_extent != section.extent:
         handles.append(Line2D([], [], color=INK, linewidth=0.8, linestyle=SURVEYED, label="ends of the given ground"))
     if water and section.surcharges:

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
+from meshes.section.surcharge import Surcharge
 from tests.support.sections import slope
 from workflow.config import Config
 from workflow.figures.fem import conditions
-from workflow.figures.ground import WALL, WATER, section_sheet
+from workflow.figures.ground import WALL, WATER, crack_bottoms, pressure_of, section_sheet
 from workflow.report.tables import parameter_rows
 
 
@@ -76,3 +77,23 @@ def test_the_table_of_parameters_has_both_water_tables_of_a_drawdown() -> None:
         ("water table before the drawdown", "elevation 12 m"),
         ("water table after the drawdown", "elevation 6 to 12 m"),
     ]
+
+
+def test_the_bottom_of_tension_cracks_is_named_in_the_picture_of_a_section() -> None:
+    """A line without a name ran through the ground, three metres below its surface."""
+    data = {**slope(), "tension_crack": {"bottom": {"depth": 2.0}}}
+    section = Config.parse(data).section
+    sheet = section_sheet(section)
+    labels = {text.get_text() for legend in sheet.figure.legends for text in legend.get_texts()}
+    assert "bottom of the tension cracks" in labels
+    line = np.vstack(crack_bottoms(section))
+    assert np.ptp(line[:, 0]) == pytest.approx(np.ptp(section.ground[:, 0]))
+    assert line[:, 1] == pytest.approx(np.interp(line[:, 0], *section.ground.T) - 2.0)
+    bare = section_sheet(Config.parse(slope()).section)
+    assert "tension" not in " ".join(t.get_text() for legend in bare.figure.legends for t in legend.get_texts())
+
+
+def test_a_pressure_in_psf_is_shown_with_the_digits_that_it_has() -> None:
+    """250 psf were "surcharge 11.9701 kPa"."""
+    load = Surcharge.model_validate({"from": 0.0, "to": 9.0, "pressure": "250 psf"})
+    assert pressure_of(load) == "11.97 kPa"
