@@ -56,7 +56,7 @@ def write_dxf(section: Section, path: Path) -> list[str]:
     notices = [f'stratum "{name}" is on layer "{layer}": a drawing layer cannot have the name of the stratum'
             for name, layer in zip(names, layers, strict=True) if layer != name]  # fmt: skip
     lines = [stratum.name.removesuffix(BELOW_WATER) for stratum in section.strata
-             if stratum.piezometric_level is not None]  # fmt: skip
+             if stratum.confined]  # fmt: skip
     notices += [f"not drawn: the piezometric levels of {', '.join(dict.fromkeys(lines))}"] if lines else []
     if section.water is not None and section.water.after_drawdown is not None:
         notices.append("not drawn: the water table after the drawdown")

@@ -6,6 +6,7 @@ import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -161,6 +162,8 @@ def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
         layer = of_name[columns.stack.layers[k]]
         keys = {**layer.keys, **(layer.wet if wet else layer.dry)}
         levels = _across(keys, "piezometric_level", *sides)
+        if flow := levels.get("vertical_flow"):
+            levels["vertical_flow"] = reduce(lambda lines, key: _across(lines, key, *sides), flow, flow)
         called = columns.stack.names[k] + (", wet" if [number for number, _, _ in parts].count(k) > 1 and wet else "")
         strata.append({"name": called, "bottom": {"elevation": _points(bottom)}, **STIFFNESS, **levels})
     data = {"name": name, "surface": _points(columns.points(ground)), "base": strata[-1].pop("bottom")}

@@ -22,6 +22,7 @@ from meshes.models.foreign_model import (
     section_of,
     within_reason,
 )
+from meshes.models.waternet import Waternet, xz
 
 EXPECTED = "expected a model of D-Stability, as it writes it since 2022"
 ON_LINE = 0.05  # m: how far a corner of a layer may lie from a state line or a reference line on its edge
@@ -73,7 +74,7 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
 
     soils = {soil["Id"]: soil for soil in next(content for name, content in files if name == "soils")["Soils"]}
     of_layer = {pair["LayerId"]: soils[pair["SoilId"]] for pair in part("soillayers", "SoilLayersId")["SoilLayers"]}
-    water = part("waternets", "WaternetId")
+    water = Waternet.read(part("waternets", "WaternetId"))
     states = [
         (of["Label"], part("states", "StateId", of), part("geometries", "GeometryId", of)["Layers"])
         for of in reversed(scenario["Stages"])
@@ -85,11 +86,14 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
             "not read: earlier stages, except preconsolidation, which is stored as the difference to the stress in "
             "this stage"
         )
-    table = _table(water)
+    if "WaterMeshId" in stage and part("watermeshes", "WaterMeshId")["Elements"]:
+        notices.append(
+            "not read: pore pressure of a mesh" + (", so that the ground is dry" if water.table is None else "")
+        )
     outlines = part("geometries", "GeometryId")["Layers"]
     if not outlines:
         raise InputError(str(path), [f"{stage_words}: the stage has no layers; expected at least one"])
-    layers = [_layer(corners(_pairs(item["Points"])), of_layer[item["Id"]], water, table, states, notices)
+    layers = [_layer(corners(xz(item["Points"])), of_layer[item["Id"]], water, states, notices)
               for item in outlines]  # fmt: skip
     loads = part("loads", "LoadsId")
     undrained = {
@@ -103,17 +107,17 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
     notices += _not_taken(loads, part("reinforcements", "ReinforcementsId"))
     return ForeignModel(
         layers,
-        {} if table is None else {"table": table.tolist(), "unit_weight": f"{water['UnitWeightWater']:g} kN/m^3"},
+        {} if water.table is None else {"table": water.table.tolist(), "unit_weight": f"{water.unit_weight:g} kN/m^3"},
         surcharges,
         list(dict.fromkeys(notices)),
     )
 
 
 def _layer(
-    points: np.ndarray, soil: Json, water: Json, table: np.ndarray | None, states: Sequence[State], notices: list[str]
+    points: np.ndarray, soil: Json, water: Waternet, states: Sequence[State], notices: list[str]
 ) -> ForeignLayer:
     """Return a layer with an outline (n, 2) in m. Properties that a stratum cannot have are added to ``notices``."""
-    level, of_level = _piezometric_level(water, points, table)
+    level, of_level = water.keys_of(points, _middle(points))
     notices += [f'"{soil["Name"]}": {text}' for text in of_level]
     models = soil[MODEL_ABOVE_WATER], soil[MODEL_BELOW_WATER]
     state = _latest_state(states, points, soil["Name"], notices) if "Su" in models else {}
@@ -122,13 +126,9 @@ def _layer(
     )
     stress = None
     if state.get("StateType") == "YieldStress":
-        x, z = corners(_pairs([state["At"]]))[0]
+        x, z = corners(xz([state["At"]]))[0]
         stress = YieldStress(x, z, 1e3 * float(state["YieldStress"]))
     return ForeignLayer(soil["Name"], points, {**_weights(soil), **level}, dry, wet, stress)
-
-
-def _pairs(points: Sequence[Json]) -> list[tuple[float, float]]:
-    return [(point["X"], point["Z"]) for point in points]
 
 
 def _weights(soil: Json) -> dict[str, str]:
@@ -138,12 +138,6 @@ def _weights(soil: Json) -> dict[str, str]:
 
 def _kPa(value: float) -> str:
     return f"{value:g} kPa"
-
-
-def _table(water: Json) -> np.ndarray | None:
-    """Return the phreatic line (n, 2) in m, if there is one."""
-    line = next((line for line in water["HeadLines"] if line["Id"] == water["PhreaticLineId"]), None)
-    return None if line is None else line_of(_pairs(line["Points"]))
 
 
 def _middle(points: np.ndarray) -> np.ndarray:
@@ -176,35 +170,13 @@ def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
     return keys
 
 
-def _piezometric_level(water: Json, points: np.ndarray, table: np.ndarray | None) -> tuple[dict[str, Any], list[str]]:
-    """Return the piezometric level of a layer if it is not the phreatic line: that of the reference line above the
-    layer, or else of the reference line below it."""
-    x, z = _middle(points)
-    heads = {line["Id"]: line_of(_pairs(line["Points"])) for line in water["HeadLines"]}
-    lines = [(float(np.interp(x, *line_of(_pairs(line["Points"])).T)), line) for line in water["ReferenceLines"]]
-    above = min((pair for pair in lines if pair[0] >= z), key=lambda pair: pair[0], default=None)
-    below = max((pair for pair in lines if pair[0] < z), key=lambda pair: pair[0], default=None)
-    over = None if above is None else above[1]["BottomHeadLineId"]
-    under = None if below is None else below[1]["TopHeadLineId"]
-    chosen = over or under
-    notices = []
-    if under is not None and (over or water["PhreaticLineId"]) != under:
-        chosen = over
-        notices.append(
-            "not read: pore pressure that varies with depth between two head lines; that of the upper line is used"
-        )
-    if chosen is None or chosen == water["PhreaticLineId"] or table is None:
-        return {}, notices
-    return {"piezometric_level": heads[chosen].tolist()}, notices
-
-
 def _latest_state(states: Sequence[State], points: np.ndarray, soil: str, notices: list[str]) -> dict[str, Any]:
     """Return the preconsolidation of a layer in the last stage that states it; ``stages`` has the last stage first.
 
     D-Stability keeps the yield stress of a stage in later stages; a layer is identified by the place of its middle.
     """
     for count, (label, state, outlines) in enumerate(states):
-        places = [corners(_pairs(item["Points"])) for item in outlines]
+        places = [corners(xz(item["Points"])) for item in outlines]
         same = next((k for k, place in enumerate(places) if _holds(place, _middle(points))), None)
         keys = {} if same is None else _state(state, outlines[same]["Id"], places[same], soil, notices)
         if keys:
@@ -233,7 +205,7 @@ def _state(states: Json, layer: str, points: np.ndarray, soil: str, notices: lis
         return {**inside[0]["Stress"], "At": inside[0]["Point"]}
     middle = _middle(points)
     for line in states["StateLines"]:
-        course = line_of(_pairs(line["Points"]))
+        course = line_of(xz(line["Points"]))
         if not line["Values"] or not _lies_along(course, points):
             continue
         side = "Below" if np.interp(middle[0], *course.T) > middle[1] else "Above"

@@ -15,6 +15,7 @@ import numpy as np
 from meshes.section.polyline import Line, Points, limits, without_repeats
 from meshes.section.simplified import needed, with_farthest
 from meshes.section.stratum import Stratum
+from meshes.section.vertical_flow import LINES as FLOW_LINES
 from meshes.section.water import Water
 
 # The default size of cells, as a share of the mean height of a section.
@@ -98,6 +99,8 @@ def lines_by_place(
     for k, stratum in enumerate(strata):
         lines[("strata", k, "bottom")] = stratum.bottom
         lines[("strata", k, "piezometric_level")] = stratum.piezometric_level
+        if (flow := stratum.vertical_flow) is not None:
+            lines |= {("strata", k, "vertical_flow", key): getattr(flow, key) for key in FLOW_LINES}
     if water is not None:
         lines |= {("water", "table"): water.table, ("water", "after_drawdown"): water.after_drawdown}
     by_place: dict[Place, np.ndarray] = {("surface",): np.array(surface, dtype=float)}

@@ -9,6 +9,7 @@ import numpy as np
 from meshes.section.dense_lines import CELL, DENSE_DISTANCE, Place, mean_height
 from meshes.section.polyline import Line, pairs_of, without_repeats
 from meshes.section.sentences import counted
+from meshes.section.vertical_flow import LINES as FLOW_LINES
 
 
 def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
@@ -130,6 +131,8 @@ def _written_lines(data: Mapping[str, Any]) -> list[Place]:
     for k, stratum in enumerate(strata if isinstance(strata, list | tuple) else []):
         if isinstance(stratum, Mapping):
             tables += [(("strata", k, key), stratum.get(key)) for key in ("bottom", "piezometric_level")]
+            if isinstance(flow := stratum.get("vertical_flow"), Mapping):
+                tables += [(("strata", k, "vertical_flow", key), flow.get(key)) for key in FLOW_LINES]
     if isinstance(water := data.get("water"), Mapping):
         tables += [(("water", key), water.get(key)) for key in ("table", "after_drawdown")]
     places: list[Place] = []

@@ -83,15 +83,15 @@ def _loads(section: Section, x: float, elevation: float) -> tuple[float, float]:
 
 
 def water_level(section: Section, x: float, stratum: int | None = None) -> float | None:
-    """Return the elevation of the water table at x (m), or of the piezometric level of a stratum that has its own; None
-    without any."""
+    """Return the elevation of the water table at x (m), or of the piezometric level of a stratum that has its own, or
+    below which its pores are full; None without any."""
     points = _level(section, stratum)
     return None if points is None else float(np.interp(x, points[:, 0], points[:, 1]))
 
 
 def _level(section: Section, stratum: int | None) -> np.ndarray | None:
-    level = None if stratum is None else section.strata[stratum].piezometric_level
-    return section.water_points() if level is None else section.elevations_of(level)
+    apart = stratum is not None and section.strata[stratum].confined
+    return section.water_pressure.levels[stratum] if stratum is not None and apart else section.water_points()
 
 
 def outside(section: Section, x: float, depth: float) -> str:

@@ -170,7 +170,7 @@ def against_the_water(
                 f"{key}: its ordinary density is not buoyant, and {100 * below / whole:.0f} % of it lies below the "
                 "water table; [water] with density and density_saturated cuts it there"
             )
-        if s.liquefiable and s.piezometric_level is None and below <= WRONG_SIDE * whole:
+        if s.liquefiable and not s.confined and below <= WRONG_SIDE * whole:
             yield f"{key}: it liquefies in {list(s.liquefies_in)}, and lies above the water table"
         if table is not None and s.density_saturated is None and s.name.endswith(BELOW_WATER):
             yield f"{key}: it has no density_saturated, so that density is used below the water, too"

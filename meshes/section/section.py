@@ -34,6 +34,7 @@ from meshes.section.structure import Structure, structure_problems
 from meshes.section.surcharge import Surcharge, SurfaceLoads
 from meshes.section.toml_file import read_toml
 from meshes.section.uplift import Uplift, uplift
+from meshes.section.vertical_flow import LinearHead, with_ends
 from meshes.section.water import Water
 from meshes.section.water_pressure import WaterPressure
 from meshes.section.water_problems import cutoff_problems, surcharge_problems, water_problems
@@ -101,7 +102,7 @@ class Section(Model):
         if not self.unusual:
             soils = [zone.soil.in_table(f"zones {k}") for k, zone in enumerate(self.zones, 1) if not zone.material]
             problems += implausible([*self.strata, *soils], self.water, self.surcharges)
-        if not problems and self.zones:
+        if not problems:
             problems += self._apply_zones()
         if not problems:
             problems += water_problems(self.water, self.water_table, self.strata)
@@ -113,11 +114,18 @@ class Section(Model):
             raise ValueError("\n".join(dict.fromkeys(problems)))
         return self
 
+    def _complete_vertical_flow(self) -> None:
+        """Give vertical flow through strata the lines that the file leaves out."""
+        self.__dict__.update(strata=with_ends(self.surface, self.base, self.strata, (self.water or Water()).table))
+
     def _apply_zones(self) -> list[str]:
         """Make strata of the zones, raise the ground where zones lie above it, and return the faults of zones.
 
-        After this step the section cannot be changed, and has no zones.
+        After this step the section cannot be changed, and has no zones. Vertical flow has all of its lines.
         """
+        self._complete_vertical_flow()
+        if not self.zones:
+            return []
         ground = zoned(self.surface, self.base, self.strata, self.zones)
         if not ground.problems:
             if ground.surface != self.surface:  # depths of water are below the ground as it is without zones
@@ -126,15 +134,14 @@ class Section(Model):
                 if self.water is not None:
                     self.__dict__.update(water=with_elevations(before, self.water, ("table", "after_drawdown")))
             self.__dict__.update(surface=ground.surface, base=ground.base, strata=ground.strata, zones=())
+            self._complete_vertical_flow()
             self._zone_notices = tuple(ground.notices)
         return ground.problems
 
     def _water_lines(self) -> dict[str, Line | None]:
         """Return the lines of water from side to side, by their keys."""
-        water = self.water or Water()
-        return {
-            "water_table": self.water_table, "water, table": water.table, "water, after_drawdown": water.after_drawdown
-        }  # fmt: skip
+        water, drawn = self.water or Water(), self.water_table
+        return {"water_table": drawn, "water, table": water.table, "water, after_drawdown": water.after_drawdown}
 
     @cached_property
     def layering(self) -> Layering:
@@ -243,14 +250,13 @@ class Section(Model):
         water = self.water or Water()
         before = None if water.table is None else self.elevations_of(water.table)
         after = before if water.after_drawdown is None else self.elevations_of(water.after_drawdown)
-        levels = [
-            before if s.piezometric_level is None else self.elevations_of(s.piezometric_level) for s in self.strata
-        ]
-        normal = water.head == "normal"
+        heads = [LinearHead.of(s.vertical_flow, self.elevations_of) for s in self.strata]
+        levels = [before if s.piezometric_level is None else self.elevations_of(s.piezometric_level)
+                  for s in self.strata]  # fmt: skip
+        levels = [level if head is None else head.water_level for head, level in zip(heads, levels, strict=True)]
         still = WaterPressure(
-            self.layering, self.strata, water.unit_weight, tuple(levels), before, after, normal, water.westergaard,
-            after_shaking=self._after_shaking,
-        )  # fmt: skip
+            self.layering, self.strata, water.unit_weight, tuple(levels), tuple(heads), before, after,
+            water.head == "normal", water.westergaard, after_shaking=self._after_shaking)  # fmt: skip
         return self._with_flow(still) if water.flow else still
 
     def _with_flow(self, still: WaterPressure) -> WaterPressure:
@@ -311,7 +317,7 @@ class Section(Model):
         return self._cut_by(cut_films)
 
     def _cut_by(self, cutting: Cutting) -> "Section":
-        if self.water is None and all(s.piezometric_level is None for s in self.strata):
+        if self.water is None and not any(s.confined for s in self.strata):
             return self
         water = self.water_pressure
         levels = [

@@ -25,6 +25,7 @@ from meshes.section.quantity import (
     Stiffness,
     Strength,
 )  # fmt: skip
+from meshes.section.vertical_flow import VerticalFlow
 
 # A line of text without quotes or control characters, which gmsh could not read back, and no space at either end.
 NAME_PATTERN = r'^[^"\s\p{Cc}](?:[^"\p{Cc}]*[^"\s\p{Cc}])?$'
@@ -42,6 +43,8 @@ MISSING_DENSITY = (
 OCR_EXPONENT = 0.8
 # The keys whose values are proportional to the cohesion.
 AMOUNTS = ("cohesion", "cohesion_increase", "cohesion_minimum", "strength_ratio")
+# The keys that give the pore pressure of a stratum apart from the water table.
+PORE_PRESSURES = ("pore_pressure_ratio", "piezometric_level", "vertical_flow")
 # The keys by which a cohesion varies, beside cohesion_increase.
 OF_COHESION = (
     "cohesion_from", "cohesion_minimum", "strength_ratio", "ocr", "ocr_exponent", "pre_overburden_pressure",
@@ -144,6 +147,13 @@ class Stratum(Model):
     piezometric_level: ElevationOrLine | None = Field(
         default=None, description="the piezometric level of the stratum, if it is not the water table"
     )
+    vertical_flow: VerticalFlow | None = Field(
+        default=None,
+        description=(
+            "table of the vertical flow through the stratum, such as { lower_level = 12.5 } in a clay over an aquifer "
+            "with that piezometric level: the level varies linearly with elevation, from the water table at the top"
+        ),
+    )
     pore_pressure_ratio: Ratio | None = Field(
         default=None,
         description="pore pressure over the weight of the soil above, such as 0.25, which replaces a water level",
@@ -208,6 +218,11 @@ class Stratum(Model):
         return self.cohesion > 0.0 or self.cohesion_varies
 
     @property
+    def confined(self) -> bool:
+        """Return whether the stratum has a piezometric level, or a vertical flow, apart from the water table."""
+        return self.piezometric_level is not None or self.vertical_flow is not None
+
+    @property
     def exponent(self) -> float:
         """Return the exponent m of OCR."""
         return OCR_EXPONENT if self.ocr_exponent is None else self.ocr_exponent
@@ -256,8 +271,9 @@ class Stratum(Model):
             problems.append(f"liquefies_in = {list(self.liquefies_in)}: expected every case once")
         problems += self._cohesion_problems()
         problems += self._residual_problems()
-        if self.pore_pressure_ratio is not None and self.piezometric_level is not None:
-            problems.append("pore_pressure_ratio and piezometric_level: expected one of them")
+        pressures = [key for key in PORE_PRESSURES if getattr(self, key) is not None]
+        if len(pressures) > 1:
+            problems.append(f"{' and '.join(pressures)}: expected one of them")
         if problems:
             raise ValueError("\n".join(problems))
         return self

@@ -21,6 +21,7 @@ from meshes.section.model import Model
 from meshes.section.polyline import ElevationOrLine, Line, crossings, level_at, written
 from meshes.section.quantity import HEIGHT
 from meshes.section.section import Section
+from meshes.section.stratum import PORE_PRESSURES
 
 STEEP_SLOPE = 10.0  # rise over run
 # Water runs out of cracks only where the ground beside them is lower by more than this share of their depth. A crest
@@ -130,7 +131,8 @@ class TensionCrack(Model):
             ground_level = None if stratum.pore_pressure_ratio is not None else _level_in(section, k)
             level = self._water_level(section, bottom, ground_level)
             weight = {"density_saturated": stratum.density_ordinary}  # the water of cracks does not soak the ground
-            return {"piezometric_level": Line(elevation=level.tolist()), "pore_pressure_ratio": None, **weight}
+            apart = dict.fromkeys(PORE_PRESSURES)
+            return {**apart, "piezometric_level": Line(elevation=level.tolist()), **weight}
 
         strata = cut_at_cracks(section.strata, section.layering, bottom, section.given_extent, of_crack)
         return section.with_strata(strata)

@@ -22,7 +22,8 @@ SMALLEST_UPLIFT = 100.0
 # The same where water flows, as the head of this share of the step of its grid: where a shore lies between two of its
 # points, the pressure at the ground beside it is off by so much.
 LEAST_OF_STEP = 0.1
-# Where water flows the pore pressure bends within a stratum: depths in it, as shares of its thickness.
+# Where water flows, also vertically through a stratum, the pore pressure bends within a stratum: depths in it, as
+# shares of its thickness.
 WITHIN_FLOW = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)
 UPWARDS = np.array([[0.0, 1.0]])
 
@@ -71,13 +72,15 @@ def uplift(layers: Layering, strata: tuple[Stratum, ...], loads: SurfaceLoads) -
     none.
 
     Both stresses are linear within a stratum between breakpoints and the kinks of the water, so that the ends of these
-    stretches are checked; where water flows, also depths within the stratum. A surcharge counts with its weight on the
-    ground above.
+    stretches are checked; where water flows, or flows through a stratum, also depths within the stratum. A surcharge
+    counts with its weight on the ground above.
     """
     water = loads.water
     if not water.still:
         return None
     x, least, shares = np.union1d(layers.x, water.kinks), SMALLEST_UPLIFT, WITHIN_FLOW[:: len(WITHIN_FLOW) - 1]
+    if any(water.heads):
+        shares = WITHIN_FLOW
     if water.flow is not None:
         grid = water.flow.grid.x
         x, shares = np.union1d(layers.x, grid), WITHIN_FLOW

@@ -17,6 +17,7 @@ from meshes.section.polyline import crossings, level_at
 from meshes.section.quantity import GRAVITY
 from meshes.section.seepage import Seepage
 from meshes.section.stratum import Stratum
+from meshes.section.vertical_flow import LinearHead
 
 # A level this near to the ground, as a share of what makes two points one, does not go through it there.
 ON_GROUND = 1e-3
@@ -36,6 +37,7 @@ class WaterPressure:
         a drawdown
     normal : whether the head is measured perpendicular to the flow: times cos² of the slope of the level
     moves : whether the inertia of water on the ground acts on the ground when it shakes
+    heads (k,) : for each stratum the piezometric level of the vertical flow through it; None without such flow
     flow : steady seepage whose pore pressure replaces the hydrostatic pressure below levels
     after_shaking : whether the excess pore pressure by shaking is part of the pore pressure at rest
     """
@@ -44,6 +46,7 @@ class WaterPressure:
     strata: tuple[Stratum, ...]
     unit_weight: float
     levels: tuple[np.ndarray | None, ...]
+    heads: tuple[LinearHead | None, ...]
     table_before: np.ndarray | None
     table_after: np.ndarray | None
     normal: bool
@@ -87,6 +90,8 @@ class WaterPressure:
             return ratio * self.overburden(points, near) if ratio > 0.0 else np.zeros(len(points))
         if self.flow is not None:
             return self.unit_weight * self.flow.pressure_head(points, near)
+        if (head := self.heads[k]) is not None:
+            return self.unit_weight * np.maximum(head.at(points, near) - points[:, 1], 0.0)
         if level is None:
             return np.zeros(len(points))
         pressure = self.hydrostatic(level, points, near)

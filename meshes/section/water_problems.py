@@ -21,6 +21,11 @@ def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Str
     lines: dict[str, Line | None] = {"water, table": table}
     lines["water, after_drawdown"] = None if water is None else water.after_drawdown
     lines |= {f"{key_in_file(strata, k)}, piezometric_level": s.piezometric_level for k, s in enumerate(strata)}
+    flows_of = {key_in_file(strata, k): s.vertical_flow for k, s in enumerate(strata) if s.vertical_flow is not None}
+    for name, flow in flows_of.items():
+        lines |= {f"{name}, vertical_flow, {key}": getattr(flow, key) for key in ("upper_level", "lower_level")}
+        if flow.upper_level is None:
+            yield f"{name}, vertical_flow, upper_level: missing; expected it, or a water table in [water]"
     walls = {float(wall.x) for wall in water.cutoffs} if water is not None else set()
     for key, line in lines.items():
         if line is not None and (at := _step(line)) is not None and at not in walls:
@@ -33,11 +38,12 @@ def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Str
     for k, s in enumerate(strata):
         if flows and s.permeability is None:
             yield f'{key_in_file(strata, k)}, permeability: missing; expected one such as "1e-5 m/s" for flow'
-        if flows and s.piezometric_level is not None:
-            yield f"{key_in_file(strata, k)}, piezometric_level: expected none with flow = true, which computes it"
+        for key in ("piezometric_level", "vertical_flow"):
+            if flows and getattr(s, key) is not None:
+                yield f"{key_in_file(strata, k)}, {key}: expected none with flow = true, which computes it"
         ratio = s.pore_pressure_ratio
         pressed = table is not None if ratio is None else ratio > 0.0
-        if s.buoyant and (pressed or s.piezometric_level is not None):
+        if s.buoyant and (pressed or s.confined):
             yield (
                 f"{key_in_file(strata, k)}: density_ordinary below density_seismic is already reduced by "
                 "uplift, and the pore pressure would reduce it again; expected density and density_saturated"

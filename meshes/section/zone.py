@@ -209,8 +209,11 @@ def without_depth(ground: np.ndarray, line: Line | None) -> Line | None:
 
 
 def with_elevations(ground: np.ndarray, model: AnyModel, keys: Sequence[str]) -> AnyModel:
-    """Return a copy with elevations in place of depths below the ``ground`` (n, 2) in the lines ``keys``."""
-    return model.model_copy(update={key: without_depth(ground, getattr(model, key)) for key in keys})
+    """Return a copy with elevations in place of depths below the ``ground`` (n, 2) in the lines ``keys``, and in those
+    of its vertical flow."""
+    lines = {key: without_depth(ground, getattr(model, key)) for key in keys}
+    flow = getattr(model, "vertical_flow", None)
+    return model.model_copy(update=lines | ({} if flow is None else {"vertical_flow": flow.as_elevations(ground)}))
 
 
 def _region_below(layers: Layering, zones: Sequence[Zone]) -> np.ndarray:

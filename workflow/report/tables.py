@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from dem.case import PAPER_CASES, Case, cases_of_loose_sand
 from meshes.section.polyline import Line
 from meshes.section.section import Section, Stratum
+from meshes.section.vertical_flow import LINES as FLOW_LINES
 from workflow.config import FILES, Config
 from workflow.earthquake.settings import EarthquakeSettings
 
@@ -223,6 +224,10 @@ def line_rows(config: Section) -> Iterator[tuple[str, str, str]]:
     for stratum in config.strata:
         if stratum.piezometric_level is not None:
             yield f"piezometric level of {stratum.name}", *_line(stratum.piezometric_level)
+        if (flow := stratum.vertical_flow) is not None:
+            for key in FLOW_LINES:
+                if (line := getattr(flow, key)) is not None:
+                    yield f"vertical flow through {stratum.name}: {key.replace('_', ' ')}", *_line(line)
 
 
 def _line(line: Line) -> tuple[str, str]:

@@ -102,8 +102,9 @@ def written(folder: Path, data: dict[str, Any]) -> Path:
 
 
 def test_a_dike_is_a_section(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Above water the dike has c and φ, below it S σ'v OCR^m: at (10, 1) σ'v is 2 x 18 + 19 - 9.81 + 0.3 x 13 = 49.09
-    kPa with the least consolidated share of the load, and the yield stress there 80 kPa."""
+    """Above water the dike has c and φ, below it S σ'v OCR^m: at (10, 1) σ'v is 2 x 18 + 19 - u + 0.3 x 13 = 47.864 kPa
+    with the least consolidated share of the load, and the yield stress there 80 kPa. Between the phreatic line at 2 m
+    and the reference line at -6 m, where the level is 3 m, u rises linearly from 0 to 9 x 9.81 kPa: to an eighth."""
     assert run("section", written(tmp_path, model()), "-o", tmp_path / "dike.toml") == 0
     out = capsys.readouterr().out
     assert "It is sound." in out
@@ -115,12 +116,13 @@ def test_a_dike_is_a_section(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     dry, wet, clay, _, sand = section.strata
     assert (dry.cohesion, dry.density_ordinary, wet.density_ordinary) == pytest.approx((7e3, 1835.5, 1937.5), rel=1e-4)
     assert (wet.cohesion, wet.strength_ratio, wet.ocr_exponent) == (0.0, 0.25, 0.9)
-    assert wet.pre_overburden_pressure == pytest.approx(80e3 - 49.09e3, rel=1e-3)
+    assert wet.pre_overburden_pressure == pytest.approx(80e3 - 47.864e3, rel=1e-3)
     assert clay.pre_overburden_pressure == 12e3
     assert sand.piezometric_level is not None
+    assert clay.vertical_flow is not None
     at = np.array([[10.0, 1.0]])
     su = section.cohesion_field.at(at, at, np.array([1]))[0]
-    assert su == pytest.approx(0.25 * 49.09e3 * (80.0 / 49.09) ** 0.9, rel=1e-3)
+    assert su == pytest.approx(0.25 * 47.864e3 * (80.0 / 47.864) ** 0.9, rel=1e-3)
     assert section.surcharges[0].pressure == (13e3, 13e3)
 
 
@@ -174,8 +176,8 @@ def test_values_of_another_kind_are_told(tmp_path: Path, part: str, key: str, va
 
 
 def test_layers_of_one_soil_keep_their_states(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Two layers of the clay have yield stresses of 150 and 250 kPa at 5 m below the ground, where
-    σ'v is 14 + (15 - 9.81) x 4 = 34.76 kPa; one of two points in the second is not taken. A soil by no known model of
+    """Two layers of the clay have yield stresses of 150 and 250 kPa at 5 m below the ground, where σ'v is
+    14 + 15 x 4 - 0.8 x 9 x 9.81 = 3.37 kPa; one of two points in the second is not taken. A soil by no known model of
     strength is asked for one, and a second soil called "Sand" keeps its weight."""
     data = model()
     data["geometries/geometry"]["Layers"][1:2] = [
@@ -200,5 +202,52 @@ def test_layers_of_one_soil_keep_their_states(tmp_path: Path, capsys: pytest.Cap
         assert text in out
     strata = tomllib.loads((tmp_path / "dike.toml").read_text())["strata"]
     config = {item["name"].split(",")[0]: item.get("pre_overburden_pressure") for item in strata}
-    assert (config["Clay"], config["Clay 2"]) == ("115.2 kPa", "215.2 kPa")
+    assert (config["Clay"], config["Clay 2"]) == ("146.6 kPa", "246.6 kPa")
     assert {entry["density"] for entry in strata if entry["name"].startswith("Sand")} == {"18 kN/m^3", "19 kN/m^3"}
+
+
+def heads(*lines: tuple[str, float]) -> list[dict[str, Any]]:
+    return [{"Id": number, "Points": points((-20, z), (40, z))} for number, z in lines]
+
+
+def lines_at(*lines: tuple[float, str | None, str | None]) -> list[dict[str, Any]]:
+    """Reference lines with the head lines above and below."""
+    return [
+        {"Points": points((-20, z), (40, z)), "TopHeadLineId": above, "BottomHeadLineId": below}
+        for z, above, below in lines
+    ]
+
+
+@pytest.mark.parametrize(
+    ("lines", "below_ground"),
+    [
+        # Hydrostatic down to -2 m, linear to the level of 3 m at -6 m.
+        (lines_at((-2, "31", "31"), (-6, "32", "32")), {-1.5: 0.5, -4.0: 0.5 * (1.0 + 9.0), -8.0: 11.0}),
+        # A line without head lines, and one whose levels above and below differ.
+        (lines_at((-2, None, None), (-6, "32", "31")), {-3.5: 0.5 * 9.0, -6.5: 5.5}),
+        # All of it below the phreatic line, with two levels in the sand.
+        (lines_at((-6, "31", "32"), (-10, "31", "31")), {-4.0: 3.0, -8.0: 0.5 * (9.0 + 9.0)}),
+    ],
+)
+def test_pore_pressure_between_two_reference_lines_is_linear(
+    tmp_path: Path, lines: list[Any], below_ground: dict[float, float]
+) -> None:
+    """By D-Stability's rule, beside the dike, in m of water: the phreatic line is at -1 m there."""
+    data = model()
+    waternet = data["waternets/waternet"]
+    waternet["HeadLines"] = [waternet["HeadLines"][0], *heads(("32", 3.0))]
+    waternet["ReferenceLines"] = lines
+    section = Section.parse(tomllib.loads(read_stix(written(tmp_path, data), "dike").text))
+    at = np.array([[-15.0, z] for z in below_ground])
+    head = section.water_pressure.at_rest(at, at, section.stratum_at(*at.T)) / 9810.0
+    np.testing.assert_allclose(head, list(below_ground.values()), rtol=1e-9)
+
+
+def test_a_reference_line_through_a_layer_is_told_where_it_changes_the_pressure(tmp_path: Path) -> None:
+    """The level in the clay is 3 m below -3.1 m, and -1 m above."""
+    data = model()
+    data["waternets/waternet"]["ReferenceLines"] = lines_at((-3.1, "31", "32"), (-6, "32", "32"))
+    notices = read_stix(written(tmp_path, data), "dike").notices
+    assert any('"Clay": not read: a reference line within the layer; at its edge' in text for text in notices)
+    data["waternets/waternet"]["ReferenceLines"] = lines_at((-2, "31", "31"), (-6, "32", "32"))
+    assert not any("a reference line within" in text for text in read_stix(written(tmp_path, data), "dike").notices)

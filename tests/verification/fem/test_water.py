@@ -162,6 +162,34 @@ def test_an_infinite_slope_with_seepage_has_its_closed_forms(head, excess):
     assert critical_coefficient(ground, mesh, wish, MPI.COMM_SELF).kc == pytest.approx(kc, rel=0.01)
 
 
+def test_an_infinite_slope_that_water_leaves_from_below_has_its_closed_forms():
+    """4 m of soil at 1:3 under free water, the level at its bottom 1.5 m higher: the excess head, linear in depth, acts
+    normal to the slope on the plane of sliding, σ' = γ' d cos² β - γ_w Δh. Bounds enclose both; elements are within
+    1 %."""
+    layer = soil("layer", bottom={"depth": 4.0}, cohesion="5 kPa", friction_angle="30 deg",
+                 vertical_flow={"lower_level": 10.5})  # fmt: skip
+    rock = soil("rock", youngs_modulus="300 MPa", cohesion="10 MPa", friction_angle="0 deg", piezometric_level=10.5)
+    ground = Section.parse(
+        {
+            "name": "strip", "surface": [[0.0, 20.0 / 3.0], [20.0, 0.0]], "base": {"depth": 5.0},
+            "strata": [layer, rock], "water": {"table": 9.0},
+        }
+    )  # fmt: skip
+    slope, friction = math.atan(1.0 / 3.0), math.tan(math.radians(30.0))
+    sin, cos = math.sin(slope), math.cos(slope)
+    along, saturated = 4.0 * (20e3 - WATER), 4.0 * 20e3
+    resisting = 5e3 + (along * cos**2 - 1.5 * WATER) * friction
+    safety = resisting / (along * sin * cos)
+    kc = (resisting - along * sin * cos) / (saturated * (cos**2 + sin * cos * friction))
+    wish = PLAIN.model_copy(update={"sides": "periodic"})
+    mesh = generate(ground, MeshSettings(columns=4, rows=40))
+    assert safety_factor(ground, mesh, wish, 0.0, MPI.COMM_SELF).factor == pytest.approx(safety, rel=0.005)
+    assert critical_coefficient(ground, mesh, wish, MPI.COMM_SELF).kc == pytest.approx(kc, rel=0.01)
+    bounds = kh_bounds(ground, wish, BoundsSettings(gap=0.05, max_cells=2000, davis=False))
+    assert bounds.lower <= kc * (1.0 + 1e-6)
+    assert kc * (1.0 - 1e-6) <= bounds.upper <= 1.15 * bounds.lower
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("head", ["vertical", "normal"])
 def test_bounds_of_an_infinite_slope_with_seepage_enclose_its_closed_form(head):

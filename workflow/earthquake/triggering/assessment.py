@@ -173,7 +173,7 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
     names = [boring.name for boring in settings.borings]
     problems += [f'triggering, borings: {names.count(n)} are called "{n}"' for n in dict.fromkeys(names)
                  if names.count(n) > 1]  # fmt: skip
-    if section.water_points() is None and all(stratum.piezometric_level is None for stratum in section.strata):
+    if section.water_points() is None and not any(stratum.confined for stratum in section.strata):
         problems.append("water, table: missing; soil liquefies only below the water table")
     try:
         if earthquake.motion() is None:

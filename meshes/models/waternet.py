@@ -1,0 +1,126 @@
+"""Reads the waternets of D-Stability: a phreatic line, and reference lines at which the levels of head lines hold.
+
+Above the phreatic line there is no pore pressure. Between two lines, of which the uppermost is the phreatic line, the
+pore pressure is linear in the elevation, between that of the head line below the upper line and that of the head line
+above the lower line. Below all lines it is hydrostatic. This is the pore pressure that D-Stability stores with the
+slices of its results.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from meshes.models.foreign_model import line_of
+from meshes.section.vertical_flow import LinearHead
+
+Json = Mapping[str, Any]
+INSIDE = 0.02  # of the way from a corner of a layer to its middle: a place inside, where its pressure is compared
+NOTABLE_HEAD = 0.1  # m: differences of the pressure head that are reported
+
+
+@dataclass(frozen=True, eq=False)
+class ReferenceLine:
+    """Holds a line (n, 2) in m, and the names of the head lines that hold just above and just below it, if any."""
+
+    course: np.ndarray
+    above: str | None
+    below: str | None
+
+    def at(self, x: float) -> float:
+        """Return the elevation (m) of the line, which continues level beyond its ends."""
+        return float(np.interp(x, *self.course.T))
+
+
+@dataclass(frozen=True, eq=False)
+class Waternet:
+    """Holds the water of a stage.
+
+    Attributes
+    ----------
+    unit_weight : unit weight of water (kN/m³)
+    heads (n, 2) : head lines (m) by their names
+    phreatic : name of the head line that is the phreatic line, if there is one
+    lines : reference lines
+    """
+
+    unit_weight: float
+    heads: Mapping[str, np.ndarray]
+    phreatic: str | None
+    lines: Sequence[ReferenceLine]
+
+    @classmethod
+    def read(cls, content: Json) -> Self:
+        """Return the waternet of a document of a model."""
+        heads = {line["Id"]: line_of(xz(line["Points"])) for line in content["HeadLines"]}
+        phreatic = content["PhreaticLineId"] if content["PhreaticLineId"] in heads else None
+        lines = [
+            ReferenceLine(line_of(xz(line["Points"])), line["TopHeadLineId"], line["BottomHeadLineId"])
+            for line in content["ReferenceLines"]
+        ]
+        return cls(float(content["UnitWeightWater"]), heads, phreatic, lines)
+
+    @property
+    def table(self) -> np.ndarray | None:
+        """Return the phreatic line (n, 2) in m, if there is one."""
+        return None if self.phreatic is None else self.heads[self.phreatic]
+
+    def keys_of(self, points: np.ndarray, middle: np.ndarray) -> tuple[dict[str, Any], list[str]]:
+        """Return the keys of a stratum for the pore pressure of a layer with an outline (n, 2) around a ``middle``, and
+        notices on pressure that they do not give."""
+        if self.table is None:
+            return {}, []
+        above, below = self._around(middle)
+        upper, under = above.below, None if below is None else below.above
+        keys: dict[str, Any] = {}
+        if under is not None and below is not None and under != upper:
+            keys["vertical_flow"] = {
+                "upper_level": self.heads[str(upper)].tolist(), "lower_level": self.heads[under].tolist(),
+                "top": above.course.tolist(), "bottom": below.course.tolist(),
+            }  # fmt: skip
+        elif upper != self.phreatic:
+            keys["piezometric_level"] = self.heads[str(upper)].tolist()
+        return keys, self._not_given(keys, middle + (1.0 - INSIDE) * (points - middle))
+
+    def _around(self, point: np.ndarray) -> tuple[ReferenceLine, ReferenceLine | None]:
+        """Return the line above a point (2,), by default the phreatic line, and the line below it, if there is one."""
+        x, z = point.tolist()
+        over = [line for line in self.lines if line.below is not None and line.at(x) >= z]
+        under = [line for line in self.lines if line.above is not None and line.at(x) < z]
+        table = ReferenceLine(self.heads[str(self.phreatic)], self.phreatic, self.phreatic)
+        above = min(over, key=lambda line: line.at(x), default=table)
+        return above, max(under, key=lambda line: line.at(x), default=None)
+
+    def _head(self, point: np.ndarray) -> float:
+        """Return the pressure head (m) at a point (2,)."""
+        x, z = point.tolist()
+        above, below = self._around(point)
+        upper = float(np.interp(x, *self.heads[str(above.below)].T)) - above.at(x)
+        if below is None or below.at(x) >= above.at(x):
+            return max(upper + above.at(x) - z, 0.0)
+        lower = float(np.interp(x, *self.heads[str(below.above)].T)) - below.at(x)
+        return max(upper + (lower - upper) * (above.at(x) - z) / (above.at(x) - below.at(x)), 0.0)
+
+    def _not_given(self, keys: Mapping[str, Any], places: np.ndarray) -> list[str]:
+        """Return a notice if the ``keys`` of a stratum give another pore pressure at places (n, 2) of the layer."""
+        if flow := keys.get("vertical_flow"):
+            head = LinearHead(*(np.array(flow[key]) for key in ("upper_level", "lower_level", "top", "bottom")))
+            levels = head.at(places, places)
+        else:
+            level = np.array(keys.get("piezometric_level", self.table))
+            levels = np.interp(places[:, 0], *level.T)
+        off = np.maximum(levels - places[:, 1], 0.0) - [self._head(place) for place in places]
+        most = float(off[np.argmax(np.abs(off))])
+        if abs(most) <= NOTABLE_HEAD:
+            return []
+        more = "more" if most > 0.0 else "less"
+        text = (
+            f"not read: a reference line within the layer; at its edge the pore pressure has up to {abs(most):.2g} m "
+        )
+        return [f"{text}{more} head than in the model"]
+
+
+def xz(points: Sequence[Json]) -> list[tuple[float, float]]:
+    """Return the coordinates of points of a document."""
+    return [(point["X"], point["Z"]) for point in points]
