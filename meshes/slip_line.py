@@ -5,6 +5,9 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 ARCH = 0.25  # of the height of a line, by which it lies above the chord between its ends on average
+# A single node may move many times as fast as the ground that slides, at a toe that cracks for example. A line of fewer
+# columns is looked for again with speeds limited, down to this share of the largest one.
+FEW_COLUMNS, LEAST_LIMIT = 3, 0.03
 
 
 def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
@@ -18,8 +21,22 @@ def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
     Trans. Syst. Man Cybern. 8, 630). In each such column the line lies where the ground moves half as much as the upper
     half of the ground above does on average. This is within a thin shear band, and half-way across a thick one, also
     where the ground rotates as it slides, or single grains roll ahead on its surface. Of the moving columns the longest
-    row without a gap counts. The median of three neighbours removes outliers of single columns.
+    row without a gap counts. The median of three neighbours removes outliers of single columns. Where a few points move
+    many times as fast as all other moving ground, their displacement is limited.
     """
+    line = _line(x, z, moved)
+    if not 0 < len(line) < FEW_COLUMNS:
+        return line
+    limited, least = moved, LEAST_LIMIT * float(np.nanmax(moved))
+    while (limit := _threshold(limited[np.isfinite(limited)])) > least and np.isfinite(limit):
+        limited = np.minimum(moved, limit)
+        if len(wider := _line(x, z, limited)) >= FEW_COLUMNS:
+            return wider
+    return line
+
+
+def _line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """Return the line of `slip_line` for displacements as they are."""
     limit = _threshold(moved[np.isfinite(moved)])
     depths = [_depth(heights, values, limit) for heights, values in zip(z, moved, strict=True)]
     is_cut = np.isfinite(depths)

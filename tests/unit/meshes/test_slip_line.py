@@ -31,6 +31,20 @@ def test_grains_that_roll_ahead_on_the_surface_do_not_draw_it_up() -> None:
     np.testing.assert_allclose(line[:, 1], 2.0, atol=0.25)
 
 
+def test_a_single_node_that_moves_ahead_is_not_the_failing_ground() -> None:
+    """The toe of a cracked cut moved 4.5 times as fast as the slope: "fails first in a few cells at its toe"."""
+    moved = np.where((Z > 2.04) & (X[:, None] >= 3.0), 1.0, 0.0)
+    moved[5, Z[5] > 4.5] = 6.5
+    line = slip_line(X, Z, moved)
+    np.testing.assert_allclose(line, np.column_stack([X[3:], np.full(8, 2.05)]))
+
+
+def test_ground_that_fails_in_one_column_alone_stays_there() -> None:
+    moved = np.where(Z > 2.04, 0.02, 0.0)
+    moved[3, Z[3] > 4.5] = 6.5
+    assert slip_line(X, Z, moved)[:, 0].tolist() == [3.0]
+
+
 def test_what_one_column_alone_has_is_left_out() -> None:
     moved = np.where(Z > 2.04, 1.0, 0.0)
     moved[5, :45] = 0.0
