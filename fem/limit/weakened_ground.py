@@ -210,7 +210,8 @@ class WeakenedGround:
         from an upright face. The share of all loads is bounded once more only while no factor is proven: it does not
         decide either where its own lower bound was missing.
         """
-        fails_late = trial.upper is not None and self.excess(trial.upper) > 0.0
+        # The solver may fail where no bound of Kh exists: a mechanism that does not move in its direction fails at any.
+        fails_late = trial.no_equilibrium if trial.upper is None else self.excess(trial.upper) > 0.0
         if self.multiplier_kind == "loads" or not fails_late or not (trial.no_equilibrium or self.is_flat(trial)):
             return trial
         if trial.no_equilibrium and self.has_no_share_of_loads and self.lower > 0.0:
@@ -224,7 +225,7 @@ class WeakenedGround:
             if trial.no_equilibrium:
                 self.no_equilibrium_from = trial.factor
             return trial
-        self.slope = None
+        self.slope, self.failures = None, {"lower": 0, "upper": 0}
         return loaded
 
     @property

@@ -1,6 +1,7 @@
 """The search for the factor of safety between trials that say nothing on one of the bounds."""
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
 import pytest
@@ -57,6 +58,26 @@ def test_a_lower_bound_is_looked_for_below_a_factor_at_which_no_stress_balances_
     assert 0.65 * factor.lower < search.lower <= factor.upper
     other = FactorSearch(section, mesh, fem, settings, 1, TrialStart(0.0, 2.0 * factor.upper, False), FactorWork(60.0))
     assert other.measure(2.0 * factor.upper, upper=False).no_equilibrium  # with no trial of both bounds before it
+
+
+def test_the_share_of_loads_decides_where_the_solver_finds_no_bound_of_kh() -> None:
+    """An embankment on soft clay has a factor of 0.58. No Kh holds it at 0.79, and a mechanism that does not move in
+    the direction of Kh has none: the solver failed twice, and the answer was "FS <= 1.000"."""
+    clay = layer("clay", cohesion="20 kPa", friction_angle="0 deg")
+    ground = [[0, 0], [10, 0], [15, 5], [20, 5], [25, 0], [35, 0]]
+    section = Section.parse({"name": "bank", "surface": ground, "base": {"elevation": -4}, "strata": [clay]})
+    fem, settings = FemSettings(sides="smooth"), BoundsSettings(max_cells=800)
+    mesh = first_mesh(section, 800, "smooth")
+    search = FactorSearch(section, mesh, fem, settings, 1, TrialStart(0.0, 2.0, True), FactorWork(60.0))
+    trial = search.measure(2.0)
+    assert trial.no_equilibrium
+    search.failures["upper"] = 2
+    loaded = search.with_deciding_multiplier(replace(trial, upper=None))
+    assert loaded.multiplier_kind == "loads"
+    assert loaded.lower is not None
+    assert loaded.upper is not None
+    assert 0.3 < loaded.lower < loaded.upper < 1.0
+    assert not search.solver_fails
 
 
 def test_secants_that_cross_ask_for_the_fewest_triangles(monkeypatch: pytest.MonkeyPatch) -> None:
