@@ -352,3 +352,19 @@ def test_a_load_beside_the_boring_is_told_and_lowers_the_factor() -> None:
     assert (len(messages["below"]), messages["far"]) == (1, [])
     lowest = {name: min(s.lowest for s in assessment(c).strata if s.lowest) for name, c in configs.items()}
     assert lowest["below"] < 0.9 * lowest["far"]
+
+
+def test_a_clay_of_known_plasticity_is_not_called_one_of_unknown_plasticity() -> None:
+    """One test of two had an index: "plasticity index 30 % ...; clay by its strength, ..., is not known"."""
+    data = bored()
+    data["strata"][0] |= {"cohesion": "30 kPa", "friction_angle": "0 deg"}
+    data["strata"][0].pop("liquefies_in")
+    data["triggering"]["borings"][0]["spt"] = [test(3.0, 5, fines=90, plasticity=30), test(8.0, 40)]
+    data["triggering"]["borings"][1]["spt"] = [test(4.0, 6, fines=40), test(10.0, 60)]
+    clay, _ = assessment(analysed(data)).strata
+    assert clay.assessed == 0
+    assert clay.reason == "plasticity index 30 % is at least 7 %: behaves as clay"
+    for boring in data["triggering"]["borings"]:
+        boring["spt"][0].pop("plasticity", None)
+    unknown, _ = assessment(analysed(data)).strata
+    assert unknown.reason.startswith("clay by its strength")

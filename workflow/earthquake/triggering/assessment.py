@@ -309,6 +309,8 @@ def _of_stratum(section: Section, number: int, tests: list[TestResult], wanted: 
     reasons = list(dict.fromkeys(test.reason for test in tests_in_stratum if test.reason))
     if section.strata[number].name.endswith(BELOW_WATER) and len(reasons) > 1:
         reasons = [why for why in reasons if why != ABOVE_WATER]  # of a test at the very level of the water
+    if any("plasticity index" in why for why in reasons if why != CLAY):
+        reasons = [why for why in reasons if why != CLAY]  # of a test whose plasticity was not measured in this clay
     reason = "; ".join(reasons)
     if not tests_in_stratum:
         reason = "no test lies in it" if reaches_water(section, number) else ABOVE_WATER
