@@ -156,12 +156,14 @@ def state_sheet(config: Config, results: FemResults, state: FieldState, views: V
         "mobilised strength τ / (c + σ'n tan φ) on the worst plane",
     )
     if len(slip):
-        axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=(0, (2, 2)))
+        surface = Overlay(slip, SLIP, (0, (2, 2)), "slip surface")
+        marker = surface.marker(window.right - window.left)
+        axes.plot(*slip.T, color=SLIP, linewidth=1.2, linestyle=surface.dashes, marker=marker, markersize=4.0)
     scale = "mobilised / available shear strength (-); 1: failure"
     sheet.colour_bar(in_classes(MOBILISED, MOBILISED_COLOURS), scale, MOBILISED)
     note = f"{conditions(config, results.answer.element)}."
     if len(slip):
-        note += " Dashed: slip surface."
+        note += " Dot: the ground fails first in a few cells." if marker else " Dashed: slip surface."
     if state.past_equilibrium:
         note += f"\nThere is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path."
     sheet.note(note)

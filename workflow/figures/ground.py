@@ -45,6 +45,7 @@ NAME_ABOVE = 15.0  # of the name of a boring over the ground (points): clear of 
 HALO = [withStroke(linewidth=2.5, foreground="white")]
 LABEL_SPACING = 0.015  # of the width: from number to number above the ground
 FOOT_CHARACTERS = 190
+LEAST_LINE = 0.01  # of the width: a shorter line is drawn as a dot
 ARROW = 0.03  # of the width: the largest surcharge
 
 
@@ -62,6 +63,11 @@ class Overlay(NamedTuple):
     colour: str
     dashes: tuple[int, tuple[int, ...]]
     label: str
+
+    def marker(self, width: float) -> str:
+        """Return the marker of the points in a section of a ``width`` (m): a line that is too short to be seen, such as
+        the slip surface of a few cells, is a dot."""
+        return "o" if len(self.points) and np.ptp(self.points, axis=0).max() < LEAST_LINE * width else ""
 
 
 def mark_borings(axes: Axes, section: Section, borings: Iterable[tuple[str, float, float]]) -> None:
@@ -99,8 +105,12 @@ def section_sheet(
     room = np.array([0.0, max(above * np.ptp(outline[:, 1]), 2.0 * NUMBER_SIZE / points_per_metre)])
     window = Window.around(np.vstack([outline, outline.max(axis=0) + room, room_for_loads(section)]))
     handles = _legend_of(section)
+    width = float(np.ptp(outline[:, 0]))
     handles += [
-        Line2D([], [], color=line.colour, linewidth=2.0, linestyle=line.dashes, label=line.label) for line in lines
+        Line2D(
+            [], [], color=line.colour, linewidth=2.0, linestyle=line.dashes, marker=line.marker(width), label=line.label
+        )
+        for line in lines
     ]
     sheet = _sheet(section, f"{section.heading}: {title}", window, handles)
     line_width = float(np.clip(30.0 / len(section.strata), 0.05, 0.6))  # many lines would hide the colours
@@ -126,7 +136,8 @@ def section_sheet(
         _draw_walls(axes, section)
         axes.add_collection(LineCollection(crack_bottoms(section), colors=INK, linewidths=1.2, linestyle=CRACK_ENDS))
         for line in lines:
-            axes.plot(*line.points.T, color=line.colour, linewidth=2.0, linestyle=line.dashes)
+            style = {"color": line.colour, "linewidth": 2.0, "linestyle": line.dashes, "marker": line.marker(width)}
+            axes.plot(*line.points.T, **style)
         if decorate is not None:
             decorate(axes)
     return sheet

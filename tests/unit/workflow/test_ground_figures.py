@@ -11,7 +11,7 @@ from meshes.section.surcharge import Surcharge
 from tests.support.sections import slope
 from workflow.config import Config
 from workflow.figures.fem import conditions
-from workflow.figures.ground import WALL, WATER, crack_bottoms, pressure_of, section_sheet
+from workflow.figures.ground import WALL, WATER, Overlay, crack_bottoms, pressure_of, section_sheet
 from workflow.report.tables import parameter_rows
 
 
@@ -97,3 +97,14 @@ def test_a_pressure_in_psf_is_shown_with_the_digits_that_it_has() -> None:
     """250 psf were "surcharge 11.9701 kPa"."""
     load = Surcharge.model_validate({"from": 0.0, "to": 9.0, "pressure": "250 psf"})
     assert pressure_of(load) == "11.97 kPa"
+
+
+def test_the_slip_surface_of_a_few_cells_is_drawn_as_a_dot() -> None:
+    """A dam failed at its toe: the legend named a slip surface that no picture showed."""
+    place = Overlay(np.array([[91.7, -0.2], [91.7, -0.2]]), "red", (0, ()), "slip surface")
+    assert place.marker(130.0) == "o"
+    assert place._replace(points=np.array([[30.0, 0.0], [42.0, -4.0]])).marker(130.0) == ""
+    sheet = section_sheet(Config.parse(slope()).section, lines=[place])
+    (legend,) = sheet.figure.legends
+    shown = {text.get_text(): handle for text, handle in zip(legend.get_texts(), legend.legend_handles, strict=True)}
+    assert shown["slip surface"].get_marker() == "o"
