@@ -15,6 +15,7 @@ ground is denser than such a packing. The discs are therefore compacted by some 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -73,8 +74,23 @@ class Deposit:
     settled: DiscModel
 
 
+class Rounds(Protocol):
+    """Stores the discs before every round of settling and cutting, from which a stopped deposit continues."""
+
+    def latest(self) -> tuple[int, DiscModel] | None:
+        """Return the number of the latest stored round, and the discs before it; None if no round is stored."""
+
+    def add(self, number: int, settled: DiscModel) -> None:
+        """Store the discs before a round."""
+
+
 def deposit(
-    section: Section, settings: DemSettings, soil: Sequence[SoilLayer] | None = None, *, periodic: bool = False
+    section: Section,
+    settings: DemSettings,
+    soil: Sequence[SoilLayer] | None = None,
+    *,
+    periodic: bool = False,
+    rounds: Rounds | None = None,
 ) -> Deposit:
     """Fill a section with soil discs, let them settle, and cut them to its surface. Clay is undrained from then on.
 
@@ -89,6 +105,8 @@ def deposit(
         soil.
     periodic : bool
         Whether the sides are periodic; else the discs are in a box.
+    rounds : Rounds or None
+        Where the discs are stored before every round, and read if the deposit was stopped; None to store nothing.
 
     Returns
     -------
@@ -103,11 +121,17 @@ def deposit(
         If the ground does not come to rest.
     """
     radius = settings.mean_radius(section)
-    ground = _overfilled_box(section, settings, radius, periodic)
     soil = soil_layers(section) if soil is None else soil
-    layers = [layer.springs(radius, VOID_RATIO) for layer in soil]
-    settled = settle(ground, layers, settings, by_shaking=False)
-    for done in range(LEVELLING_ROUNDS + EXTRA_ROUNDS):
+    stored = rounds.latest() if rounds is not None else None
+    if stored is None:
+        ground = _overfilled_box(section, settings, radius, periodic)
+        layers = [layer.springs(radius, VOID_RATIO) for layer in soil]
+        stored = 0, settle(ground, layers, settings, by_shaking=False)
+    first, settled = stored
+    ground = ground_at_rest(section, settings, settled)
+    for done in range(first, LEVELLING_ROUNDS + EXTRA_ROUNDS):
+        if rounds is not None:
+            rounds.add(done, settled)
         packing = cut(section, settled, ground)
         if done >= LEVELLING_ROUNDS - 1:
             packing = levelled(section, packing, radius, settings.spread)

@@ -2,7 +2,7 @@
 the discs of the paper."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from dem.ground import Ground, ground_of, springs_of
@@ -96,13 +96,48 @@ def continuum_for(config: Config, store: Store) -> Continuum:
     return Continuum(fem.kc, DemCounterpart.of(fem).yielding_m)
 
 
+@dataclass(frozen=True)
+class StoredRounds:
+    """Stores the discs before every round of a deposit beside the file in which its discs will be."""
+
+    store: Store
+    file: str
+
+    def latest(self) -> tuple[int, DiscModel] | None:
+        """Return the number of the latest stored round, and the discs before it; None if no round is stored."""
+        if not (names := self._files()):
+            return None
+        number = int(names[-1].removeprefix(f"{self._stem}_round").removesuffix(".npz"))
+        return number, DiscModel.load(self.store.folder / names[-1])
+
+    def add(self, number: int, settled: DiscModel) -> None:
+        """Store the discs before a round, in the place of those before the round before."""
+        name = f"{self._stem}_round{number}.npz"
+        if not self.store.has(name):
+            self.store.save(name, settled)
+        self.store.remove([other for other in self._files() if other != name])
+
+    def remove(self) -> None:
+        """Remove the stored rounds: the deposit has ended."""
+        self.store.remove(self._files())
+
+    @property
+    def _stem(self) -> str:
+        return self.file.removesuffix(".npz")
+
+    def _files(self) -> list[str]:
+        return self.store.matching([f"{self._stem}_round*.npz"])
+
+
 def _soil(
     section: Section, store: Store, dem: DemSettings, file: str, tell: Callable[[str], None], periodic: bool
 ) -> Deposit:
     if not store.has(file):
         tell("soil discs are placed, settle, are cut to the surface of the section and settle again")
-        laid = deposit(section, dem, periodic=periodic)
+        rounds = StoredRounds(store, file)
+        laid = deposit(section, dem, periodic=periodic, rounds=rounds)
         store.save(file, laid.settled)
+        rounds.remove()
     settled = DiscModel.load(store.folder / file)
     return Deposit(ground_for(section, store, dem, settled), list(settled.springs.layers), settled)
 

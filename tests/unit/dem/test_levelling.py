@@ -1,9 +1,12 @@
 """The surface of discs brought to the section's: what stands out goes, hollows are filled, nothing overlaps."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from dem.assembly import DiscMaterials
+from dem.model import DiscModel
 from dem.packing import Packing
 from dem.search.deposit import deposit
 from dem.search.levelling import INSERTION_OVERLAP, LARGEST_PROTRUSION, levelled, misfit
@@ -117,3 +120,40 @@ def test_a_vertical_face_of_the_ground_is_deposited() -> None:
     free = ~box.settled.fixed
     assert (free & (x > 12.0) & (z < -4.0)).any()
     assert not (free & (x > 12.0) & (z > -3.0)).any()
+
+
+class Checkpoints:
+    """Stores the discs before every round in files of a folder, and yields those before one of the rounds."""
+
+    def __init__(self, folder: Path, resumed_at: int | None = None) -> None:
+        self.folder, self.resumed_at = folder, resumed_at
+        self.numbers: list[int] = []
+
+    def latest(self) -> tuple[int, DiscModel] | None:
+        if self.resumed_at is None:
+            return None
+        return self.resumed_at, DiscModel.load(self.folder / f"{self.resumed_at}.npz")
+
+    def add(self, number: int, settled: DiscModel) -> None:
+        self.numbers.append(number)
+        if self.resumed_at is None:
+            settled.save(self.folder / f"{number}.npz")
+
+
+def test_a_deposit_that_was_stopped_continues_at_its_round_with_the_same_bits(tmp_path: Path) -> None:
+    """Ctrl-C in the packings of a study of slides left nothing of the first minute."""
+    sand = layer("Sand", cohesion="5 kPa", friction_angle="35 deg")
+    clay = layer("Clay", cohesion="20 kPa", friction_angle="0 deg") | {"bottom": {"elevation": -3.0}}
+    surface = [[0, 0], [10, 0], [16, -2], [24, -2]]
+    ground = Section.parse({"name": "bank", "surface": surface, "base": {"elevation": -8}, "strata": [clay, sand]})
+    settings = DemSettings(elements=120)
+    first = Checkpoints(tmp_path)
+    whole = deposit(ground, settings, rounds=first)
+    assert first.numbers[:2] == [0, 1]
+    for number in first.numbers:
+        again = Checkpoints(tmp_path, resumed_at=number)
+        resumed = deposit(ground, settings, rounds=again)
+        assert again.numbers[0] == number
+        for name in ("x", "z", "radius", "vx", "vz"):
+            np.testing.assert_array_equal(getattr(resumed.settled, name), getattr(whole.settled, name), name)
+        np.testing.assert_array_equal(resumed.ground.packing.x, whole.ground.packing.x)
