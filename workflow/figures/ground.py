@@ -136,7 +136,12 @@ def section_sheet(
         _draw_walls(axes, section)
         axes.add_collection(LineCollection(crack_bottoms(section), colors=INK, linewidths=1.2, linestyle=CRACK_ENDS))
         for line in lines:
-            style = {"color": line.colour, "linewidth": 2.0, "linestyle": line.dashes, "marker": line.marker(width)}
+            style: dict[str, Any] = {
+                "color": line.colour,
+                "linewidth": 2.0,
+                "linestyle": line.dashes,
+                "marker": line.marker(width),
+            }
             axes.plot(*line.points.T, **style)
         if decorate is not None:
             decorate(axes)
