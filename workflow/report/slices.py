@@ -42,6 +42,12 @@ def slices_sentences(answer: SlicesAnswer, rises_by_shaking: bool = False) -> It
         yield f"Warning: {observation[0].upper()}{observation[1:]}. To do: {remedy}."
     if not answer.critical and not any(factors.circles for factors in answer.factors):
         return
+    if answer.endless:
+        yield (
+            "Warning: The slope continues beyond its periodic sides, and slip circles end there. They cannot follow a "
+            "failure parallel to the slope, which may have a much smaller factor of safety. To do: rely on finite "
+            "elements and bounds."
+        )
     if answer.weak_layers:
         layers = " and ".join(map(shown_name, answer.weak_layers))
         yield (

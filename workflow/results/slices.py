@@ -112,6 +112,10 @@ class SlicesAnswer(Answer):
     strong_blocks: tuple[str, ...] = Field(
         default=(), description="soils of steep faces much stronger than the ground below, which may slide as a block"
     )
+    endless: bool = Field(
+        default=False,
+        description="whether the sides are periodic and the slope is endless, which circles cannot follow",
+    )
     source: str
 
     @property

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Literal
 
+from fem.settings import LEVEL
 from workflow.results.answer import SectionLabel, line
 from workflow.results.slices import (
     CirclePart,
@@ -49,7 +50,9 @@ def work(job: Job) -> None:
     critical, *factors = (
         _circle_parts(section, kh, (circles[kh, LEFT], circles[kh, RIGHT])) for kh in (None, *coefficients)
     )
-    critical = tuple(_with_longer(job.config, part) for part in critical)
+    endless = _is_endless(job.config)
+    if not endless:
+        critical = tuple(_with_longer(job.config, part) for part in critical)
     reason = "" if critical or any(factors) else NO_CIRCLE
     SlicesAnswer(
         section=SectionLabel.of(section),
@@ -61,10 +64,18 @@ def work(job: Job) -> None:
         reason=reason,
         weak_layers=thin_weak_layers(section),
         strong_blocks=strong_blocks(section),
+        endless=endless,
         source=SOURCE,
     ).write(job.store)
     if not reason:
         draw(job)
+
+
+def _is_endless(config: "Config") -> bool:
+    """Return whether the section is a part of an endless slope: its sides are periodic, and one is higher than the
+    other."""
+    x, z = config.section.ground[[0, -1]].T
+    return config.fem.sides == "periodic" and bool(abs(z[1] - z[0]) > LEVEL * (x[1] - x[0]))
 
 
 def _after_shaking(job: Job) -> CirclesAtRest | None:
@@ -181,10 +192,13 @@ STAGE = Stage(
     description="slip circles by Bishop and Spencer",
     work=work,
     draw=draw,
-    reads=("fem.safety_factor_at", "fem.least_depth", "fem.vertical", "criteria.factor_of_safety", "tension_crack"),
+    reads=(
+        "fem.safety_factor_at", "fem.least_depth", "fem.sides", "fem.vertical", "criteria.factor_of_safety",
+        "tension_crack",
+    ),
     ignores=lambda config: ("fem.direction",),  # circles are sought towards both sides
     takes=lambda config: {"structures": [item.model_dump(mode="json") for item in config.section.structures]},
     results=(SlicesAnswer.FILE,),
     read=SlicesAnswer.read,
     pictures=(PICTURE,),
-)
+)  # fmt: skip

@@ -16,7 +16,7 @@ from workflow.results.bounds import DirectionPart, SafetyPart
 from workflow.results.continuum import FactorOfSafety, FemAnswer, StoredState
 from workflow.results.slices import CirclePart, FactorCircles, LongerCircle, SlicesAnswer
 from workflow.run.record import Entry
-from workflow.stages.slices import _circle_parts
+from workflow.stages.slices import _circle_parts, _is_endless
 
 
 @pytest.fixture
@@ -126,6 +126,23 @@ def test_a_circle_that_a_side_cuts_off_is_told_with_the_length_that_is_missing()
     assert list(of_longer_sections((alike,))) == []
     weaker = CirclePart.model_construct(towards="right", bishop=0.05, longer=None)
     assert list(of_longer_sections((item, weaker))) == [], "the other direction fails at half of that"
+
+
+def test_circles_of_an_endless_slope_are_warned_of(run: Config) -> None:
+    """A slope with periodic sides had 2.21 by circles, and 1.807 to 1.815 by strict bounds; a longer section was
+    advised."""
+    assert _is_endless(run.with_settings("fem", sides="periodic"))
+    assert not _is_endless(run.with_settings("fem", sides="smooth"))
+    level = {**slope(), "surface": [[0, 30], [40, 35], [60, 35], [100, 30]]}
+    assert not _is_endless(analysed(level).with_settings("fem", sides="periodic"))
+    circle = CirclePart.model_construct(
+        surface_m=((28.0, 30.0), (72.0, 12.0)), towards="right", bishop=0.27, spencer=None, strengthened=False
+    )
+    answer = SlicesAnswer.model_construct(
+        factors=(), critical=(circle,), reason="", weak_layers=(), strong_blocks=(), endless=True
+    )
+    _, warning = slices_sentences(answer)
+    assert warning.startswith("Warning: The slope continues beyond its periodic sides")
 
 
 def test_circles_far_from_the_elements_are_told_with_the_surface_of_the_elements(run: Config) -> None:
