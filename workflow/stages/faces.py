@@ -21,6 +21,7 @@ from workflow.estimates.structures import CrestedStructure, structures_of
 from workflow.results.answer import SectionLabel, line
 from workflow.results.continuum import FemAnswer
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, StrongZonePart
+from workflow.results.finished_parts import FinishedParts
 from workflow.results.slices import FacePart, SlicesAnswer
 from workflow.run.stage import Job, Stage
 
@@ -77,7 +78,8 @@ def work(job: Job) -> None:
     def heard(place: int, message: str) -> None:
         job.progress(f"{tasks[place].structure.name}, {tasks[place].quantity}: {message}", None)
 
-    answers = job.executor.compute(face_value, tasks, heard)
+    values_of_faces: FinishedParts[FaceValue | str] = FinishedParts(job.store, "fem/faces", FaceValue | str)
+    answers = values_of_faces.compute(job.executor, face_value, tasks, heard)
     faces = []
     for structure, towards, side in places:
         of_face = {task.quantity: value for task, value in zip(tasks, answers, strict=True)
@@ -93,6 +95,7 @@ def work(job: Job) -> None:
             )
         )
     FacesAnswer(section=SectionLabel.of(config.section), faces=tuple(faces)).write(job.store)
+    values_of_faces.remove()
 
 
 def _unchanged(job: Job, fem: FemAnswer, sides: Sequence[int]) -> dict[tuple[Quantity, int], "FaceLimit | str"]:
@@ -271,5 +274,6 @@ STAGE = Stage(
     ),
     results=(FacesAnswer.FILE,),
     read=FacesAnswer.read,
+    leftovers=("fem/faces_part*.json",),
     unwanted=unwanted,
 )  # fmt: skip

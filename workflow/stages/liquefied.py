@@ -7,6 +7,7 @@ from meshes.errors import NoAnswerError
 from meshes.section.liquefies import RemainingStrength
 from workflow.config import Config
 from workflow.results.answer import SectionLabel
+from workflow.results.finished_parts import FinishedParts
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.run.stage import Job, Stage, unless_it_liquefies
 from workflow.stages.bearing import WITHOUT_EFFECT, bearing_of
@@ -29,16 +30,21 @@ def work(job: Job) -> None:
     from workflow.results.stored_mesh import stored_mesh
 
     mesh = stored_mesh(job.config.section, job.store)
+    parts: FinishedParts[LiquefiedCase] = FinishedParts(job.store, "fem/liquefied", LiquefiedCase)
     answers = []
-    for remains, numbers in different_cases(job.config).items():
+    for place, (remains, numbers) in enumerate(different_cases(job.config).items()):
         job.progress(f"case {', '.join(map(str, numbers))}", None)
-        answers.append(_case(job.config, mesh, dict(remains), numbers))
+        if (case := parts.read(place)) is None:
+            case = _case(job.config, mesh, dict(remains), numbers)
+            parts.add(place, case)
+        answers.append(case)
     LiquefiedAnswer(
         section=SectionLabel.of(job.config.section),
         sides=job.config.fem.sides,
         cases=tuple(answers),
         required=_required(job, mesh, answers),
     ).write(job.store)
+    parts.remove()
 
 
 def _required(job: Job, mesh: "QuadMesh", answers: list[LiquefiedCase]) -> tuple[LiquefiedStratum, ...]:
@@ -105,5 +111,6 @@ STAGE = Stage(
     concurrent_after=("mesh",),
     results=(LiquefiedAnswer.FILE,),
     read=LiquefiedAnswer.read,
+    leftovers=("fem/liquefied_part*.json",),
     unwanted=unless_it_liquefies,
 )

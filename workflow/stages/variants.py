@@ -11,6 +11,7 @@ from meshes.errors import NoAnswerError
 from meshes.executor import Tell
 from workflow.config import Config
 from workflow.results.continuum import FemAnswer, Variant, VariantsAnswer
+from workflow.results.finished_parts import FinishedParts
 from workflow.run.progress import Progress
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
@@ -51,8 +52,10 @@ def work(job: Job) -> None:
     def heard(place: int, message: str) -> None:
         progress(f"{changes[place].description}: {message}", len(finished) / len(changes))
 
-    variants = job.executor.compute(variant, changes, heard, lambda _, each: finished.append(each))
+    parts: FinishedParts[Variant] = FinishedParts(store, "fem/variants", Variant)
+    variants = parts.compute(job.executor, variant, changes, heard, lambda _, each: finished.append(each))
     VariantsAnswer(variants=tuple(by_one_element(variants, changes))).write(store)
+    parts.remove()
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,5 +244,6 @@ STAGE = Stage(
     concurrent_after=("fem",),
     results=(VariantsAnswer.FILE,),
     read=VariantsAnswer.read,
+    leftovers=("fem/variants_part*.json",),
     unwanted=lambda config: "" if config.variants.which else "variants.which is empty",
 )
