@@ -21,11 +21,11 @@ def variant(name: str, kc: float) -> Variant:
 
 
 def test_stored_parts_are_not_computed_again(tmp_path: Path) -> None:
-    begun: list[str] = []
+    computed: list[str] = []
     stops_at = "c"
 
     def compute(name: str, tell: Tell) -> Variant:
-        begun.append(name)
+        computed.append(name)
         tell("limit load")
         if name == stops_at:
             raise KeyboardInterrupt
@@ -38,7 +38,7 @@ def test_stored_parts_are_not_computed_again(tmp_path: Path) -> None:
     results = parts.compute(
         SERIAL, compute, ["a", "b", "c", "d"], lambda place, _: heard.append(place), lambda place, _: done.append(place)
     )
-    assert begun == ["a", "b", "c", "c", "d"]
+    assert computed == ["a", "b", "c", "c", "d"]
     assert [each.name for each in results] == ["a", "b", "c", "d"]
     assert results[0] == variant("a", 0.1 / 3.0)
     assert heard == [2, 3]
@@ -67,11 +67,11 @@ def test_cases_after_liquefaction_are_stored_as_they_end(tmp_path: Path, monkeyp
     data["strata"][0] |= {"liquefies_in": [1, 2]}
     data["slide"] = {"cases": [{"residual": 0.1}, {"residual": 0.2}]}
     job = Job(Config.parse(data), Store(tmp_path), ())
-    begun: list[int] = []
+    computed: list[int] = []
     stops = True
 
     def case(_config: object, _mesh: object, _remains: object, numbers: list[int]) -> LiquefiedCase:
-        begun.extend(numbers)
+        computed.extend(numbers)
         if stops and numbers == [2]:
             raise KeyboardInterrupt
         return LiquefiedCase(
@@ -85,6 +85,6 @@ def test_cases_after_liquefaction_are_stored_as_they_end(tmp_path: Path, monkeyp
         liquefied.work(job)
     stops = False
     liquefied.work(job)
-    assert begun == [1, 2, 2]
+    assert computed == [1, 2, 2]
     assert len(liquefied.LiquefiedAnswer.read(job.store).cases) == 2
     assert job.store.matching(["fem/*_part*"]) == []
