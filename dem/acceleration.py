@@ -61,8 +61,9 @@ class Acceleration:
 
     def between(self, begin: float, end: float) -> "Acceleration":
         """Return the part of the acceleration from one time (s) to a later time."""
-        inside = self.times[(self.times > begin) & (self.times < end)]
-        times = np.concatenate([[begin], inside, [end]])
+        first, last = self.times.searchsorted(begin, "right"), self.times.searchsorted(end, "left")
+        inside = self.times[first:last]
+        times = np.concatenate([[begin], inside, [end]]) if len(inside) else np.array([begin, end])
         return _unchecked(times, np.interp(times, self.times, self.x), np.interp(times, self.times, self.z))
 
     def at(self, time: float) -> "Acceleration":

@@ -42,11 +42,30 @@ def felt_until(model: DiscState, end: float, look: "MeasurementInterval | None")
     return frame.plus(-rate * x, -rate * z)
 
 
-def momentum(model: DiscState) -> float:
-    """Return the horizontal momentum in the middle of the last step of the discs that can move (kg m/s per metre)."""
-    x, z = right_of(model.gravity)
-    free = ~model.fixed
-    return float(np.sum(model.mass[free] * (x * model.vx_half[free] + z * model.vz_half[free])))
+class FreeDiscs:
+    """Holds the masses of the discs that can move; they do not change during a run.
+
+    Attributes
+    ----------
+    moved_mass : float
+        Mass with the horizontal added mass (kg per metre).
+    momentum : float
+        Horizontal momentum (kg m/s per metre) in the middle of the last step before the last `measure`.
+    """
+
+    def __init__(self, model: DiscState) -> None:
+        self.free, self.right = np.flatnonzero(~model.fixed), right_of(model.gravity)
+        self.mass = model.mass[self.free]
+        x, z = self.right
+        added = x * model.added_mass_x + z * model.added_mass_z
+        self.moved_mass = float(np.sum((model.mass * (1.0 + added))[self.free]))
+        self.momentum = 0.0
+        self.measure(model)
+
+    def measure(self, model: DiscState) -> None:
+        """Compute the momentum from the present velocities of the model."""
+        x, z = self.right
+        self.momentum = float(np.sum(self.mass * (x * model.vx_half[self.free] + z * model.vz_half[self.free])))
 
 
 class MeasurementInterval:
@@ -57,23 +76,25 @@ class MeasurementInterval:
     ----------
     began, end : float
         Times at which these steps begin, and are to end (s).
-    before, rate : float
+    momentum_before, rate : float
         Momentum of the discs (kg m/s per metre) and acceleration of the base (m/s2) at the beginning of the interval.
     """
 
-    def __init__(self, model: DiscState, dt: float) -> None:
+    def __init__(self, model: DiscState, dt: float, discs: FreeDiscs) -> None:
         steps = max(FEWEST_STEPS, round(UPDATE_INTERVAL / dt))
         self.began, self.end = model.time, model.time + steps * dt
-        self.momentum_before, self.rate = momentum(model), model.base_rate
+        self.discs, self.momentum_before, self.rate = discs, discs.momentum, model.base_rate
 
     def steps_left(self, model: DiscState, dt: float) -> int:
         """Return the number of steps of dt (s) to the end of the interval; 0 or less if steps have become much
         longer."""
         return round((self.end - model.time) / dt)
 
-    def is_long_enough(self, model: DiscState, dt: float) -> bool:
-        """Return whether enough steps of dt (s) have passed for a measurement of the force on the base."""
-        return round((model.time - self.began) / dt) >= FEWEST_STEPS
+    def end_now(self, model: DiscState, dt: float) -> None:
+        """End the interval, with a measurement of the force if enough steps of dt (s) have passed."""
+        self.discs.measure(model)
+        if round((model.time - self.began) / dt) >= FEWEST_STEPS:
+            self.measure(model, dt)
 
     def rate_at(self, model: DiscState, time: float) -> float:
         """Return the acceleration of the base (m/s2) at a time (s) in the interval, over which it changes linearly."""
@@ -86,23 +107,15 @@ class MeasurementInterval:
         model.base_velocity += 0.5 * (model.time - since) * (before + model.base_rate)
 
     def measure(self, model: DiscState, dt: float) -> None:
-        """Measure the force on the base over the interval of steps of dt (s). The force determines the next
+        """Compute the force on the base over the interval of steps of dt (s). The force determines the next
         acceleration of the base.
 
         Between the middle of the step before the interval and the middle of its last step, the velocities change by the
         accelerations at the beginnings of the steps in between. If momentum and acceleration were taken half a step
         apart, stiff clay would rock the base ever further.
         """
-        over, free = model.time - self.began, ~model.fixed
-        moved_mass = float(np.sum((model.mass * (1.0 + _added_mass(model)))[free]))
-        x, z = right_of(model.gravity)
-        acceleration = model.acceleration.mean(self.began - 0.5 * dt, model.time - 0.5 * dt) @ np.array([x, z])
+        over, discs = model.time - self.began, self.discs
+        acceleration = model.acceleration.mean(self.began - 0.5 * dt, model.time - 0.5 * dt) @ np.array(discs.right)
         acceleration -= self.rate_at(model, 0.5 * (self.began + model.time - dt))
-        force = moved_mass * acceleration - (momentum(model) - self.momentum_before) / over
+        force = discs.moved_mass * acceleration - (discs.momentum - self.momentum_before) / over
         model.base_next = (force / model.base_impedance - model.base_velocity) / DELAY
-
-
-def _added_mass(model: DiscState) -> np.ndarray:
-    """Return the horizontal added mass (n,) of the discs over their mass."""
-    x, z = right_of(model.gravity)
-    return np.asarray(x * model.added_mass_x + z * model.added_mass_z)

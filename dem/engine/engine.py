@@ -23,10 +23,10 @@ from dem.engine.checks import (
     check_speed,
     step_at_speed,
 )
-from dem.engine.compliant_base import MeasurementInterval, acceleration_on_discs, felt_until
+from dem.engine.compliant_base import FreeDiscs, MeasurementInterval, acceleration_on_discs, felt_until
 from dem.engine.energy_balance import EnergyBalance
 from dem.engine.memory import ReusedMemory, keep_freed_arrays
-from dem.engine.packer import law_of, pack, springs_of, unpack, unpack_motion
+from dem.engine.packer import law_of, pack, springs_of, unpack, unpack_motion, unpack_velocities
 from dem.engine.sharing import neighbour_slices
 from dem.errors import DemError, StepTooLargeError
 from dem.kernels import energy
@@ -196,6 +196,7 @@ class EngineRun:
         self.stable: StableStep | None = None  # as it was when the list was made, if that was in this run
         self.share: float | None = None  # of the stable step, that steps with a new list are at most; None: refused
         self.look: MeasurementInterval | None = None  # at a compliant base
+        self.free = FreeDiscs(model) if model.base_impedance > 0.0 else None
         self.when_whole: Callable[[], None] = lambda: None  # called when a call of the kernel is over and booked
         self.pack()
         self.begin_energy_balance()
@@ -307,9 +308,9 @@ class EngineRun:
         """Take up to `steps` steps, and update the motion of a compliant base; return the reason why the kernel
         returned."""
         model, dt = self.model, self.dt
-        if model.base_impedance == 0.0:
+        if self.free is None:
             return self.call_kernel(steps)
-        self.look = self.look or MeasurementInterval(model, dt)
+        self.look = self.look or MeasurementInterval(model, dt, self.free)
         since, left = model.time, self.look.steps_left(model, dt)
         reason = self.call_kernel(min(steps, left))
         self.look.follow(model, since)
@@ -319,9 +320,9 @@ class EngineRun:
 
     def end_look(self) -> None:
         """Measure the force on a compliant base, if enough steps were taken since the last measurement."""
-        if self.look is not None and self.look.is_long_enough(self.model, self.dt):
-            unpack_motion(self.pack(), self.model)
-            self.look.measure(self.model, self.dt)
+        if self.look is not None:
+            unpack_velocities(self.pack(), self.model)
+            self.look.end_now(self.model, self.dt)
         self.look = None
 
     def call_kernel(self, steps: int) -> int:

@@ -22,10 +22,10 @@ from dem.kernels.layout import (
     place_incoming,
     place_links,
 )
-from dem.kernels.liquefied_lists import members_of, place_pairs
+from dem.kernels.liquefied_lists import list_bonds, members_of, place_bonds, place_pairs
 from dem.kernels.liquefied_pairs import FIELDS, WORKING, Liquefied
 from dem.kernels.liquefied_pairs import MEMORY as BOND_MEMORY
-from dem.kernels.motion import list_motion, place_fields, place_motion
+from dem.kernels.motion import list_half_velocities, list_motion, place_fields, place_motion
 from dem.kernels.transpose import CONSTANT_RECORD, SHARED
 from dem.model import DiscModel
 from dem.state import MEMORY, ROLLING_MEMORY
@@ -149,26 +149,32 @@ def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
         discs[: len(model)] = model.liquefied[model.order]
     numbers = np.zeros((2, lanes), np.int32)
     numbers[:, lane] = first, second
-    memory = large_zeros(int(start[-1]), BOND_MEMORY, LANES)
-    memory[lane // LANES, :, lane % LANES] = model.bonds
+    memory = large_zeros(int(start[-1]) * BOND_MEMORY * LANES)
+    place_bonds(lane, model.bonds, memory)
     member, members = members_of(first, second, lane, slots)
     near = np.flatnonzero(np.diff(members))
     return Liquefied(
-        discs, numbers[0], numbers[1], memory.reshape(-1), large_zeros(lanes * WORKING), start, member, members, near,
+        discs, numbers[0], numbers[1], memory, large_zeros(lanes * WORKING), start, member, members, near,
         np.searchsorted(near, np.arange(slices + 1) * LANES), model.reach, model.steps_between_looks,
     )  # fmt: skip
 
 
 def _bonds(layout: Layout, model: DiscModel) -> np.ndarray:
     """Return the history variables of the bonds (pairs, MEMORY), read back from their lanes."""
-    lane, start = place_pairs(model.places[model.liquefied_i], len(layout.chunk_start) - 1)
-    memory = layout.liquefied.memory.reshape(int(start[-1]), BOND_MEMORY, LANES)
-    return np.ascontiguousarray(memory[lane // LANES, :, lane % LANES])
+    lane, _ = place_pairs(model.places[model.liquefied_i], len(layout.chunk_start) - 1)
+    bonds = np.empty((len(lane), BOND_MEMORY))
+    list_bonds(lane, layout.liquefied.memory, bonds)
+    return bonds
 
 
 def unpack_motion(layout: Layout, model: DiscModel) -> None:
     """Write positions and velocities of the discs into the model; the history of contacts stays in the layout."""
     list_motion(layout, model.order, tuple(getattr(model, name) for name in _STATE), model.roll)
+
+
+def unpack_velocities(layout: Layout, model: DiscModel) -> None:
+    """Write the velocities of the discs in the middle of the last step into the model, and nothing else."""
+    list_half_velocities(layout.shared, model.order, model.vx_half, model.vz_half)
 
 
 def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = serial) -> None:

@@ -13,6 +13,8 @@ def neighbour_slices(thread: int, threads: int, layout: Layout) -> tuple[np.ndar
     thread must have finished.
     """
     slices = len(layout.chunk_start) - 1
+    if threads == 1:
+        return np.zeros(0, np.int64), np.zeros((0, 1), np.int64)
     ends = slices * np.arange(threads + 1) // threads  # as in `stepping.slices_of`
     begin, end = ends[thread], ends[thread + 1]
     shared = begin + np.flatnonzero((layout.lowest_owner[begin:end] < begin) | (layout.highest_owner[begin:end] >= end))

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from dem.kernels.liquefied_laws import density_kernel
-from dem.kernels.liquefied_pairs import LANES, WIDTH_1, WIDTH_2, WORKING
+from dem.kernels.liquefied_pairs import LANES, MEMORY, WIDTH_1, WIDTH_2, WORKING
 from dem.kernels.period import Period, image
 
 FIRST_DENSITY, SECOND_DENSITY = int(WIDTH_1), int(WIDTH_2)  # contribution to the density of either disc
@@ -30,6 +30,24 @@ def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]
             c += 1
         start[p + 1] = start[p] + (count + LANES - 1) // LANES
     return lane, start
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def place_bonds(lane: np.ndarray, bonds: np.ndarray, memory: np.ndarray) -> None:
+    """Write the history variables of the bonds (pairs, MEMORY) into their lanes; lane: see `place_pairs`."""
+    for c in range(len(lane)):
+        at = lane[c] // LANES * MEMORY * LANES + lane[c] % LANES
+        for field in range(MEMORY):
+            memory[at + field * LANES] = bonds[c, field]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def list_bonds(lane: np.ndarray, memory: np.ndarray, bonds: np.ndarray) -> None:
+    """Read the history variables of the bonds (pairs, MEMORY) from their lanes; lane: see `place_pairs`."""
+    for c in range(len(lane)):
+        at = lane[c] // LANES * MEMORY * LANES + lane[c] % LANES
+        for field in range(MEMORY):
+            bonds[c, field] = memory[at + field * LANES]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from dem.kernels.layout import DISC_FIELDS, LANES, ROLL, Layout, place
+from dem.kernels.layout import DISC_FIELDS, LANES, ROLL, VX, VZ, Layout, entry, place
 from dem.kernels.transpose import SHARED
 
 IGNORED_DISTANCE = 1e3  # radii behind a rigid line beyond which the line does not act on a disc
@@ -39,6 +39,18 @@ def list_motion(layout: Layout, order: np.ndarray, state: tuple[np.ndarray, ...]
         for field in range(SHARED):
             state[field][disc] = layout.shared[i * SHARED + field]
         roll[disc] = layout.discs[place(i, ROLL)]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def list_half_velocities(shared: np.ndarray, order: np.ndarray, vx: np.ndarray, vz: np.ndarray) -> None:
+    """Write the velocities of every disc in the middle of a step into the arrays `vx` and `vz` (m/s).
+
+    shared: shared fields of the layout; order: original number of every disc.
+    """
+    for i in range(len(order)):
+        disc = order[i]
+        vx[disc] = shared[entry(i, VX)]
+        vz[disc] = shared[entry(i, VZ)]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
