@@ -45,6 +45,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fem.kernels.grid_motion import NEW_VELOCITY, move_base, move_grid
+from fem.kernels.spline_transfer import NODE, VELOCITIES, add_to_nodes, collect_nodes
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -59,11 +60,12 @@ PROPERTIES = 10
 # of half the difference of the normal stresses, and of the shear stress.
 VOLUME, MASS, OPENED_STRAIN, PLASTIC_STRAIN, VISCOUS_HALF_DIFFERENCE, VISCOUS_SHEAR = range(6)
 STATE = 6
-# Of a node: mass, momentum (2), force (2), volume, a number above 0 where the node is fixed vertically; then volume
-# strain (m²) by the mean stress, and compliance (m²/Pa), of the points in the knot span about the next node to the
-# right and above.
-NODE = 9
-SPAN_STRAIN, SPAN_COMPLIANCE = 7, 8
+# Record of a node, of which the last number is idle: mass, momentum (2), force (2), volume, a number above 0 where the
+# node is fixed vertically.
+# Of the points in the knot span about the next node to the right and above: volume strain (m²) by the mean stress, and
+# compliance (m²/Pa).
+SPAN_STRAIN, SPAN_COMPLIANCE = range(2)
+SPAN = 2
 # Share of the mass around a point within ground, below which a free-field side does not press on the point: 0.6 at an
 # even side, less in ground that has come apart.
 DETACHED_SHARE = 0.45
@@ -77,6 +79,24 @@ def _weights(f: float) -> tuple[float, float, float]:
     """Return the quadratic B-spline weights of three nodes; f (0.5 to 1.5) is the distance of the point from the first
     node in cells."""
     return 0.5 * (1.5 - f) ** 2, 0.75 - (f - 1.0) ** 2, 0.5 * (f - 0.5) ** 2
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _apart(f: float, cell: float) -> tuple[float, float, float]:
+    """Return the distances (m) of three nodes from a point; f: as in `_weights`."""
+    return -f * cell, (1.0 - f) * cell, (2.0 - f) * cell
+
+
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+def _columns_of(
+    i: int, j: int, columns: int, rows: int, periodic: bool, record: int
+) -> tuple[np.uint64, np.uint64, np.uint64]:
+    """Return the places of the records of node (i, j) and of the nodes in the next two columns."""
+    first, second, third = i, i + 1, i + 2
+    if periodic:
+        first, second, third = first % columns, second % columns, third % columns
+    size = np.uint64(record)
+    return np.uint64(first * rows + j) * size, np.uint64(second * rows + j) * size, np.uint64(third * rows + j) * size
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -95,9 +115,10 @@ def _flows(state: Floats, properties: Floats, p: int) -> bool:
 def scatter(
     stripes: Integers, offsets: Integers, x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats,
     heavy: Floats, side: Floats, properties: Floats, cell: float, slope: float, periodic: bool, shaking: float,
-    gravity_x: float, gravity_z: float, grid: Floats,
+    gravity_x: float, gravity_z: float, grid: Floats, spans: Floats,
 ) -> None:  # fmt: skip
-    """Add mass, momentum, force and volume of the points of some stripes to the ``grid`` (nx, nz, NODE).
+    """Add mass, momentum, force and volume of the points of some stripes to the ``grid`` (nx, nz, NODE), and their
+    strain to the ``spans`` (nx, nz, SPAN).
 
     ``stripes``: their numbers; ``offsets``: first point of every stripe; ``x``, ``v`` (n, 2): places (m) and velocities
     (m/s); ``affine`` (n, 4): C of the velocities, row by row (1/s); ``stress`` (n, 3): Pa; ``state`` (n, STATE);
@@ -107,43 +128,29 @@ def scatter(
     ``heavy`` times the mass; ``side`` (N/m): horizontal force on points next to a free-field side, a quarter of a cell
     away, where nodes are held vertically; 0 elsewhere.
     """
-    inverse, columns = 1.0 / cell, grid.shape[0]
-    stiff = 4.0 * inverse * inverse
+    inverse, columns, rows = 1.0 / cell, grid.shape[0], grid.shape[1]
+    stiff, nodes = 4.0 * inverse * inverse, grid.reshape(-1)
     for stripe in stripes:
         for p in range(offsets[stripe], offsets[stripe + 1]):
             across, up = inverse * x[p, 0], inverse * (x[p, 1] - slope * x[p, 0])
             i, j = math.floor(across - 0.5), math.floor(up - 0.5)
             fx, fz = across - i, up - j
-            w0, w1, w2 = _weights(fx)
-            q0, q1, q2 = _weights(fz)
-            mass, volume = state[p, MASS], state[p, VOLUME]
-            px, pz = mass * v[p, 0], mass * v[p, 1]
-            cxx, cxz, czx, czz = mass * affine[p, 0], mass * affine[p, 1], mass * affine[p, 2], mass * affine[p, 3]
+            mass, volume, held = state[p, MASS], state[p, VOLUME], abs(side[p])
             k = stiff * volume
             sxx, szz, sxz = k * stress[p, 0], k * stress[p, 1], k * stress[p, 2]
-            bx, bz = mass * (shaking + heavy[p] * gravity_x) + side[p], mass * heavy[p] * gravity_z
-            sxx += 0.25 * cell * stiff * abs(side[p])  # its moment about the point
-            txz, tzz = sxz - slope * sxx, szz - slope * sxz
+            sxx += 0.25 * cell * stiff * held  # the moment of the force on the side about the point
+            at_point = (
+                mass, mass * v[p, 0], mass * v[p, 1],
+                mass * (shaking + heavy[p] * gravity_x) + side[p], mass * heavy[p] * gravity_z, volume, held, 0.0,
+            )  # fmt: skip
+            by_x = (0.0, mass * affine[p, 0], mass * affine[p, 2], -sxx, -sxz, 0.0, 0.0, 0.0)
+            by_z = (0.0, mass * affine[p, 1], mass * affine[p, 3], slope * sxx - sxz, slope * sxz - szz, 0.0, 0.0, 0.0)
             if _flows(state, properties, p):
-                span, compliance = grid[i % columns if periodic else i, j], volume / properties[p, BULK]
-                span[SPAN_STRAIN] += 0.5 * compliance * (stress[p, 0] + stress[p, 1])
-                span[SPAN_COMPLIANCE] += compliance
-            for a in range(3):
-                wa = w0 if a == 0 else (w1 if a == 1 else w2)
-                column = i + a
-                if periodic:
-                    column %= columns
-                dx = (a - fx) * cell
-                for b in range(3):
-                    w = wa * (q0 if b == 0 else (q1 if b == 1 else q2))
-                    dz = (b - fz) * cell
-                    grid[column, j + b, 0] += w * mass
-                    grid[column, j + b, 1] += w * (px + cxx * dx + cxz * dz)
-                    grid[column, j + b, 2] += w * (pz + czx * dx + czz * dz)
-                    grid[column, j + b, 3] += w * (bx - sxx * dx - txz * dz)
-                    grid[column, j + b, 4] += w * (bz - sxz * dx - tzz * dz)
-                    grid[column, j + b, 5] += w * volume
-                    grid[column, j + b, 6] += abs(side[p])
+                column, compliance = i % columns if periodic else i, volume / properties[p, BULK]
+                spans[column, j, SPAN_STRAIN] += 0.5 * compliance * (stress[p, 0] + stress[p, 1])
+                spans[column, j, SPAN_COMPLIANCE] += compliance
+            places, dx, dz = _columns_of(i, j, columns, rows, periodic, NODE), _apart(fx, cell), _apart(fz, cell)
+            add_to_nodes(nodes, places, _weights(fx), _weights(fz), dx, dz, at_point, by_x, by_z)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
@@ -167,7 +174,18 @@ def _shear_energy(radius: float, shear: float, soft: float, knee: float) -> floa
     return (0.5 * below * below / soft if knee > 0.0 else 0.0) + 0.5 * (radius * radius - below * below) / shear
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _turned_twice(spin: float) -> tuple[float, float]:
+    """Return cosine and sine of twice the angle by which a spin in one step rotates the ground, about the spin itself:
+    the rotation of Hughes & Winget (1980, Int. J. Numer. Methods Eng. 15, 1862), whose half has the tangent spin / 2.
+    """
+    half = 0.5 * spin
+    share = 1.0 / (1.0 + half * half)
+    cos, sin = (1.0 - half * half) * share, 2.0 * half * share
+    return cos * cos - sin * sin, 2.0 * cos * sin
+
+
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 def _update_stress(
     stress: Floats, state: Floats, properties: Floats, p: int, xx: float, zz: float, xz: float, spin: float,
     relaxed: float, drained: float, dt: float,
@@ -180,11 +198,12 @@ def _update_stress(
         properties[p, SOFT_SHEAR],
         properties[p, SOFT_RADIUS],
     )
-    mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
+    by_bulk, by_shear = 1.0 / bulk, 1.0 / shear
+    old_mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
     # dissipated (slip, viscosity, opening, drainage, softening): work at the mean of both stresses less elastic energy
-    cos, sin = math.cos(2.0 * spin), math.sin(2.0 * spin)
+    cos, sin = _turned_twice(spin)
     half, cross = half * cos + cross * sin, cross * cos - half * sin
-    lost = 0.5 * (mean * (xx + zz) + half * (xx - zz)) + cross * xz + 0.5 * mean * mean / bulk
+    lost = 0.5 * (old_mean * (xx + zz) + half * (xx - zz)) + cross * xz
     if knee > 0.0:
         late_half, late_cross = state[p, VISCOUS_HALF_DIFFERENCE], state[p, VISCOUS_SHEAR]
         half, cross = half - (late_half * cos + late_cross * sin), cross - (late_cross * cos - late_half * sin)
@@ -196,9 +215,9 @@ def _update_stress(
         stiffness = _radius_of(strain, shear, soft, knee) / strain if strain > 0.0 else 0.0
         half, cross = half * stiffness, cross * stiffness
     else:
-        lost += 0.5 * (half * half + cross * cross) / shear
+        lost += 0.5 * (half * half + cross * cross) * by_shear
         half, cross = half + shear * (xx - zz), cross + 2.0 * shear * xz
-    volumetric = xx + zz + drained
+    mean, volumetric = old_mean, xx + zz + drained
     opened = state[p, OPENED_STRAIN]
     if opened > 0.0:
         opened += volumetric
@@ -207,17 +226,23 @@ def _update_stress(
     else:
         mean += bulk * volumetric + relaxed
     if mean > properties[p, TENSION_LIMIT]:
-        opened += (mean - properties[p, TENSION_LIMIT]) / bulk
+        opened += (mean - properties[p, TENSION_LIMIT]) * by_bulk
         mean = properties[p, TENSION_LIMIT]
     widened = opened - state[p, OPENED_STRAIN]
     state[p, OPENED_STRAIN] = opened
     radius = math.sqrt(half * half + cross * cross)
     strength = max(properties[p, STRENGTH] - mean * properties[p, SIN_PHI], 0.0)
     if radius > strength:
-        state[p, PLASTIC_STRAIN] += _strain_of(radius, shear, soft, knee) - _strain_of(strength, shear, soft, knee)
-        half, cross, radius = half * strength / radius, cross * strength / radius, strength
-    lost -= 0.5 * mean * mean / bulk + _shear_energy(radius, shear, soft, knee)
+        state[p, PLASTIC_STRAIN] += (
+            (radius - strength) * by_shear
+            if knee == 0.0
+            else _strain_of(radius, shear, soft, knee) - _strain_of(strength, shear, soft, knee)
+        )
+        scale = strength / radius
+        half, cross, radius = half * scale, cross * scale, strength
+    lost += 0.5 * (old_mean * old_mean - mean * mean) * by_bulk
     if knee > 0.0:
+        lost -= _shear_energy(radius, shear, soft, knee)
         late_half = half + properties[p, VISCOSITY] * (xx - zz) / dt
         late_cross = cross + 2.0 * properties[p, VISCOSITY] * xz / dt
         total = math.sqrt(late_half * late_half + late_cross * late_cross)
@@ -225,6 +250,8 @@ def _update_stress(
         late_half, late_cross = scale * late_half, scale * late_cross
         state[p, VISCOUS_HALF_DIFFERENCE], state[p, VISCOUS_SHEAR] = late_half - half, late_cross - cross
         half, cross = late_half, late_cross
+    else:
+        lost -= 0.5 * radius * radius * by_shear
     stress[p, 0], stress[p, 1], stress[p, 2] = mean + half, mean - half, cross
     lost += 0.5 * (mean * (xx + zz) + half * (xx - zz)) + cross * xz
     lost *= state[p, VOLUME]
@@ -246,21 +273,21 @@ def _mass_around(grid: Floats, columns: int, i: int, j: int, fx: float, fz: floa
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def gather(
-    stripes: Integers, offsets: Integers, grid: Floats, velocity: Floats, cell: float, slope: float, periodic: bool,
-    dt: float, keep: float, shaking: float, gravity_x: float, gravity_z: float, base: float, x: Floats, v: Floats,
-    affine: Floats, stress: Floats, state: Floats, side: Floats, properties: Floats, sums: Floats,
+    stripes: Integers, offsets: Integers, grid: Floats, spans: Floats, velocity: Floats, cell: float, slope: float,
+    periodic: bool, dt: float, keep: float, shaking: float, gravity_x: float, gravity_z: float, base: float, x: Floats,
+    v: Floats, affine: Floats, stress: Floats, state: Floats, side: Floats, properties: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Move the points of some stripes with the grid, and update their stress. Places are relative to the base.
 
-    ``velocity`` (nx, nz, 4): velocities of the nodes, see `move_grid`; ``properties`` (n, PROPERTIES); ``dt``: time
-    step (s); ``keep``: share α, 0 or 1, of the part of its velocity that a point keeps although the grid cannot resolve
-    it; ``base``: velocity of the base (m/s); ``sums`` (stripes, 2) take energies (J/m). ``side`` (N/m), as in
-    `scatter`, becomes 0 where ground has come apart (`DETACHED_SHARE`). ``stripes``, ``offsets``, ``x``, ``v``,
-    ``affine``, ``stress``, ``state``, ``cell``, ``slope``, ``periodic``, ``shaking``, ``gravity_x``, ``gravity_z``: as
-    in `scatter`.
+    ``velocity`` (nx, nz, VELOCITIES): velocities of the nodes, see `move_grid`; ``dt``: time step (s); ``keep``: share
+    α, 0 or 1, of the part of its velocity that a point keeps although the grid cannot resolve it; ``base``: velocity of
+    the base (m/s); ``sums`` (stripes, 2) take energies (J/m). ``side`` (N/m), as in `scatter`, becomes 0 where ground
+    has come apart (`DETACHED_SHARE`). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``, ``state``,
+    ``properties``, ``spans``, ``cell``, ``slope``, ``periodic``, ``shaking``, ``gravity_x``, ``gravity_z``: as in
+    `scatter`.
     """
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
-    stiff = 4.0 * inverse * inverse
+    stiff, nodes = 4.0 * inverse * inverse, velocity.reshape(-1)
     low, high_x, high_z = 2.0 * cell, (columns - 3.0) * cell, (rows - 3.0) * cell
     for stripe in stripes:
         external = dissipated = 0.0
@@ -268,32 +295,10 @@ def gather(
             across, up = inverse * x[p, 0], inverse * (x[p, 1] - slope * x[p, 0])
             i, j = math.floor(across - 0.5), math.floor(up - 0.5)
             fx, fz = across - i, up - j
-            w0, w1, w2 = _weights(fx)
-            q0, q1, q2 = _weights(fz)
-            old_x = old_z = new_x = new_z = cxx = cxz = czx = czz = oxx = oxz = ozx = ozz = 0.0
-            for a in range(3):
-                wa = w0 if a == 0 else (w1 if a == 1 else w2)
-                column = i + a
-                if periodic:
-                    column %= columns
-                dx = (a - fx) * cell
-                for b in range(3):
-                    w = wa * (q0 if b == 0 else (q1 if b == 1 else q2))
-                    dz = (b - fz) * cell
-                    vx, vz = velocity[column, j + b, 2], velocity[column, j + b, 3]
-                    ox, oz = velocity[column, j + b, 0], velocity[column, j + b, 1]
-                    old_x += w * ox
-                    old_z += w * oz
-                    oxx += w * ox * dx
-                    oxz += w * ox * dz
-                    ozx += w * oz * dx
-                    ozz += w * oz * dz
-                    new_x += w * vx
-                    new_z += w * vz
-                    cxx += w * vx * dx
-                    cxz += w * vx * dz
-                    czx += w * vz * dx
-                    czz += w * vz * dz
+            places = _columns_of(i, j, columns, rows, periodic, VELOCITIES)
+            old_x, old_z, new_x, new_z, oxx, ozx, cxx, czx, oxz, ozz, cxz, czz = collect_nodes(
+                nodes, places, _weights(fx), _weights(fz), _apart(fx, cell), _apart(fz, cell)
+            )
             cxx, cxz, czx, czz = stiff * cxx, stiff * cxz, stiff * czx, stiff * czz
             affine[p, 0] = cxx + keep * (affine[p, 0] - stiff * oxx)
             affine[p, 1] = cxz + keep * (affine[p, 1] - stiff * oxz)
@@ -315,10 +320,9 @@ def gather(
                 x[p, 1], v[p, 1] = min(max(height, low), high_z) + slope * x[p, 0], 0.0
             relaxed = 0.0
             if _flows(state, properties, p):
-                span = grid[i % columns if periodic else i, j]
-                relaxed = RELAXED_SHARE * (
-                    span[SPAN_STRAIN] / span[SPAN_COMPLIANCE] - 0.5 * (stress[p, 0] + stress[p, 1])
-                )
+                column = i % columns if periodic else i
+                mean = spans[column, j, SPAN_STRAIN] / spans[column, j, SPAN_COMPLIANCE]
+                relaxed = RELAXED_SHARE * (mean - 0.5 * (stress[p, 0] + stress[p, 1]))
             if side[p] != 0.0:
                 full = cell * cell * mass / state[p, VOLUME]
                 if _mass_around(grid, columns, i, j, fx, fz, periodic) < DETACHED_SHARE * full:
@@ -343,25 +347,23 @@ def take_off(
     subtracted; ``v`` (n, 2), ``affine`` (n, 4) are changed; ``stripes``,
     ``offsets``, ``x``, ``cell``, ``slope``, ``periodic``: as in `scatter`.
     """
-    inverse, columns = 1.0 / cell, velocity.shape[0]
-    stiff = 4.0 * inverse
+    inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
+    stiff, nodes = 4.0 * inverse * inverse, velocity.reshape(-1)
     for stripe in stripes:
         for p in range(offsets[stripe], offsets[stripe + 1]):
             across, up = inverse * x[p, 0], inverse * (x[p, 1] - slope * x[p, 0])
             i, j = math.floor(across - 0.5), math.floor(up - 0.5)
             fx, fz = across - i, up - j
-            along, upwards = _weights(fx), _weights(fz)
-            for a in range(3):
-                column = (i + a) % columns if periodic else i + a
-                for b in range(3):
-                    w = along[a] * upwards[b]
-                    vx, vz = w * velocity[column, j + b, 0], w * velocity[column, j + b, 1]
-                    v[p, 0] -= vx
-                    v[p, 1] -= vz
-                    affine[p, 0] -= stiff * vx * (a - fx)
-                    affine[p, 1] -= stiff * vx * (b - fz)
-                    affine[p, 2] -= stiff * vz * (a - fx)
-                    affine[p, 3] -= stiff * vz * (b - fz)
+            places = _columns_of(i, j, columns, rows, periodic, VELOCITIES)
+            vx, vz, _, _, cxx, czx, _, _, cxz, czz, _, _ = collect_nodes(
+                nodes, places, _weights(fx), _weights(fz), _apart(fx, cell), _apart(fz, cell)
+            )
+            v[p, 0] -= vx
+            v[p, 1] -= vz
+            affine[p, 0] -= stiff * cxx
+            affine[p, 1] -= stiff * cxz
+            affine[p, 2] -= stiff * czx
+            affine[p, 3] -= stiff * czz
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -369,7 +371,7 @@ def advance(
     steps: int, stripes: Integers, offsets: Integers, cell: float, slope: float, periodic: bool, dt: float,
     keep: float, accelerations: Floats, gravity_x: float, gravity_z: float, damping: float, base: Floats,
     uplift: Floats, support: NDArray[np.int8], x: Floats, v: Floats, affine: Floats, stress: Floats, state: Floats,
-    side: Floats, properties: Floats, grid: Floats, velocity: Floats, gained: Floats, sums: Floats,
+    side: Floats, properties: Floats, grid: Floats, spans: Floats, velocity: Floats, gained: Floats, sums: Floats,
 ) -> None:  # fmt: skip
     """Advance the material points by some time steps on one thread.
 
@@ -380,16 +382,16 @@ def advance(
     """
     heavy = properties[:, WEIGHT_RATIO].copy()
     for step in range(steps):
-        grid[:] = 0.0
+        grid[:], spans[:] = 0.0, 0.0
         shaking = accelerations[step]
         for parity in range(2):
             scatter(
                 stripes[parity::2], offsets, x, v, affine, stress, state, heavy, side, properties, cell, slope,
-                periodic, shaking, gravity_x, gravity_z, grid,
+                periodic, shaking, gravity_x, gravity_z, grid, spans,
             )  # fmt: skip
         move_base(grid, uplift, support, dt, shaking, base)
         move_grid(0, grid.shape[0], grid, uplift, support, dt, damping, base, velocity, gained)
         gather(
-            stripes, offsets, grid, velocity, cell, slope, periodic, dt, keep, shaking, gravity_x, gravity_z,
+            stripes, offsets, grid, spans, velocity, cell, slope, periodic, dt, keep, shaking, gravity_x, gravity_z,
             base[NEW_VELOCITY], x, v, affine, stress, state, side, properties, sums,
         )  # fmt: skip

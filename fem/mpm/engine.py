@@ -1,8 +1,9 @@
 """Integrates the motion of the material points in time; the result has the same bits for any number of threads."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +23,7 @@ FILTER_STEPS = 25  # after which velocities are filtered at the end of a batch: 
 POINT_ARRAYS = ("x", "v", "affine", "stress", "state", "properties", "start", "stratum", "side")  # of the points
 
 ShakingHistory = Callable[[np.ndarray], np.ndarray]
+Each = Callable[..., Iterable[Any]]  # applies a kernel to the parts of all threads, as `map` does
 
 
 @dataclass
@@ -102,7 +104,8 @@ class MaterialPointEngine:
         self.order = np.arange(len(points.x))  # numbers, as handed over, of the points as they lie now
         self._began = points.kinetic(grid.cell), points.elastic()
         columns, rows = grid.shape
-        self._nodes, self._velocity = np.zeros((columns, rows, kernel.NODE)), np.zeros((columns, rows, 4))
+        self._nodes, self._spans = np.zeros((columns, rows, kernel.NODE)), np.zeros((columns, rows, kernel.SPAN))
+        self._velocity = np.zeros((columns, rows, kernel.VELOCITIES))
         self._gained = np.zeros((columns, 2))
         stripes = 1 if grid.periodic and columns < 2 * STRIPE_WIDTH else -(-columns // STRIPE_WIDTH)
         if grid.periodic and stripes % 2 and stripes > 1:
@@ -138,11 +141,12 @@ class MaterialPointEngine:
             middles = self.time + dt * (np.arange(steps) + 0.5)
             accelerations = np.zeros(steps) if shaking is None else np.asarray(shaking(middles), dtype=float)
             with ThreadPoolExecutor(self.threads, thread_name_prefix="material-points") as pool:
-                self._advance(pool, dt, accelerations, damping)
+                each: Each = map if self.threads == 1 else pool.map
+                self._advance(each, dt, accelerations, damping)
                 self.time += batch
                 self.steps += steps
                 if self.steps - self._filtered[1] >= FILTER_STEPS:
-                    self._filter(pool, self.time - self._filtered[0])
+                    self._filter(each, self.time - self._filtered[0])
                     self._filtered = self.time, self.steps
             if np.abs(self.points.x - self._sorted_at).max() > SORTING_DISTANCE * self.grid.cell:
                 self._sort()
@@ -186,7 +190,7 @@ class MaterialPointEngine:
         self.steps, self._filtered, self._began = int(steps), (filtered, int(at_step)), (began[0], began[1])
         self._share()
 
-    def _advance(self, pool: ThreadPoolExecutor, dt: float, accelerations: np.ndarray, damping: float) -> None:
+    def _advance(self, each: Each, dt: float, accelerations: np.ndarray, damping: float) -> None:
         points, grid = self.points, self.grid
         keep = float(np.isfinite(self.decay))
         moving = points.x, points.v, points.affine, points.stress, points.state
@@ -195,39 +199,40 @@ class MaterialPointEngine:
                 len(accelerations), self._stripes, self._offsets, grid.cell, grid.slope, grid.periodic,
                 dt, keep, accelerations,
                 *self.gravity, damping, self.base, grid.uplift, grid.support, *moving, points.side, points.properties,
-                self._nodes, self._velocity, self._gained, self._sums,
+                self._nodes, self._spans, self._velocity, self._gained, self._sums,
             )  # fmt: skip
             return
         for acceleration in accelerations:
-            self._scatter(pool, points.v, points.affine, acceleration)
+            self._scatter(each, points.v, points.affine, acceleration)
             grid_motion.move_base(self._nodes, grid.uplift, grid.support, dt, acceleration, self.base)
-            self._move_grid(pool, dt, damping, self.base)
-            list(pool.map(lambda stripe, acceleration=acceleration: kernel.gather(
-                stripe, self._offsets, self._nodes, self._velocity, grid.cell, grid.slope, grid.periodic,
+            self._move_grid(each, dt, damping, self.base)
+            list(each(lambda stripe, acceleration=acceleration: kernel.gather(
+                stripe, self._offsets, self._nodes, self._spans, self._velocity, grid.cell, grid.slope, grid.periodic,
                 dt, keep, acceleration,
                 *self.gravity, self.base[grid_motion.NEW_VELOCITY], *moving, points.side, points.properties, self._sums,
             ), self._all))  # fmt: skip
 
-    def _scatter(self, pool: ThreadPoolExecutor, v: np.ndarray, affine: np.ndarray, acceleration: float) -> None:
+    def _scatter(self, each: Each, v: np.ndarray, affine: np.ndarray, acceleration: float) -> None:
         """Compute mass, momentum and forces of the nodes from velocities (n, 2), (n, 4) of the points."""
         points, grid = self.points, self.grid
         heavy = points.properties[:, kernel.WEIGHT_RATIO].copy()
-        self._nodes[:] = 0.0
+        self._nodes[:], self._spans[:] = 0.0, 0.0
         for shares in self._even, self._odd:
-            list(pool.map(lambda stripe: kernel.scatter(
+            list(each(lambda stripe: kernel.scatter(
                 stripe, self._offsets, points.x, v, affine, points.stress, points.state, heavy, points.side,
                 points.properties, grid.cell, grid.slope, grid.periodic, acceleration, *self.gravity, self._nodes,
+                self._spans,
             ), shares))  # fmt: skip
 
-    def _move_grid(self, pool: ThreadPoolExecutor, dt: float, damping: float, base: np.ndarray) -> None:
+    def _move_grid(self, each: Each, dt: float, damping: float, base: np.ndarray) -> None:
         """Compute the velocities of the nodes before and after a step of ``dt`` (s)."""
         grid = self.grid
         edges = np.linspace(0, grid.shape[0], self.threads + 1).astype(int)
-        list(pool.map(lambda first, last: grid_motion.move_grid(
+        list(each(lambda first, last: grid_motion.move_grid(
             first, last, self._nodes, grid.uplift, grid.support, dt, damping, base, self._velocity, self._gained
         ), edges[:-1], edges[1:]))  # fmt: skip
 
-    def _filter(self, pool: ThreadPoolExecutor, seconds: float) -> None:
+    def _filter(self, each: Each, seconds: float) -> None:
         """Let velocities that the grid cannot resolve decay for some seconds."""
         points, grid = self.points, self.grid
         if self.decay == 0.0 or np.isinf(self.decay):
@@ -235,9 +240,9 @@ class MaterialPointEngine:
         v, affine, at_rest = points.v.copy(), points.affine.copy(), np.zeros(grid_motion.BASE_FIELDS)
         v[:, 0] -= self.base[grid_motion.NEW_VELOCITY]
         for _ in range(FILTER_POWER):
-            self._scatter(pool, v, affine, 0.0)
-            self._move_grid(pool, 0.0, 0.0, at_rest)
-            list(pool.map(lambda stripe: kernel.take_off(
+            self._scatter(each, v, affine, 0.0)
+            self._move_grid(each, 0.0, 0.0, at_rest)
+            list(each(lambda stripe: kernel.take_off(
                 stripe, self._offsets, self._velocity, grid.cell, grid.slope, grid.periodic, points.x, v, affine
             ), self._all))  # fmt: skip
         share = -np.expm1(-self.decay * seconds)

@@ -1,16 +1,17 @@
 """The material point method beside closed forms, Newmark's block, and published experiments."""
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numba import njit
 
 from docs.verify.slides.points import governing_slide_of_points
 from fem.kernels import material_points as kernel
 from fem.kernels import mohr_coulomb
+from fem.kernels import spline_transfer as transfer
 from fem.mpm import (
     BackgroundGrid,
     MaterialPointEngine,
@@ -155,9 +156,8 @@ def test_velocities_decay_where_the_grid_cannot_resolve_them(cells: int, least: 
     points.v[:, 1] += 0.1 - points.mass @ points.v[:, 1] / points.mass.sum()
     points.affine[:, 2] = wave * np.cos(wave * points.x[:, 0])
     before = points.kinetic(engine.grid.cell)
-    with ThreadPoolExecutor(1) as pool:
-        for _ in range(50):
-            engine._filter(pool, 0.02)
+    for _ in range(50):
+        engine._filter(map, 0.02)
     assert points.mass @ points.v[:, 1] == pytest.approx(momentum, rel=1e-9)
     assert least < points.kinetic(engine.grid.cell) / before < most
 
@@ -346,3 +346,33 @@ def test_what_flows_over_a_smooth_end_moves_on_beyond_it() -> None:
     assert places[beyond, 1].min() > -0.5 * slide.cell
     assert slide.slide[-1][0] < 0.1
     assert slide.slide_max > 4.0
+
+
+def test_transfers_between_points_and_nodes_are_the_same_without_vector_instructions() -> None:
+    """Nine nodes around a point: what is added to their records and what is collected from them, written out."""
+    random = np.random.default_rng(1)
+    places = (np.uint64(0), np.uint64(40), np.uint64(80))
+    across, upwards, dx, dz = (tuple(random.normal(size=3)) for _ in range(4))
+    at_point, by_x, by_z = (tuple(random.normal(size=transfer.NODE)) for _ in range(3))
+    nodes, velocities = np.zeros(120), random.normal(size=120)
+    _add(nodes, places, across, upwards, dx, dz, at_point, by_x, by_z)
+    sums = np.array(_collect(velocities, places, across, upwards, dx, dz)).reshape(3, transfer.VELOCITIES)
+    expected, wanted = np.zeros(120), np.zeros((3, transfer.VELOCITIES))
+    for a, b in np.ndindex(3, 3):
+        weight, node = across[a] * upwards[b], int(places[a]) + b * transfer.NODE
+        moved = np.array(at_point) + dx[a] * np.array(by_x) + dz[b] * np.array(by_z)
+        expected[node : node + transfer.NODE] += weight * moved
+        velocity = velocities[int(places[a]) + b * transfer.VELOCITIES :][: transfer.VELOCITIES]
+        wanted += weight * np.outer([1.0, dx[a], dz[b]], velocity)
+    np.testing.assert_allclose(nodes, expected, atol=1e-14)
+    np.testing.assert_allclose(sums, wanted, atol=1e-14)
+
+
+@njit
+def _add(nodes, places, across, upwards, dx, dz, at_point, by_x, by_z):  # type: ignore[no-untyped-def]
+    transfer.add_to_nodes(nodes, places, across, upwards, dx, dz, at_point, by_x, by_z)
+
+
+@njit
+def _collect(nodes, places, across, upwards, dx, dz):  # type: ignore[no-untyped-def]
+    return transfer.collect_nodes(nodes, places, across, upwards, dx, dz)
