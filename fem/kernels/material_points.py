@@ -135,13 +135,13 @@ def scatter(
             across, up = inverse * x[p, 0], inverse * (x[p, 1] - slope * x[p, 0])
             i, j = math.floor(across - 0.5), math.floor(up - 0.5)
             fx, fz = across - i, up - j
-            mass, volume, held = state[p, MASS], state[p, VOLUME], abs(side[p])
+            mass, volume, on_side = state[p, MASS], state[p, VOLUME], abs(side[p])
             k = stiff * volume
             sxx, szz, sxz = k * stress[p, 0], k * stress[p, 1], k * stress[p, 2]
-            sxx += 0.25 * cell * stiff * held  # the moment of the force on the side about the point
+            sxx += 0.25 * cell * stiff * on_side  # the moment of the force on the side about the point
             at_point = (
                 mass, mass * v[p, 0], mass * v[p, 1],
-                mass * (shaking + heavy[p] * gravity_x) + side[p], mass * heavy[p] * gravity_z, volume, held, 0.0,
+                mass * (shaking + heavy[p] * gravity_x) + side[p], mass * heavy[p] * gravity_z, volume, on_side, 0.0,
             )  # fmt: skip
             by_x = (0.0, mass * affine[p, 0], mass * affine[p, 2], -sxx, -sxz, 0.0, 0.0, 0.0)
             by_z = (0.0, mass * affine[p, 1], mass * affine[p, 3], slope * sxx - sxz, slope * sxz - szz, 0.0, 0.0, 0.0)
@@ -175,7 +175,7 @@ def _shear_energy(radius: float, shear: float, soft: float, knee: float) -> floa
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _turned_twice(spin: float) -> tuple[float, float]:
+def _double_rotation(spin: float) -> tuple[float, float]:
     """Return cosine and sine of twice the angle by which a spin in one step rotates the ground, about the spin itself:
     the rotation of Hughes & Winget (1980, Int. J. Numer. Methods Eng. 15, 1862), whose half has the tangent spin / 2.
     """
@@ -201,7 +201,7 @@ def _update_stress(
     by_bulk, by_shear = 1.0 / bulk, 1.0 / shear
     old_mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
     # dissipated (slip, viscosity, opening, drainage, softening): work at the mean of both stresses less elastic energy
-    cos, sin = _turned_twice(spin)
+    cos, sin = _double_rotation(spin)
     half, cross = half * cos + cross * sin, cross * cos - half * sin
     lost = 0.5 * (old_mean * (xx + zz) + half * (xx - zz)) + cross * xz
     if knee > 0.0:
