@@ -35,7 +35,7 @@ def liquefied_section(section: Section, remains: Mapping[int, RemainingStrength]
             "poissons_ratio": max(UNDRAINED_POISSON, strata[k].poissons_ratio),
         }
         if remains_of.residual:
-            removed = dict.fromkeys(("ocr", "ocr_exponent", "pre_overburden_pressure", "consolidated_below"))
-            change |= {**removed, "strength_ratio": remains_of.residual}
+            removed = dict.fromkeys(("ocr", "pre_overburden_pressure", "consolidated_below"))
+            change |= {**removed, "ocr_exponent": 0.0, "strength_ratio": remains_of.residual}
         strata[k] = strata[k].model_copy(update=change)
     return section.with_strata(strata)

@@ -65,12 +65,14 @@ class ForeignModel:
     water : the table [water] of the section
     surcharges : the tables [[surcharges]] of the section
     notices : notices on assumptions, and on parts of the model that are not read, one sentence each
+    consolidation : the table [consolidation] of the section
     """
 
     layers: Sequence[ForeignLayer]
     water: Mapping[str, Any] = field(default_factory=dict)
     surcharges: Sequence[Mapping[str, Any]] = ()
     notices: Sequence[str] = ()
+    consolidation: Mapping[str, Any] = field(default_factory=dict)
 
 
 class ImportedSection(NamedTuple):
@@ -169,6 +171,9 @@ def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
     data = {"name": name, "surface": _points(columns.points(ground)), "base": strata[-1].pop("bottom")}
     data |= {"water": water} if water else {}
     data |= {"surcharges": [dict(load) for load in model.surcharges]} if model.surcharges else {}
+    if model.consolidation:
+        state = reduce(lambda lines, key: _across(lines, key, *sides), ("table", "surface"), model.consolidation)
+        data["consolidation"] = dict(state)
     data["strata"] = strata
     _consolidate(data, [of_name[columns.stack.layers[k]].yield_stress for k, _, _ in parts], path)
     notices = [
@@ -179,6 +184,12 @@ def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
     comments = [f"# Section from {path.name}.", *(f"# {text}." for text in notices), ""]
     text = PAIR.sub(r"[\1, \2]", tomli_w.dumps(data))
     return ImportedSection("\n".join(comments) + text, notices)
+
+
+def ground_of(outlines: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the ground surface (n, 2) in m of layers with outlines (n, 2)."""
+    columns = columns_of([str(number) for number in range(len(outlines))], outlines)
+    return columns.points(columns.interfaces()[0])
 
 
 def layer_names(layers: Sequence[ForeignLayer]) -> list[str]:
@@ -225,7 +236,8 @@ def _consolidate(data: dict[str, Any], yields: Sequence[YieldStress | None], pat
     for yield_stress, stratum in zip(yields, strata, strict=True):
         if yield_stress is not None and "strength_ratio" in stratum:
             at = np.array([[yield_stress.x, yield_stress.z]])
-            effective = float(section.cohesion_field.effective_stress(at, at, section.stratum_at(*at.T))[0])
+            field, k = section.cohesion_field, section.stratum_at(*at.T)
+            effective = float(field.consolidation_stress(at, at, k, int(k[0]))[0])
             stratum["pre_overburden_pressure"] = f"{max(yield_stress.stress - effective, 0.0) / 1e3:.4g} kPa"
 
 

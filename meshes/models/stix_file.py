@@ -3,6 +3,7 @@
 import json
 import zipfile
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +19,12 @@ from meshes.models.foreign_model import (
     as_input_errors,
     chosen_part,
     corners,
+    ground_of,
     line_of,
     section_of,
     within_reason,
 )
-from meshes.models.waternet import Waternet, xz
+from meshes.models.waternet import Waternet, middle_of, xz
 
 EXPECTED = "expected a model of D-Stability, as it writes it since 2022"
 ON_LINE = 0.05  # m: how far a corner of a layer may lie from a state line or a reference line on its edge
@@ -31,7 +33,21 @@ MODEL_ABOVE_WATER, MODEL_BELOW_WATER = (
     "ShearStrengthModelTypeBelowPhreaticLevel",
 )
 Json = Mapping[str, Any]
-State = tuple[str, Json, Sequence[Json]]  # of a stage: its label, its states, and the outlines of its layers
+
+
+@dataclass(frozen=True)
+class ModelStage:
+    """Holds the parts of a stage to which the ground may have consolidated: its label, states, layers and water."""
+
+    label: str
+    states: Json
+    layers: Sequence[Json]
+    water: Waternet
+
+    @property
+    def outlines(self) -> list[np.ndarray]:
+        """Return the outlines (n, 2) in m of the layers."""
+        return _outlines(self.layers)
 
 
 def read_stix(path: Path, name: str, scenario: str | None = None) -> ImportedSection:
@@ -49,6 +65,15 @@ def read_stix(path: Path, name: str, scenario: str | None = None) -> ImportedSec
     """
     with as_input_errors(path, EXPECTED):
         return section_of(_model(_read(path), path, scenario), path, name)
+
+
+def _outlines(layers: Sequence[Json]) -> list[np.ndarray]:
+    return [corners(xz(item["Points"])) for item in layers]
+
+
+def _ground(layers: Sequence[Json]) -> np.ndarray:
+    """Return the ground surface (n, 2) in m of the layers of a stage, which may have none."""
+    return ground_of(_outlines(layers)) if layers else np.empty((0, 2))
 
 
 def _read(path: Path) -> list[tuple[str, Json]]:
@@ -74,18 +99,20 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
 
     soils = {soil["Id"]: soil for soil in next(content for name, content in files if name == "soils")["Soils"]}
     of_layer = {pair["LayerId"]: soils[pair["SoilId"]] for pair in part("soillayers", "SoilLayersId")["SoilLayers"]}
-    water = Waternet.read(part("waternets", "WaternetId"))
-    states = [
-        (of["Label"], part("states", "StateId", of), part("geometries", "GeometryId", of)["Layers"])
+    stages = [
+        ModelStage(
+            of["Label"],
+            part("states", "StateId", of),
+            layers := part("geometries", "GeometryId", of)["Layers"],
+            Waternet.read(part("waternets", "WaternetId", of), _ground(layers)),
+        )
         for of in reversed(scenario["Stages"])
     ]
+    water = stages[0].water
     stage_words = f'scenario "{scenario["Label"]}", stage "{stage["Label"]}"'
     notices = [stage_words, *others]
     if len(scenario["Stages"]) > 1:
-        notices.append(
-            "not read: earlier stages, except preconsolidation, which is stored as the difference to the stress in "
-            "this stage"
-        )
+        notices.append("not read: earlier stages, except the preconsolidation and the state to which it refers")
     if "WaterMeshId" in stage and part("watermeshes", "WaterMeshId")["Elements"]:
         notices.append(
             "not read: pore pressure of a mesh" + (", so that the ground is dry" if water.table is None else "")
@@ -93,8 +120,10 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
     outlines = part("geometries", "GeometryId")["Layers"]
     if not outlines:
         raise InputError(str(path), [f"{stage_words}: the stage has no layers; expected at least one"])
-    layers = [_layer(corners(xz(item["Points"])), of_layer[item["Id"]], water, states, notices)
+    used: list[int] = []  # numbers of the stages with the preconsolidation of layers
+    layers = [_layer(corners(xz(item["Points"])), of_layer[item["Id"]], stages, used, notices)
               for item in outlines]  # fmt: skip
+    state = _consolidated_state(stages, used, notices)
     loads = part("loads", "LoadsId")
     undrained = {
         number for number, soil in of_layer.items() if "Su" in (soil[MODEL_ABOVE_WATER], soil[MODEL_BELOW_WATER])
@@ -110,17 +139,20 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
         {} if water.table is None else {"table": water.table.tolist(), "unit_weight": f"{water.unit_weight:g} kN/m^3"},
         surcharges,
         list(dict.fromkeys(notices)),
+        state,
     )
 
 
 def _layer(
-    points: np.ndarray, soil: Json, water: Waternet, states: Sequence[State], notices: list[str]
+    points: np.ndarray, soil: Json, stages: Sequence[ModelStage], used: list[int], notices: list[str]
 ) -> ForeignLayer:
-    """Return a layer with an outline (n, 2) in m. Properties that a stratum cannot have are added to ``notices``."""
-    level, of_level = water.keys_of(points, _middle(points))
+    """Return a layer with an outline (n, 2) in m. Properties that a stratum cannot have are added to ``notices``, and
+    the number of the stage that states its preconsolidation to ``used``."""
+    level, of_level = stages[0].water.keys_of(points)
     notices += [f'"{soil["Name"]}": {text}' for text in of_level]
     models = soil[MODEL_ABOVE_WATER], soil[MODEL_BELOW_WATER]
-    state = _latest_state(states, points, soil["Name"], notices) if "Su" in models else {}
+    number, state = _latest_state(stages, points, soil["Name"], notices) if "Su" in models else (None, {})
+    used += [] if number is None else [number]
     dry, wet = (
         _strength(soil, model, notices) | (_preconsolidation(state) if model == "Su" else {}) for model in models
     )
@@ -140,16 +172,6 @@ def _kPa(value: float) -> str:
     return f"{value:g} kPa"
 
 
-def _middle(points: np.ndarray) -> np.ndarray:
-    """Return a point in the middle of a layer: at the mean x of its corners, half-way between its edges."""
-    x = float(0.5 * (points[:, 0].min() + points[:, 0].max())) + 1e-6
-    start, end = points, np.roll(points, -1, axis=0)
-    cut = (start[:, 0] < x) != (end[:, 0] < x)
-    share = (x - start[cut, 0]) / (end[cut, 0] - start[cut, 0])
-    z = np.sort(start[cut, 1] + share * (end[cut, 1] - start[cut, 1]))
-    return np.array([x, 0.5 * (z[0] + z[1])])
-
-
 def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
     """Return a strength model of a soil as keys of a stratum. Properties that a stratum cannot have are added to
     ``notices``."""
@@ -159,6 +181,11 @@ def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
         keys = {"cohesion": _kPa(parameters["Cohesion"]), "friction_angle": f"{parameters['FrictionAngle']:g} deg"}
         if (dilatancy := parameters.get("Dilatancy")) is not None:
             keys["dilation_angle"] = f"{dilatancy:g} deg"
+            if dilatancy < parameters["FrictionAngle"]:
+                notices.append(
+                    f'D-Stability reduces c and tan φ of "{soil["Name"]}" for its dilation angle as Davis\'s estimate '
+                    "does: the factors of safety by this estimate are comparable, those with ψ = φ are larger"
+                )
     elif model == "Su":
         parameters = soil["SuShearStrengthModel"]
         keys = NO_STRENGTH | {
@@ -170,22 +197,44 @@ def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
     return keys
 
 
-def _latest_state(states: Sequence[State], points: np.ndarray, soil: str, notices: list[str]) -> dict[str, Any]:
-    """Return the preconsolidation of a layer in the last stage that states it; ``stages`` has the last stage first.
+def _latest_state(
+    stages: Sequence[ModelStage], points: np.ndarray, soil: str, notices: list[str]
+) -> tuple[int | None, dict[str, Any]]:
+    """Return the preconsolidation of a layer in the last stage that states it, and the number of this stage;
+    ``stages`` has the last stage first.
 
     D-Stability keeps the yield stress of a stage in later stages; a layer is identified by the place of its middle.
     """
-    for count, (label, state, outlines) in enumerate(states):
-        places = [corners(xz(item["Points"])) for item in outlines]
-        same = next((k for k, place in enumerate(places) if _holds(place, _middle(points))), None)
-        keys = {} if same is None else _state(state, outlines[same]["Id"], places[same], soil, notices)
+    for count, stage in enumerate(stages):
+        places = stage.outlines
+        same = next((k for k, place in enumerate(places) if _holds(place, middle_of(points))), None)
+        keys = {} if same is None else _state(stage.states, stage.layers[same]["Id"], places[same], soil, notices)
         if keys:
-            if count:
-                notices.append(
-                    f'preconsolidation of "{soil}" is that of stage "{label}": too low where water has risen since'
-                )
-            return keys
-    return {}
+            return count, keys
+    return None, {}
+
+
+def _consolidated_state(
+    stages: Sequence[ModelStage], used: Collection[int], notices: list[str]
+) -> dict[str, list[list[float]]]:
+    """Return the lines of the stage that the preconsolidation of layers refers to, if it is not the last stage.
+
+    ``used``: numbers of the stages with preconsolidation of layers, of which the earliest counts.
+    """
+    if not any(used):
+        return {}
+    now, before = stages[0], stages[max(used)]
+    notices.append(f'preconsolidation is that of stage "{before.label}"')
+    if len(set(used)) > 1:
+        notices.append("not read: preconsolidation of several stages; all of it refers to the earliest of them")
+    if any(line.below not in (None, before.water.phreatic) for line in before.water.lines):
+        notices.append(
+            f'not read: head lines of stage "{before.label}"; the ground consolidated under its phreatic line'
+        )
+    state = {} if before.water.table is None else {"table": before.water.table.tolist()}
+    x = np.union1d(now.water.ground[:, 0], before.water.ground[:, 0])
+    now_z, before_z = (np.interp(x, *stage.water.ground.T) for stage in (now, before))
+    return state | ({"surface": before.water.ground.tolist()} if np.abs(now_z - before_z).max() > ON_LINE else {})
 
 
 def _holds(outline: np.ndarray, point: np.ndarray) -> bool:
@@ -203,7 +252,7 @@ def _state(states: Json, layer: str, points: np.ndarray, soil: str, notices: lis
     if inside := [point for point in states["StatePoints"] if point["LayerId"] == layer]:
         notices += [more] if len(inside) > 1 else []
         return {**inside[0]["Stress"], "At": inside[0]["Point"]}
-    middle = _middle(points)
+    middle = middle_of(points)
     for line in states["StateLines"]:
         course = line_of(xz(line["Points"]))
         if not line["Values"] or not _lies_along(course, points):

@@ -1,18 +1,20 @@
 """Reads the waternets of D-Stability: a phreatic line, and reference lines at which the levels of head lines hold.
 
-Above the phreatic line there is no pore pressure. Between two lines, of which the uppermost is the phreatic line, the
-pore pressure is linear in the elevation, between that of the head line below the upper line and that of the head line
-above the lower line. Below all lines it is hydrostatic. This is the pore pressure that D-Stability stores with the
-slices of its results.
+Above the phreatic line there is no pore pressure. Between two lines, of which the uppermost is the phreatic line, or
+the ground where it is under water, the pore pressure is linear in the elevation, between that of the head line below
+the upper line and that of the head line above the lower line. Below all lines it is hydrostatic. A line reaches no
+further than its ends. This is the pore pressure that D-Stability stores with the slices of its results.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
 
 from meshes.models.foreign_model import line_of
+from meshes.section.polyline import lower_line, without_repeats
 from meshes.section.vertical_flow import LinearHead
 
 Json = Mapping[str, Any]
@@ -29,8 +31,9 @@ class ReferenceLine:
     below: str | None
 
     def at(self, x: float) -> float:
-        """Return the elevation (m) of the line, which continues level beyond its ends."""
-        return float(np.interp(x, *self.course.T))
+        """Return the elevation (m) of the line; NaN beyond its ends."""
+        inside = self.course[0, 0] <= x <= self.course[-1, 0]
+        return float(np.interp(x, *self.course.T)) if inside else np.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,41 +46,53 @@ class Waternet:
     heads (n, 2) : head lines (m) by their names
     phreatic : name of the head line that is the phreatic line, if there is one
     lines : reference lines
+    ground (n, 2) : ground surface (m)
     """
 
     unit_weight: float
     heads: Mapping[str, np.ndarray]
     phreatic: str | None
     lines: Sequence[ReferenceLine]
+    ground: np.ndarray
 
     @classmethod
-    def read(cls, content: Json) -> Self:
-        """Return the waternet of a document of a model."""
+    def read(cls, content: Json, ground: np.ndarray) -> Self:
+        """Return the waternet of a document of a model with a ``ground`` surface (n, 2) in m."""
         heads = {line["Id"]: line_of(xz(line["Points"])) for line in content["HeadLines"]}
         phreatic = content["PhreaticLineId"] if content["PhreaticLineId"] in heads else None
         lines = [
             ReferenceLine(line_of(xz(line["Points"])), line["TopHeadLineId"], line["BottomHeadLineId"])
             for line in content["ReferenceLines"]
         ]
-        return cls(float(content["UnitWeightWater"]), heads, phreatic, lines)
+        return cls(float(content["UnitWeightWater"]), heads, phreatic, lines, ground)
 
     @property
     def table(self) -> np.ndarray | None:
         """Return the phreatic line (n, 2) in m, if there is one."""
         return None if self.phreatic is None else self.heads[self.phreatic]
 
-    def keys_of(self, points: np.ndarray, middle: np.ndarray) -> tuple[dict[str, Any], list[str]]:
-        """Return the keys of a stratum for the pore pressure of a layer with an outline (n, 2) around a ``middle``, and
-        notices on pressure that they do not give."""
+    @cached_property
+    def wet_ground(self) -> ReferenceLine:
+        """Return the line below which the ground is wet, the phreatic line or the ground where it is under water, as a
+        line with the phreatic level below it."""
+        line = lower_line(self.heads[str(self.phreatic)], self.ground)
+        return ReferenceLine(line, self.phreatic, self.phreatic)
+
+    def keys_of(self, points: np.ndarray) -> tuple[dict[str, Any], list[str]]:
+        """Return the keys of a stratum for the pore pressure of a layer with an outline (n, 2), and notices on pressure
+        that they do not give."""
         if self.table is None:
             return {}, []
+        middle = middle_of(points)
         above, below = self._around(middle)
+        if above is self.wet_ground:
+            above = self._phreatic_line_above(points)
         upper, under = above.below, None if below is None else below.above
         keys: dict[str, Any] = {}
         if under is not None and below is not None and under != upper:
             keys["vertical_flow"] = {
                 "upper_level": self.heads[str(upper)].tolist(), "lower_level": self.heads[under].tolist(),
-                "top": above.course.tolist(), "bottom": below.course.tolist(),
+                "top": self._to_the_sides(above).tolist(), "bottom": below.course.tolist(),
             }  # fmt: skip
         elif upper != self.phreatic:
             keys["piezometric_level"] = self.heads[str(upper)].tolist()
@@ -88,9 +103,33 @@ class Waternet:
         x, z = point.tolist()
         over = [line for line in self.lines if line.below is not None and line.at(x) >= z]
         under = [line for line in self.lines if line.above is not None and line.at(x) < z]
-        table = ReferenceLine(self.heads[str(self.phreatic)], self.phreatic, self.phreatic)
-        above = min(over, key=lambda line: line.at(x), default=table)
+        above = min(over, key=lambda line: line.at(x), default=self.wet_ground)
         return above, max(under, key=lambda line: line.at(x), default=None)
+
+    def _phreatic_line_above(self, points: np.ndarray) -> ReferenceLine:
+        """Return the lowest reference line over a part of a layer with an outline (n, 2) below which the level is the
+        phreatic one, by default the top of the wet ground."""
+        candidates = []
+        for line in self.lines:
+            left = max(line.course[0, 0], points[:, 0].min())
+            right = min(line.course[-1, 0], points[:, 0].max())
+            if line.below == self.phreatic and left < right:
+                x, z = middle_of(points, 0.5 * (left + right))
+                candidates += [(line.at(x) - z, line)] if line.at(x) >= z else []
+        return min(candidates, key=lambda pair: pair[0], default=(0.0, self.wet_ground))[1]
+
+    def _to_the_sides(self, line: ReferenceLine) -> np.ndarray:
+        """Return the course (n, 2) in m of a line below which the level is the phreatic one, and of the wet ground
+        beyond its ends; any other line continues level."""
+        if line.below != self.phreatic or line is self.wet_ground:
+            return line.course
+        wet, (left, right) = self.wet_ground.course, line.course[[0, -1], 0]
+        parts = [line.course]
+        for side, end in ((wet[:, 0] < left, left), (wet[:, 0] > right, right)):
+            if side.any():
+                joined = np.array([[end, float(np.interp(end, *wet.T))]])
+                parts = [wet[side], joined, *parts] if end == left else [*parts, joined, wet[side]]
+        return without_repeats(np.vstack(parts))
 
     def _head(self, point: np.ndarray) -> float:
         """Return the pressure head (m) at a point (2,)."""
@@ -124,3 +163,14 @@ class Waternet:
 def xz(points: Sequence[Json]) -> list[tuple[float, float]]:
     """Return the coordinates of points of a document."""
     return [(point["X"], point["Z"]) for point in points]
+
+
+def middle_of(outline: np.ndarray, x: float | None = None) -> np.ndarray:
+    """Return a point (2,) in a layer with an outline (n, 2), half-way between its edges at ``x``, by default at the
+    middle of its width (m)."""
+    x = float(0.5 * (outline[:, 0].min() + outline[:, 0].max())) + 1e-6 if x is None else x
+    start, end = outline, np.roll(outline, -1, axis=0)
+    cut = (start[:, 0] < x) != (end[:, 0] < x)
+    share = (x - start[cut, 0]) / (end[cut, 0] - start[cut, 0])
+    z = np.sort(start[cut, 1] + share * (end[cut, 1] - start[cut, 1]))
+    return np.array([x, 0.5 * (z[0] + z[1])])

@@ -4,9 +4,10 @@ effective stress.
 c = max(c_min, c0 + k max(0, z_from - z) + S σ'v OCR^m), where the last term is SHANSEP (Ladd & Foott 1974). OCR = σ'p /
 σ'v is a number, or follows from a pre-overburden pressure: σ'p = σ'v + POP. σ'v is the vertical effective stress before
 shaking to which the ground has consolidated: the weight of the ground above, of the water on it and of the consolidated
-share of surcharges, not spread with depth, less the pore pressure. Points are (n, 2), x and elevation in m. Each has
-its stratum, and a neighbouring point ``near`` it, which tells on which side of a step of the ground or of a surcharge
-the point lies. Cohesions are in Pa.
+share of surcharges, not spread with depth, less the pore pressure. If the table [consolidation] gives another state,
+σ'p follows from the stress σ'vc of that state, OCR σ'vc or σ'vc + POP, and is at least σ'v. Points are (n, 2), x and
+elevation in m. Each has its stratum, and a neighbouring point ``near`` it, which tells on which side of a step of the
+ground or of a surcharge the point lies. Cohesions are in Pa.
 """
 
 from collections.abc import Callable
@@ -16,6 +17,7 @@ from typing import Self
 
 import numpy as np
 
+from meshes.section.consolidation import ConsolidatedState, Consolidation
 from meshes.section.layering import middles
 from meshes.section.polyline import Line, crossings, level_at
 from meshes.section.stratum import Stratum
@@ -38,22 +40,27 @@ class CohesionField:
     starts (n, 2) : the line (m) for each stratum below which its cohesion grows with depth
     consolidated (n, 2) : for each stratum the line (m) above which the ground has not consolidated the stratum; None if
         all ground above has
+    state : the state to which the ground consolidated, if it is not the present one
     """
 
     loads: SurfaceLoads
     starts: tuple[np.ndarray | None, ...]
     consolidated: tuple[np.ndarray | None, ...]
+    state: ConsolidatedState | None = None
 
     @classmethod
-    def of(cls, loads: SurfaceLoads, elevations_of: Callable[[Line], np.ndarray]) -> Self:
+    def of(
+        cls, loads: SurfaceLoads, elevations_of: Callable[[Line], np.ndarray], state: Consolidation | None = None
+    ) -> Self:
         """Return the cohesions of the strata below ``loads``; ``elevations_of`` gives a line as (n, 2) from side to
-        side (m)."""
+        side (m). ``state``: the table [consolidation], if there is one."""
 
         def lines(key: str) -> tuple[np.ndarray | None, ...]:
             lines_of_strata = [getattr(soil, key) for soil in loads.water.strata]
             return tuple(None if line is None else elevations_of(line) for line in lines_of_strata)
 
-        return cls(loads, lines("cohesion_from"), lines("consolidated_below"))
+        before = None if state is None else ConsolidatedState.of(loads.water, state, elevations_of)
+        return cls(loads, lines("cohesion_from"), lines("consolidated_below"), before)
 
     @property
     def water(self) -> WaterPressure:
@@ -75,6 +82,15 @@ class CohesionField:
         """
         load = self.loads.consolidated(points[:, 0], near[:, 0])
         return self.water.vertical_effective(points, near, stratum, top, load, pressure)
+
+    def consolidation_stress(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, k: int) -> np.ndarray:
+        """Return the vertical effective stress σ'vc (n,) in Pa to which OCR and POP of stratum ``k`` refer, by the
+        table [consolidation] if there is one. Other arguments: as in ``effective_stress``."""
+        if self.state is None:
+            return self.effective_stress(points, near, stratum, self.consolidated[k])
+        return self.state.at(
+            points, near, stratum, self.consolidated[k], self.loads.consolidated(points[:, 0], near[:, 0])
+        )
 
     def mean_effective_stress(self, stratum: int) -> float:
         """Return the mean of the vertical effective stress (Pa) over the area of a stratum; 0 for a stratum without
@@ -133,8 +149,9 @@ class CohesionField:
         linear rule in every stratum."""
         if not self.varies.any():
             return self.water.kinks
-        lines = [self.water.kinks, *(line[:, 0] for line in (*self.starts, *self.consolidated) if line is not None)]
-        passes = [self._passes(line) for line in self.consolidated if line is not None]
+        tops = [line for line in (*self.consolidated, *(self.state.lines if self.state else ())) if line is not None]
+        lines = [self.water.kinks, *(line[:, 0] for line in (*self.starts, *tops) if line is not None)]
+        passes = [self._passes(line) for line in tops]
         return self.water.layers.places_between(np.concatenate([self.water.layers.x, *lines, *passes]))
 
     def _passes(self, line: np.ndarray) -> np.ndarray:
@@ -155,8 +172,8 @@ class CohesionField:
     def at(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
         """Return the cohesion (n,) in Pa at points."""
 
-        def exact(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
-            return np.maximum(_grown(soil, depth, stress), soil.cohesion_minimum or 0.0)
+        def exact(soil: Stratum, depth: np.ndarray, stress: np.ndarray, base: np.ndarray | None) -> np.ndarray:
+            return np.maximum(_grown(soil, depth, stress, base), soil.cohesion_minimum or 0.0)
 
         return self._of_strata(exact, points, near, stratum)
 
@@ -171,20 +188,21 @@ class CohesionField:
         In a triangle, depth and stress are linear, since in the bounds the pore pressure is linear between corners,
         also where water flows. A convex function of depth and stress (growth below a line, a least value) lies below
         its chord and above its tangent; a concave one (σ'v to a power below 1) lies above its chord and below its
-        tangent.
+        tangent. The stress σ'vc of another state is replaced by a linear one (`_linear_base`).
         """
 
-        def linear(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
+        def linear(soil: Stratum, depth: np.ndarray, stress: np.ndarray, base: np.ndarray | None) -> np.ndarray:
             depth, (stress, middle) = depth.reshape(-1, 4)[:, :3], np.split(stress.reshape(-1, 4), [3], axis=1)
+            base = None if base is None else _linear_base(base.reshape(-1, 4), above)
             least = soil.cohesion_minimum or 0.0
             # A stress that water has brought down to zero in a part of the triangle is not linear there.
             is_linear = middle >= (1.0 - ROUNDING) * stress.mean(axis=1, keepdims=True)
             if above:
                 grown = np.maximum(depth, 0.0)
-                ratio = _tangent(soil, stress)
+                ratio = _tangent(soil, stress, base)
             else:
                 grown = np.where(depth.mean(axis=1, keepdims=True) > 0.0, depth, 0.0)
-                ratio = np.where(is_linear, _shansep(soil, stress), 0.0)
+                ratio = np.where(is_linear, _chord(soil, stress, base), 0.0)
             total = soil.cohesion + soil.cohesion_increase * grown + ratio
             if above:
                 cohesion = np.maximum(total, least)
@@ -215,14 +233,14 @@ class CohesionField:
 
     def _of_strata(
         self,
-        law: Callable[[Stratum, np.ndarray, np.ndarray], np.ndarray],
+        law: Callable[[Stratum, np.ndarray, np.ndarray, np.ndarray | None], np.ndarray],
         points: np.ndarray,
         near: np.ndarray,
         stratum: np.ndarray,
         pressure: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Return the values (n,) of a ``law`` at points (n, 2); the law takes the soil, depths (m) below its line and
-        stresses (Pa)."""
+        """Return the values (n,) of a ``law`` at points (n, 2); the law takes the soil, depths (m) below its line,
+        stresses σ'v (Pa), and the stresses σ'vc of another state to which the ground consolidated, if there is one."""
         cohesion = np.empty(len(points))
         for k in np.unique(stratum):
             in_stratum, soil = stratum == k, self.water.strata[k]
@@ -231,35 +249,70 @@ class CohesionField:
                 continue
             place, nearby, start = points[in_stratum], near[in_stratum], self.starts[k]
             depth = np.zeros(len(place)) if start is None else level_at(start, place[:, 0], nearby[:, 0]) - place[:, 1]
-            stress = np.zeros(len(place))
+            stress, base = np.zeros(len(place)), None
             if soil.strength_ratio:
-                pore = None if pressure is None else pressure[in_stratum]
-                stress = self.effective_stress(place, nearby, np.full(len(place), k), self.consolidated[k], pore)
-            cohesion[in_stratum] = law(soil, depth, stress)
+                pore, owner = None if pressure is None else pressure[in_stratum], np.full(len(place), k)
+                stress = self.effective_stress(place, nearby, owner, self.consolidated[k], pore)
+                base = None if self.state is None else self.consolidation_stress(place, nearby, owner, int(k))
+            cohesion[in_stratum] = law(soil, depth, stress, base)
         return cohesion
 
 
-def _grown(soil: Stratum, depth: np.ndarray, stress: np.ndarray) -> np.ndarray:
+def _grown(soil: Stratum, depth: np.ndarray, stress: np.ndarray, base: np.ndarray | None) -> np.ndarray:
     """Return the cohesion (Pa), without its least value, at depths (m) below the line of the stratum and at vertical
-    effective stresses (Pa)."""
-    return soil.cohesion + soil.cohesion_increase * np.maximum(depth, 0.0) + _shansep(soil, stress)
+    effective stresses (Pa), present ones and those of another state to which the ground consolidated."""
+    return soil.cohesion + soil.cohesion_increase * np.maximum(depth, 0.0) + _shansep(soil, stress, base)
 
 
-def _shansep(soil: Stratum, stress: np.ndarray) -> np.ndarray:
-    """Return S σ'v OCR^m (Pa) at vertical effective stresses (Pa)."""
+def _shansep(soil: Stratum, stress: np.ndarray, base: np.ndarray | None) -> np.ndarray:
+    """Return S σ'v OCR^m (Pa) at vertical effective stresses (Pa), present ones and those of another state."""
     ratio, power = soil.strength_ratio or 0.0, soil.exponent
-    if soil.pre_overburden_pressure is None:
+    if base is None and soil.pre_overburden_pressure is None:
         return np.asarray(ratio * (soil.ocr or 1.0) ** power * stress)
-    return np.asarray(ratio * stress ** (1.0 - power) * (stress + soil.pre_overburden_pressure) ** power)
+    return np.asarray(ratio * stress ** (1.0 - power) * np.maximum(_past(soil, stress, base), stress) ** power)
 
 
-def _tangent(soil: Stratum, stress: np.ndarray) -> np.ndarray:
-    """Return the tangent (m, 3) of S σ'v OCR^m at the mean of the stresses (m, 3) of each triangle, at its corners
-    (Pa)."""
-    mean = stress.mean(axis=1, keepdims=True)
-    value, past = _shansep(soil, mean), soil.pre_overburden_pressure
-    if past is None or not soil.strength_ratio:
-        return _shansep(soil, stress)
-    positive = np.maximum(mean, 1e-12)
-    slope = value * ((1.0 - soil.exponent) / positive + soil.exponent / (positive + past))
-    return np.asarray(np.where(mean > 0.0, value + slope * (stress - mean), value))
+def _past(soil: Stratum, stress: np.ndarray, base: np.ndarray | None) -> np.ndarray:
+    """Return the preconsolidation stress σ'p (Pa) of a soil, which is nowhere put up to the present stress."""
+    base = stress if base is None else base
+    if soil.pre_overburden_pressure is None:
+        return np.asarray((soil.ocr or 1.0) * base)
+    return np.asarray(base + soil.pre_overburden_pressure)
+
+
+def _linear_base(base: np.ndarray, above: bool) -> np.ndarray:
+    """Return stresses σ'vc (m, 3) at the corners of triangles between which a linear stress is nowhere above the true
+    one, or nowhere below it if ``above``; ``base`` (m, 4) are the true stresses at the corners and in the middle.
+
+    Where a water table crosses a triangle, σ'vc is concave in it, and nowhere above the plane through its corners by
+    more than three times its excess in the middle. Where the ground surface does, σ'vc begins at zero and is convex.
+    """
+    corners, middle = np.split(base, [3], axis=1)
+    excess = middle - corners.mean(axis=1, keepdims=True)
+    if above:
+        return np.asarray(corners + 3.0 * np.maximum(excess, 0.0))
+    convex = excess < -ROUNDING * np.maximum(middle, 1.0)
+    return np.where(convex, 0.0, corners)
+
+
+def _chord(soil: Stratum, stress: np.ndarray, base: np.ndarray | None) -> np.ndarray:
+    """Return values (m, 3) of S σ'v OCR^m (Pa) at the corners of triangles, between which a linear strength is nowhere
+    above the true one: σ'p counts as σ'v only in triangles that are normally consolidated throughout."""
+    if base is None:
+        return _shansep(soil, stress, None)
+    past = _past(soil, stress, base)
+    past = np.where((stress >= past).all(axis=1, keepdims=True), stress, past)
+    return np.asarray((soil.strength_ratio or 0.0) * stress ** (1.0 - soil.exponent) * past**soil.exponent)
+
+
+def _tangent(soil: Stratum, stress: np.ndarray, base: np.ndarray | None) -> np.ndarray:
+    """Return the tangent (m, 3) of S σ'v^(1-m) σ'p^m at the mean of the stresses (m, 3) of each triangle, at its
+    corners, or S σ'v where that is more (Pa)."""
+    if (base is None and soil.pre_overburden_pressure is None) or not soil.strength_ratio:
+        return _shansep(soil, stress, None)
+    past, power = _past(soil, stress, base), soil.exponent
+    mean, past_mean = (values.mean(axis=1, keepdims=True) for values in (stress, past))
+    value = soil.strength_ratio * mean ** (1.0 - power) * past_mean**power
+    slopes = [value * share / np.maximum(at, 1e-12) for share, at in ((1.0 - power, mean), (power, past_mean))]
+    tangent = value + slopes[0] * (stress - mean) + slopes[1] * (past - past_mean)
+    return np.maximum(np.where(mean > 0.0, tangent, value), soil.strength_ratio * stress)

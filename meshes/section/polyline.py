@@ -173,6 +173,20 @@ def level_at(level: np.ndarray, x: np.ndarray, near: np.ndarray) -> np.ndarray:
     return np.where(near < x, before, after)
 
 
+def lower_line(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return the line (k, 2) of the lower one of two lines (n, 2) at every x."""
+
+    def sides(x: np.ndarray) -> list[np.ndarray]:
+        middle = 0.5 * (x[1:] + x[:-1])
+        return [np.stack([level_at(line, at, middle) for line in (first, second)]) for at in (x[:-1], x[1:])]
+
+    x = np.union1d(first[:, 0], second[:, 0])
+    left, right = sides(x)
+    x = np.union1d(x, crossings(x, left[0] - left[1], right[0] - right[1]))
+    lower = np.column_stack([pair.min(axis=0) for pair in sides(x)]).ravel()
+    return without_repeats(np.column_stack([np.repeat(x, 2)[1:-1], lower]))
+
+
 __all__ = [
     "ElevationOrLine",
     "Line",
@@ -183,6 +197,7 @@ __all__ = [
     "downhill",
     "level_at",
     "limits",
+    "lower_line",
     "read_points",
     "without_repeats",
 ]

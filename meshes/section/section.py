@@ -15,6 +15,7 @@ from pydantic import Field, PrivateAttr, StrictBool, ValidationError, model_vali
 from meshes.errors import InputError
 from meshes.section.beyond import Continuation, Slope, continuation, continuation_words
 from meshes.section.cohesion_field import CohesionField
+from meshes.section.consolidation import Consolidation
 from meshes.section.cutting import Cutting, cut_films, cut_strata, key_in_file, named_strata, uncut_strata
 from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines
 from meshes.section.flow import seepage_of
@@ -67,6 +68,10 @@ class Section(Model):
     )
     water: Water | None = Field(default=None, description="table [water]: the water table, or heads of seepage")
     surcharges: tuple[Surcharge, ...] = Field(default=(), description="loads on the ground, tables [[surcharges]]")
+    consolidation: Consolidation | None = Field(
+        default=None,
+        description="table [consolidation]: an earlier state that ocr and pre_overburden_pressure refer to",
+    )
     beyond: Length | None = Field(
         default=None, description='length over which ground and water continue beyond both ends, such as "100 m"'
     )
@@ -105,7 +110,7 @@ class Section(Model):
         if not problems:
             problems += self._apply_zones()
         if not problems:
-            problems += water_problems(self.water, self.water_table, self.strata)
+            problems += water_problems(self.water, self.water_table, self.strata, self.consolidation)
             problems += surcharge_problems(self.surcharges, *self.given_extent)
             problems += structure_problems(self.structures, self.given_extent)
         if not problems and self.water is not None and self.water.cutoffs:
@@ -131,8 +136,9 @@ class Section(Model):
             if ground.surface != self.surface:  # depths of water are below the ground as it is without zones
                 before = np.array(self.surface, dtype=float)
                 self.__dict__.update(water_table=without_depth(before, self.water_table))
-                if self.water is not None:
-                    self.__dict__.update(water=with_elevations(before, self.water, ("table", "after_drawdown")))
+                for key, lines in (("water", ("table", "after_drawdown")), ("consolidation", ("table", "surface"))):
+                    if (table := getattr(self, key)) is not None:
+                        self.__dict__[key] = with_elevations(before, table, lines)
             self.__dict__.update(surface=ground.surface, base=ground.base, strata=ground.strata, zones=())
             self._complete_vertical_flow()
             self._zone_notices = tuple(ground.notices)
@@ -276,7 +282,7 @@ class Section(Model):
     @cached_property
     def cohesion_field(self) -> CohesionField:
         """Return the cohesion at any point of the ground."""
-        return CohesionField.of(self.surface_loads, self.elevations_of)
+        return CohesionField.of(self.surface_loads, self.elevations_of, self.consolidation)
 
     @cached_property
     def uplift(self) -> Uplift | None:
@@ -319,13 +325,7 @@ class Section(Model):
     def _cut_by(self, cutting: Cutting) -> "Section":
         if self.water is None and not any(s.confined for s in self.strata):
             return self
-        water = self.water_pressure
-        levels = [
-            None if s.density_saturated is None and s.pore_pressure_ratio is not None
-            else water.table_after if level is water.table_before and s.drains else level
-            for s, level in zip(self.strata, water.levels, strict=True)
-        ]  # fmt: skip
-        strata = cutting(self.strata, self.layering, levels, self.given_extent)
+        strata = cutting(self.strata, self.layering, self.water_pressure.saturation_levels, self.given_extent)
         if strata == self.strata:
             return self
         # The model has two densities; a third one is that of a film of moist ground in a stratum below water.

@@ -70,6 +70,17 @@ class WaterPressure:
         levels = any(level is not None for level in self.levels)
         return levels or self.table_after is not None or any(s.pore_pressure_ratio for s in self.strata)
 
+    @property
+    def saturation_levels(self) -> list[np.ndarray | None]:
+        """Return the level (n, 2) below which each stratum is saturated, after a drawdown if the stratum drains; None
+        for strata that are not divided."""
+        undivided = [s.density_saturated is None and s.pore_pressure_ratio is not None for s in self.strata]
+        drained = [level is self.table_before and s.drains for s, level in zip(self.strata, self.levels, strict=True)]
+        return [
+            None if is_undivided else self.table_after if is_drained else level
+            for is_undivided, is_drained, level in zip(undivided, drained, self.levels, strict=True)
+        ]
+
     def at_rest(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
         """Return the pore pressure (n,) without a seismic force: the static one, or with the excess pore pressure that
         shaking left behind if the water is that ``after_shaking``."""

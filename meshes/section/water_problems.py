@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from meshes.section.consolidation import Consolidation
 from meshes.section.cutting import key_in_file
 from meshes.section.layering import Layering
 from meshes.section.polyline import Line
@@ -12,9 +13,13 @@ from meshes.section.surcharge import Surcharge
 from meshes.section.water import Cutoff, Water
 
 
-def water_problems(water: Water | None, drawn: Line | None, strata: Sequence[Stratum]) -> Iterator[str]:
+def water_problems(
+    water: Water | None, drawn: Line | None, strata: Sequence[Stratum], state: Consolidation | None
+) -> Iterator[str]:
     """Return problems of the table [water] and of strata with water, one sentence each. ``drawn`` is a water table that
-    is only drawn."""
+    is only drawn, ``state`` the table [consolidation]."""
+    if state is not None and not any(s.strength_ratio for s in strata):
+        yield "consolidation: no stratum has a strength_ratio; expected one, whose preconsolidation it determines"
     table = None if water is None else water.table
     if water is not None and drawn is not None:
         yield "water_table together with [water]: expected table in [water] alone; water_table is only drawn"

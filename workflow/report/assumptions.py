@@ -56,6 +56,11 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
             if any(stratum.strength_ratio for stratum in config.section.strata)
             else ""
         )
+        + (
+            "The preconsolidation stress is that of the state in [consolidation]. "
+            if config.section.consolidation is not None
+            else ""
+        )
         + FLOWS[flow_of(config.section.strata, config.fem.flow)],
     )
     yield "Water", _water(config.section)

@@ -211,23 +211,24 @@ def _written_value(stratum: Stratum, field: str, unit: str) -> str:
 def line_rows(config: Section) -> Iterator[tuple[str, str, str]]:
     """Yield the lines of the section: name, kind (elevation or depth), and points (m)."""
     yield "ground surface", "elevation", _points(config.surface)
+    for name, line in _named_lines(config):
+        if line is not None:
+            yield name, *_line(line)
+
+
+def _named_lines(config: Section) -> Iterator[tuple[str, Line | None]]:
+    """Yield the lines of strata, base and water by their names; None where the section has no such line."""
+    yield from ((f"bottom of {stratum.name}", stratum.bottom) for stratum in config.strata)
+    yield from (("base of the section", config.base), ("water table", config.water_table))
+    if (water := config.water) is not None:
+        yield from (("water table", water.table), ("after a drawdown", water.after_drawdown))
+    if (state := config.consolidation) is not None:
+        yield from (("water table of the consolidation", state.table), ("ground of the consolidation", state.surface))
     for stratum in config.strata:
-        if stratum.bottom is not None:
-            yield f"bottom of {stratum.name}", *_line(stratum.bottom)
-    yield "base of the section", *_line(config.base)
-    if config.water_table is not None:
-        yield "water table", *_line(config.water_table)
-    if config.water is not None:
-        for name, line in (("water table", config.water.table), ("after a drawdown", config.water.after_drawdown)):
-            if line is not None:
-                yield name, *_line(line)
-    for stratum in config.strata:
-        if stratum.piezometric_level is not None:
-            yield f"piezometric level of {stratum.name}", *_line(stratum.piezometric_level)
+        yield f"piezometric level of {stratum.name}", stratum.piezometric_level
         if (flow := stratum.vertical_flow) is not None:
             for key in FLOW_LINES:
-                if (line := getattr(flow, key)) is not None:
-                    yield f"vertical flow through {stratum.name}: {key.replace('_', ' ')}", *_line(line)
+                yield f"vertical flow through {stratum.name}: {key.replace('_', ' ')}", getattr(flow, key)
 
 
 def _line(line: Line) -> tuple[str, str]:

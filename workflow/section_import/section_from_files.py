@@ -158,14 +158,17 @@ GUESSED = "The section is complete; stiffness and strength are estimated from N:
 
 
 def to_be_given(path: Path, sound: str = GUESSED) -> list[str]:
-    """Return missing input of the new section, one sentence each; or a sentence that the section is ``sound``."""
+    """Return missing input of the new section, one sentence each; or a sentence that the section is ``sound``, or that
+    its pore pressure lifts the ground."""
     try:
-        load_config(path)
+        lifted = load_config(path).section.uplift
     except InputError as error:
         return [
             "Required before the section can be analysed:",
             *(f"  - {text}" for text in _by_stratum(error.problems)),
         ]
+    if lifted is not None:
+        return [*_minded([lifted.description]), "It can be computed, but its pore pressure lifts the ground."]
     return [sound]
 
 

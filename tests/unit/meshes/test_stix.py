@@ -108,7 +108,14 @@ def test_a_dike_is_a_section(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert run("section", written(tmp_path, model()), "-o", tmp_path / "dike.toml") == 0
     out = capsys.readouterr().out
     assert "It is sound." in out
-    for text in ("line loads, 1", "earthquake, Kh = 0.1", "nails, 2", "consolidation that differ", "stiffness"):
+    for text in (
+        "line loads, 1",
+        "earthquake, Kh = 0.1",
+        "nails, 2",
+        "consolidation that differ",
+        "stiffness",
+        "tan φ of",
+    ):
         assert text in out
     section = Section.read(tmp_path / "dike.toml")
     assert [s.name for s in section.strata] == ["Dike", "Dike, wet", "Clay", "Clay, below water", "Sand"]
@@ -142,6 +149,34 @@ def test_preconsolidation_lasts_from_stage_to_stage(tmp_path: Path, capsys: pyte
     _, wet, clay, *_ = Section.read(tmp_path / "dike.toml").strata
     assert clay.pre_overburden_pressure == 12e3
     assert wet.pre_overburden_pressure > 20e3
+    assert Section.read(tmp_path / "dike.toml").cohesion_field.state is not None
+
+
+def test_a_later_stage_has_the_preconsolidation_of_the_water_and_the_ground_before(tmp_path: Path) -> None:
+    """At high water, beside a new berm: σ'p at (30, -3) is σ'v of the stage before, under water at -1 m, and 12 kPa."""
+    data = model()
+    before = data["scenarios/scenario"]["Stages"][-1]
+    layers = data["geometries/geometry"]["Layers"]
+    berm = {"Id": "15", "Points": points((20, 0), (40, 0), (40, 1.5), (22, 1.5))}
+    data["geometries/geometry_1"] = {"Id": "91", "Layers": [*layers, berm]}
+    soils = [*data["soillayers/soillayers"]["SoilLayers"], {"LayerId": "15", "SoilId": "23"}]
+    data["soillayers/soillayers_1"] = {"Id": "92", "SoilLayers": soils}
+    waternet = data["waternets/waternet"]
+    data["waternets/waternet"] = waternet | {"ReferenceLines": []}
+    high = [{"Id": "31", "Points": points((-30, 3), (40, 1))}, waternet["HeadLines"][1]]
+    data["waternets/waternet_1"] = waternet | {"Id": "93", "HeadLines": high, "ReferenceLines": []}
+    data["states/state_1"] = {"Id": "94", "StatePoints": [], "StateLines": []}
+    ids = {"GeometryId": "91", "SoilLayersId": "92", "StateId": "94", "WaternetId": "93"}
+    stages = [before, {**before, "Label": "High water", **ids}]
+    data["scenarios/scenario"] = {**data["scenarios/scenario"], "Stages": stages}
+    section = Section.parse(tomllib.loads(read_stix(written(tmp_path, data), "dike").text))
+    at = np.array([[30.0, -3.0]])
+    k = section.stratum_at(*at.T)
+    state = section.cohesion_field.consolidation_stress(at, at, k, int(k[0]))
+    assert state[0] == pytest.approx(1e3 * (3.0 * 15.0 - 2.0 * 9.81), rel=1e-4)
+    level = 1.0 + 2.0 * 10.0 / 70.0
+    stress = 1e3 * (19.0 * (1.5 - level) + 20.0 * level + 15.0 * 3.0 - 9.81 * (level + 3.0))
+    assert section.cohesion_field.effective_stress(at, at, k)[0] == pytest.approx(stress, rel=1e-3)
 
 
 def test_bad_models_are_told(tmp_path: Path) -> None:

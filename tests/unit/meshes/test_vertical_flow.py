@@ -2,6 +2,7 @@
 reaches."""
 
 import tomllib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from meshes.section.section import Section
 from tests.support.water import WATER, at_rest, soil
 from workflow.estimates.slices import divide
 from workflow.report.tables import line_rows
+from workflow.section_import.section_from_files import to_be_given
 
 FEW = DemSettings(elements=300, packing="random")
 
@@ -110,6 +112,14 @@ def test_the_report_lists_its_lines() -> None:
     names = {name: points for name, _, points in line_rows(ground())}
     assert names["vertical flow through Clay: lower level"] == "4"
     assert names["vertical flow through Clay: bottom"].startswith("(0, -6)")
+
+
+def test_a_section_that_water_lifts_is_not_called_sound(tmp_path: Path) -> None:
+    lifted = tmp_path / "polder.toml"
+    for level, words in ((13.0, "lifts the ground"), (4.0, "It is sound.")):
+        clay = soil("Clay", bottom={"elevation": -6.0}, vertical_flow={"lower_level": level})
+        lifted.write_text(ground(strata=[clay, soil("Sand", piezometric_level=level)]).to_toml())
+        assert words in to_be_given(lifted, "It is sound.")[-1]
 
 
 @pytest.mark.parametrize(

@@ -65,13 +65,16 @@ def test_elements_and_bounds_of_a_section_find_the_same() -> None:
     assert safety_factor(section, mesh, settings, 0.0, MPI.COMM_SELF).factor == pytest.approx(wedge, rel=0.005)
 
 
-def slope(water: dict[str, object] | None = None, **soil: object) -> Section:
+def slope(
+    water: dict[str, object] | None = None, consolidation: dict[str, object] | None = None, **soil: object
+) -> Section:
     """A slope of 1:2, 5 m high, in clay of 18 kN/m³ under water at 2 m that stands on its toe, or the ``water``."""
+    state = {} if consolidation is None else {"consolidation": consolidation}
     weight = {"density": "18 kN/m^3", "density_saturated": "18 kN/m^3"}
     clay = water_soil("clay", **weight, **{"cohesion": 0, "friction_angle": 0, **soil})
     return Section.parse({
         "name": "slope", "surface": [[0.0, 0.0], [10.0, 0.0], [20.0, 5.0], [30.0, 5.0]], "base": {"elevation": -5.0},
-        "water": water or {"table": 2.0, "unit_weight": "10 kN/m^3"}, "strata": [clay],
+        "water": water or {"table": 2.0, "unit_weight": "10 kN/m^3"}, "strata": [clay], **state,
     })  # fmt: skip
 
 
@@ -89,6 +92,11 @@ def test_cohesions_by_hand() -> None:
     assert cohesion(past, 25.0, 1.0) == pytest.approx(1e3 + 0.25 * 62e3 * (72.0 / 62.0) ** 0.9)
     new = slope(strength_ratio=0.25, consolidated_below=3.0)  # two metres of fill have not consolidated it
     assert cohesion(new, 25.0, 1.0) == pytest.approx(0.25 * (2.0 * 18e3 - 10e3))
+    flooded = slope(consolidation={"table": -2.0}, strength_ratio=0.25, ocr=2.0)  # at (5, -1) σ'vc is 18 kPa
+    assert cohesion(flooded, 5.0, -1.0) == pytest.approx(0.25 * 8e3**0.2 * (2.0 * 18e3) ** 0.8)
+    berm = slope(consolidation={"surface": 4.0}, strength_ratio=0.25, pre_overburden_pressure="5 kPa")
+    assert cohesion(berm, 25.0, 1.0) == pytest.approx(0.25 * 62e3)  # σ'p of 44 + 5 kPa is less than the present σ'v
+    assert cohesion(berm, 5.0, -1.0) == pytest.approx(0.25 * 8e3 * (13.0 / 8.0) ** 0.8)
     deep = slope(cohesion="2 kPa", cohesion_increase="3 kPa/m", cohesion_from={"depth": 1.0}, cohesion_minimum="4 kPa")
     assert cohesion(deep, 25.0, 1.0) == pytest.approx(2e3 + 3e3 * 3.0)
     assert cohesion(deep, 15.0, 2.2) == pytest.approx(4e3)  # 0.3 m below the ground
@@ -99,6 +107,9 @@ SOILS = [
     {"strength_ratio": 0.3, "cohesion_minimum": "6 kPa"},
     {"strength_ratio": 0.3, "consolidated_below": 3.1},  # it goes through the ground in the middle of the face
     {"cohesion": "2 kPa", "cohesion_increase": "3 kPa/m", "cohesion_from": {"depth": 1.0}, "cohesion_minimum": "4 kPa"},
+    {"strength_ratio": 0.3, "pre_overburden_pressure": "5 kPa", "consolidation": {"table": [[0, -2], [30, 0.7]]}},
+    # In a part of the ground the stress has grown by more than OCR, in a part it has not.
+    {"strength_ratio": 0.3, "ocr": 1.2, "consolidation": {"table": 3.1, "surface": [[0, 0], [12, 0], [24, 4.3]]}},
 ]
 
 
