@@ -4,6 +4,7 @@ volume.
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 from meshes.section.liquefies import RemainingStrength
 from meshes.section.section import Section
@@ -25,7 +26,9 @@ def liquefied_section(section: Section, remains: Mapping[int, RemainingStrength]
         cohesion = remains_of.cohesion * strata[k].cohesion + remains_of.strength
         if friction == 0.0 and not remains_of.residual:
             cohesion = max(cohesion, LEAST_STRENGTH_RATIO * section.cohesion_field.mean_effective_stress(k))
-        change: dict[str, float | None] = {
+        table = strata[k].with_multiple_of_cohesion(remains_of.cohesion).strength_table
+        change: dict[str, Any] = {
+            "strength_table": None if remains_of.residual or not remains_of.cohesion else table,
             "cohesion": cohesion,
             "cohesion_increase": remains_of.cohesion * strata[k].cohesion_increase,
             "cohesion_minimum": None,

@@ -27,6 +27,7 @@ from meshes.models.foreign_model import (
 from meshes.models.waternet import Waternet, middle_of, xz
 
 EXPECTED = "expected a model of D-Stability, as it writes it since 2022"
+LEAST_COHESION = 0.05  # kPa: less is a number that keeps a program from dividing by zero
 ON_LINE = 0.05  # m: how far a corner of a layer may lie from a state line or a reference line on its edge
 MODEL_ABOVE_WATER, MODEL_BELOW_WATER = (
     "ShearStrengthModelTypeAbovePhreaticLevel",
@@ -126,7 +127,9 @@ def _model(files: Sequence[tuple[str, Json]], path: Path, label: str | None) -> 
     state = _consolidated_state(stages, used, notices)
     loads = part("loads", "LoadsId")
     undrained = {
-        number for number, soil in of_layer.items() if "Su" in (soil[MODEL_ABOVE_WATER], soil[MODEL_BELOW_WATER])
+        number
+        for number, soil in of_layer.items()
+        if {"Su", "SuTable"} & {soil[MODEL_ABOVE_WATER], soil[MODEL_BELOW_WATER]}
     }
     surcharges = [
         {"from": load["Start"], "to": load["End"], "pressure": _kPa(load["Magnitude"]),
@@ -178,7 +181,11 @@ def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
     keys: dict[str, Any] = {}
     if f"{model}".startswith("MohrCoulomb"):
         parameters = soil[f"{model}ShearStrengthModel"]
-        keys = {"cohesion": _kPa(parameters["Cohesion"]), "friction_angle": f"{parameters['FrictionAngle']:g} deg"}
+        cohesion = parameters["Cohesion"]
+        if 0.0 < cohesion < LEAST_COHESION:
+            notices.append(f'the cohesion of {cohesion:g} kPa of "{soil["Name"]}" is taken as 0')
+            cohesion = 0.0
+        keys = {"cohesion": _kPa(cohesion), "friction_angle": f"{parameters['FrictionAngle']:g} deg"}
         if (dilatancy := parameters.get("Dilatancy")) is not None:
             keys["dilation_angle"] = f"{dilatancy:g} deg"
             if dilatancy < parameters["FrictionAngle"]:
@@ -192,6 +199,10 @@ def _strength(soil: Json, model: str, notices: list[str]) -> dict[str, Any]:
             "strength_ratio": parameters["ShearStrengthRatio"],
             "ocr_exponent": parameters["StrengthIncreaseExponent"],
         }
+    elif model == "SuTable":
+        pairs = [(point["EffectiveStress"], point["Su"]) for point in soil["SuTable"]["SuTablePoints"]]
+        keys = NO_STRENGTH | {"strength_table": [[_kPa(stress), _kPa(strength)] for stress, strength in sorted(pairs)]}
+        notices.append(f'not read: the preconsolidation of "{soil["Name"]}"; its table of strengths is taken at σ\'v')
     else:
         notices.append(f'not read: the strength of "{soil["Name"]}" by {model}')
     return keys

@@ -1,13 +1,13 @@
 """Computes the cohesion at any point of a section: constant, growing with depth below a line, or growing with the
 effective stress.
 
-c = max(c_min, c0 + k max(0, z_from - z) + S σ'v OCR^m), where the last term is SHANSEP (Ladd & Foott 1974). OCR = σ'p /
-σ'v is a number, or follows from a pre-overburden pressure: σ'p = σ'v + POP. σ'v is the vertical effective stress before
-shaking to which the ground has consolidated: the weight of the ground above, of the water on it and of the consolidated
-share of surcharges, not spread with depth, less the pore pressure. If the table [consolidation] gives another state,
-σ'p follows from the stress σ'vc of that state, OCR σ'vc or σ'vc + POP, and is at least σ'v. Points are (n, 2), x and
-elevation in m. Each has its stratum, and a neighbouring point ``near`` it, which tells on which side of a step of the
-ground or of a surcharge the point lies. Cohesions are in Pa.
+c = max(c_min, c0 + k max(0, z_from - z) + S σ'v OCR^m), where the last term is SHANSEP (Ladd & Foott 1974), or a table
+of strengths over σ'v in its place. OCR = σ'p / σ'v is a number, or follows from a pre-overburden pressure: σ'p = σ'v +
+POP. σ'v is the vertical effective stress before shaking to which the ground has consolidated: the weight of the ground
+above, of the water on it and of the consolidated share of surcharges, not spread with depth, less the pore pressure. If
+the table [consolidation] gives another state, σ'p follows from the stress σ'vc of that state, OCR σ'vc or σ'vc + POP,
+and is at least σ'v. Points are (n, 2), x and elevation in m. Each has its stratum, and a neighbouring point ``near``
+it, which tells on which side of a step of the ground or of a surcharge the point lies. Cohesions are in Pa.
 """
 
 from collections.abc import Callable
@@ -21,6 +21,7 @@ from meshes.section.consolidation import ConsolidatedState, Consolidation
 from meshes.section.layering import middles
 from meshes.section.polyline import Line, crossings, level_at
 from meshes.section.stratum import Stratum
+from meshes.section.strength_table import linear_strength, table_strength
 from meshes.section.surcharge import SurfaceLoads
 from meshes.section.water_pressure import ON_GROUND, WaterPressure
 
@@ -123,7 +124,7 @@ class CohesionField:
         """Return a phrase on ground without friction whose strength is zero at its top; empty if it has some strength
         there."""
         soil, layers = self.water.strata[stratum], self.water.layers
-        if not soil.strength_ratio or soil.friction_angle > 0.0 or soil.pre_overburden_pressure is not None:
+        if not soil.by_stress or soil.friction_angle > 0.0 or soil.pre_overburden_pressure is not None:
             return ""
         x, levels = self._verticals
         ground, top, bottom = levels[:, [0, stratum, stratum + 1]].T
@@ -203,6 +204,9 @@ class CohesionField:
             else:
                 grown = np.where(depth.mean(axis=1, keepdims=True) > 0.0, depth, 0.0)
                 ratio = np.where(is_linear, _chord(soil, stress, base), 0.0)
+            if soil.strength_table is not None:
+                linear_stress = stress if above else np.where(is_linear, stress, 0.0)
+                ratio = ratio + linear_strength(soil.strength_table, linear_stress, above)
             total = soil.cohesion + soil.cohesion_increase * grown + ratio
             if above:
                 cohesion = np.maximum(total, least)
@@ -250,7 +254,7 @@ class CohesionField:
             place, nearby, start = points[in_stratum], near[in_stratum], self.starts[k]
             depth = np.zeros(len(place)) if start is None else level_at(start, place[:, 0], nearby[:, 0]) - place[:, 1]
             stress, base = np.zeros(len(place)), None
-            if soil.strength_ratio:
+            if soil.by_stress:
                 pore, owner = None if pressure is None else pressure[in_stratum], np.full(len(place), k)
                 stress = self.effective_stress(place, nearby, owner, self.consolidated[k], pore)
                 base = None if self.state is None else self.consolidation_stress(place, nearby, owner, int(k))
@@ -261,7 +265,8 @@ class CohesionField:
 def _grown(soil: Stratum, depth: np.ndarray, stress: np.ndarray, base: np.ndarray | None) -> np.ndarray:
     """Return the cohesion (Pa), without its least value, at depths (m) below the line of the stratum and at vertical
     effective stresses (Pa), present ones and those of another state to which the ground consolidated."""
-    return soil.cohesion + soil.cohesion_increase * np.maximum(depth, 0.0) + _shansep(soil, stress, base)
+    table = 0.0 if soil.strength_table is None else table_strength(soil.strength_table, stress)
+    return soil.cohesion + soil.cohesion_increase * np.maximum(depth, 0.0) + _shansep(soil, stress, base) + table
 
 
 def _shansep(soil: Stratum, stress: np.ndarray, base: np.ndarray | None) -> np.ndarray:

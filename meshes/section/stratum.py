@@ -21,10 +21,12 @@ from meshes.section.quantity import (
     Gradient,
     Permeability,
     PoissonsRatio,
+    Quantity,
     Ratio,
     Stiffness,
     Strength,
 )  # fmt: skip
+from meshes.section.strength_table import StrengthTable
 from meshes.section.vertical_flow import VerticalFlow
 
 # A line of text without quotes or control characters, which gmsh could not read back, and no space at either end.
@@ -47,8 +49,8 @@ AMOUNTS = ("cohesion", "cohesion_increase", "cohesion_minimum", "strength_ratio"
 PORE_PRESSURES = ("pore_pressure_ratio", "piezometric_level", "vertical_flow")
 # The keys by which a cohesion varies, beside cohesion_increase.
 OF_COHESION = (
-    "cohesion_from", "cohesion_minimum", "strength_ratio", "ocr", "ocr_exponent", "pre_overburden_pressure",
-    "consolidated_below",
+    "cohesion_from", "cohesion_minimum", "strength_ratio", "strength_table", "ocr", "ocr_exponent",
+    "pre_overburden_pressure", "consolidated_below",
 )  # fmt: skip
 
 
@@ -111,6 +113,13 @@ class Stratum(Model):
         description="S of a cohesion S σ'v OCR^m, with the vertical effective stress before shaking, such as 0.22; "
         "it is added to cohesion, which may then be left out",
     )
+    strength_table: StrengthTable | None = Field(
+        default=None,
+        description=(
+            'undrained strength over the vertical effective stress before shaking, [["0 kPa", "20 kPa"], ...], linear '
+            "between the pairs; it is added to cohesion, which may then be left out"
+        ),
+    )
     ocr: Ratio | None = Field(default=None, description="overconsolidation ratio OCR in strength_ratio; by default 1")
     ocr_exponent: Ratio | None = Field(default=None, description="exponent m of OCR, 0 to 1; by default 0.8")
     pre_overburden_pressure: Strength | None = Field(
@@ -120,7 +129,8 @@ class Stratum(Model):
         default=None,
         description=(
             "line, elevation (m) or { depth = ... } that separates consolidated ground from new soil above it, such "
-            "as a new embankment; the weight of the new soil does not count in the σ'v of strength_ratio"
+            "as a new embankment; the weight of the new soil does not count in the σ'v of strength_ratio or "
+            "strength_table"
         ),
     )
     friction_angle: Angle = Field(description='a friction angle such as "35 deg"')
@@ -210,7 +220,12 @@ class Stratum(Model):
     @property
     def cohesion_varies(self) -> bool:
         """Return whether the cohesion varies within the stratum."""
-        return bool(self.cohesion_increase or self.strength_ratio)
+        return bool(self.cohesion_increase or self.by_stress)
+
+    @property
+    def by_stress(self) -> bool:
+        """Return whether the cohesion follows from the vertical effective stress."""
+        return bool(self.strength_ratio) or self.strength_table is not None
 
     @property
     def has_cohesion(self) -> bool:
@@ -230,7 +245,12 @@ class Stratum(Model):
     def with_multiple_of_cohesion(self, multiple: float) -> Self:
         """Return a copy with a multiple of the cohesion at every place."""
         amounts = {key: getattr(self, key) for key in AMOUNTS}
-        return self.model_copy(update={key: multiple * value for key, value in amounts.items() if value is not None})
+        change: dict[str, Any] = {key: multiple * value for key, value in amounts.items() if value is not None}
+        if self.strength_table is not None:
+            change["strength_table"] = tuple(
+                (stress, Quantity(multiple * strength)) for stress, strength in self.strength_table
+            )
+        return self.model_copy(update=change)
 
     def with_cohesion(self, cohesion: float) -> Self:
         """Return a copy with one cohesion (Pa) everywhere."""
@@ -259,7 +279,10 @@ class Stratum(Model):
     @classmethod
     def _strength_ratio_alone(cls, data: Any) -> Any:
         """Return the data with a cohesion of zero where the undrained strength is a share of the stress alone."""
-        alone = isinstance(data, Mapping) and data.get("strength_ratio") is not None and "cohesion" not in data
+        ratios = isinstance(data, Mapping) and any(
+            data.get(key) is not None for key in ("strength_ratio", "strength_table")
+        )
+        alone = ratios and "cohesion" not in data
         return {**data, "cohesion": 0.0} if alone else data
 
     @model_validator(mode="after")
@@ -293,11 +316,17 @@ class Stratum(Model):
         if self.cohesion_increase > 0.0 and self.cohesion_from is None:
             yield "cohesion_increase without cohesion_from: expected the elevation or the line from which it grows"
         if not self.strength_ratio:
-            for key in ("ocr", "ocr_exponent", "pre_overburden_pressure", "consolidated_below"):
+            of_ratio = ("ocr", "ocr_exponent", "pre_overburden_pressure")
+            for key in (*of_ratio, *(() if self.by_stress else ("consolidated_below",))):
                 if getattr(self, key) is not None:
                     yield f"{key} without strength_ratio: expected the ratio of strength to stress that it belongs to"
         if self.cohesion_minimum is not None and not self.cohesion_varies:
-            yield "cohesion_minimum with a constant cohesion: expected cohesion_increase or strength_ratio"
+            yield (
+                "cohesion_minimum with a constant cohesion: expected cohesion_increase, strength_ratio or "
+                "strength_table"
+            )
+        if self.strength_ratio and self.strength_table is not None:
+            yield "strength_ratio and strength_table: expected one of them"
         if self.ocr is not None and self.ocr < 1.0:
             yield f"ocr = {self.ocr:g}: expected a ratio of 1 or more"
         if self.ocr is not None and self.pre_overburden_pressure is not None:

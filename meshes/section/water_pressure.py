@@ -189,7 +189,7 @@ class WaterPressure:
             first, last = (level_at(line, end, middle) - z for end, z in zip((x[:-1], x[1:]), ground, strict=True))
             kinks.append(crossings(x, first, last, ON_GROUND * near))
         kinks += [] if self.flow is None else [self.flow.marks]
-        by_weight = any(s.pore_pressure_ratio or s.excess_pore_pressure_ratio or s.strength_ratio for s in self.strata)
+        by_weight = any(s.pore_pressure_ratio or s.excess_pore_pressure_ratio or s.by_stress for s in self.strata)
         if by_weight or self.table_after is not self.table_before:
             kinks.append(ends)
         return self.layers.places_between(np.concatenate(kinks) if kinks else np.empty(0))

@@ -53,7 +53,7 @@ def assumptions(config: Config) -> Iterator[tuple[str, str]]:
         "cycles. "
         + (
             "Ratios of strength apply to the vertical effective stress before shaking. "
-            if any(stratum.strength_ratio for stratum in config.section.strata)
+            if any(stratum.by_stress for stratum in config.section.strata)
             else ""
         )
         + (

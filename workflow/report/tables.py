@@ -76,6 +76,9 @@ def _cohesion(stratum: Stratum) -> str:
         past = f"(1+{stratum.pre_overburden_pressure / 1e3:.3g}/σ'v)" if stratum.pre_overburden_pressure else ""
         past = past or (f"{stratum.ocr:.3g}" if stratum.ocr not in (None, 1.0) else "")
         terms.append(f"{stratum.strength_ratio:.3g} σ'v" + (f" {past}^{stratum.exponent:.3g}" if past else ""))
+    if stratum.strength_table is not None:
+        pairs = [f"{stress / 1e3:.3g}: {strength / 1e3:.3g}" for stress, strength in stratum.strength_table]
+        terms.append(f"({', '.join(pairs)}) by σ'v")
     least = f", ≥ {stratum.cohesion_minimum / 1e3:.3g}" if stratum.cohesion_minimum else ""
     return " + ".join(terms) + least
 

@@ -241,6 +241,22 @@ def test_layers_of_one_soil_keep_their_states(tmp_path: Path, capsys: pytest.Cap
     assert {entry["density"] for entry in strata if entry["name"].startswith("Sand")} == {"18 kN/m^3", "19 kN/m^3"}
 
 
+def test_tables_of_strengths_and_cohesions_that_only_keep_a_program_from_zero_are_read(tmp_path: Path) -> None:
+    data = model()
+    clay, sand = data["soils"]["Soils"][1:]
+    clay["ShearStrengthModelTypeBelowPhreaticLevel"] = clay["ShearStrengthModelTypeAbovePhreaticLevel"] = "SuTable"
+    entries = [{"EffectiveStress": stress, "Su": strength} for stress, strength in ((0, 20), (30, 30), (200, 100))]
+    clay["SuTable"] = {"StrengthIncreaseExponent": 0.8, "SuTablePoints": entries}
+    sand["MohrCoulombAdvancedShearStrengthModel"] = {"Cohesion": 0.01, "FrictionAngle": 30.0}
+    read = read_stix(written(tmp_path, data), "dike")
+    section = Section.parse(tomllib.loads(read.text))
+    stratum = next(s for s in section.strata if s.name == "Clay")
+    assert stratum.strength_table == ((0.0, 20e3), (30e3, 30e3), (200e3, 100e3))
+    assert any("is taken at σ'v" in text for text in read.notices)
+    assert next(s for s in section.strata if s.name == "Sand").cohesion == 0.0
+    assert 'the cohesion of 0.01 kPa of "Sand" is taken as 0' in read.notices
+
+
 def heads(*lines: tuple[str, float]) -> list[dict[str, Any]]:
     return [{"Id": number, "Points": points((-20, z), (40, z))} for number, z in lines]
 

@@ -11,6 +11,7 @@ from fem.limit.limit_problem import RigidPlasticBody, Side
 from fem.limit.safety_bounds import safety_bounds
 from fem.search.strength_reduction import safety_factor
 from fem.settings import BoundsSettings, FemSettings
+from meshes.errors import InputError
 from meshes.gmsh_model import generate
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
@@ -18,6 +19,8 @@ from meshes.triangles import triangulate
 from tests.support.bound_problems import FIXED, bracket
 from tests.support.sections import layer, problems
 from tests.support.water import soil as water_soil
+from workflow.estimates.slices import LEFT
+from workflow.estimates.slip_circles import critical_circle
 
 
 def cut(**soil: object) -> dict[str, object]:
@@ -78,6 +81,9 @@ def slope(
     })  # fmt: skip
 
 
+TABLE = [["0 kPa", "4 kPa"], ["20 kPa", "10 kPa"], ["100 kPa", "40 kPa"]]
+
+
 def cohesion(section: Section, x: float, z: float) -> float:
     at = np.array([[x, z]])
     return float(section.cohesion_field.at(at, at, section.stratum_at(*at.T))[0])
@@ -97,12 +103,18 @@ def test_cohesions_by_hand() -> None:
     berm = slope(consolidation={"surface": 4.0}, strength_ratio=0.25, pre_overburden_pressure="5 kPa")
     assert cohesion(berm, 25.0, 1.0) == pytest.approx(0.25 * 62e3)  # σ'p of 44 + 5 kPa is less than the present σ'v
     assert cohesion(berm, 5.0, -1.0) == pytest.approx(0.25 * 8e3 * (13.0 / 8.0) ** 0.8)
+    table = slope(strength_table=TABLE, cohesion="1 kPa")
+    assert cohesion(table, 5.0, -1.0) == pytest.approx(1e3 + 4e3 + 8.0 / 20.0 * 6e3)
+    assert cohesion(table, 25.0, 1.0) == pytest.approx(1e3 + 10e3 + 42.0 / 80.0 * 30e3)
+    assert cohesion(table, 25.0, -4.9) == pytest.approx(1e3 + 40e3)
     deep = slope(cohesion="2 kPa", cohesion_increase="3 kPa/m", cohesion_from={"depth": 1.0}, cohesion_minimum="4 kPa")
     assert cohesion(deep, 25.0, 1.0) == pytest.approx(2e3 + 3e3 * 3.0)
     assert cohesion(deep, 15.0, 2.2) == pytest.approx(4e3)  # 0.3 m below the ground
 
 
 SOILS = [
+    {"strength_table": TABLE, "cohesion_minimum": "6 kPa"},
+    {"strength_table": [["0 kPa", "4 kPa"], ["20 kPa", "15 kPa"], ["60 kPa", "18 kPa"]]},
     {"strength_ratio": 0.3, "pre_overburden_pressure": "15 kPa"},
     {"strength_ratio": 0.3, "cohesion_minimum": "6 kPa"},
     {"strength_ratio": 0.3, "consolidated_below": 3.1},  # it goes through the ground in the middle of the face
@@ -204,3 +216,35 @@ def test_bounds_of_a_long_slope_of_clay_whose_edges_almost_cross_at_points() -> 
     bounds = kh_bounds(section, FemSettings(direction="downhill"), settings)
     assert bounds.end_reason == "gap"
     assert 0.0550 < bounds.lower < bounds.upper < 0.0578
+
+
+def test_a_table_of_strengths_that_is_a_ratio_is_that_ratio_in_all_methods() -> None:
+    """Elements, bounds, strength reduction and slices: 0.3 σ'v, as a ratio and as a table of two entries."""
+    values = []
+    for soil in ({"strength_ratio": 0.3}, {"strength_table": [[0, 0], ["1000 kPa", "300 kPa"]]}):
+        section = slope(**soil, cohesion="2 kPa")
+        settings = FemSettings(sides="fixed", flow="associated")
+        bounds = safety_bounds(section, settings, BoundsSettings(gap=0.2, max_cells=400))
+        mesh = generate(section, MeshSettings(size=1.5))
+        factor = safety_factor(section, mesh, settings, 0.0, MPI.COMM_SELF).factor
+        circle = critical_circle(section, LEFT, 0.0, 0.5)
+        assert circle is not None
+        values.append((bounds.lower, bounds.upper, factor, circle.bishop))
+    assert values[1] == pytest.approx(values[0], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("soil", "words"),
+    [
+        ({"strength_table": [["0 kPa", "4 kPa"]]}, "expected two or more pairs"),
+        ({"strength_table": [["0 kPa", "4 kPa"], ["20 kPa", "3 kPa"]]}, "do not fall with the stress"),
+        ({"strength_table": [["9 kPa", "4 kPa"], ["9 kPa", "5 kPa"]]}, "grow from pair to pair"),
+        ({"strength_table": [["0 kPa", "4 kPa"], ["20 kPa"]]}, "a stress and a strength"),
+        ({"strength_table": TABLE, "strength_ratio": 0.2}, "expected one of them"),
+        ({"strength_table": TABLE, "ocr": 2.0}, "ocr without strength_ratio"),
+    ],
+)
+def test_a_table_that_is_none_is_refused(soil: dict[str, object], words: str) -> None:
+    with pytest.raises(InputError) as refused:
+        slope(**soil)
+    assert words in str(refused.value)
