@@ -55,6 +55,7 @@ TALLEST, FLATTEST = 0.8, 0.1
 EXAGGERATIONS = (2, 5, 10, 20, 50, 100, 200, 500, 1000)
 UNIT = re.compile(r"(?<=\d) (?=(?:m|kPa|s|%)(?:\W|$))")  # the blank between a number and its unit
 LEGEND_ROW = 0.21  # inches
+LABEL_EDGE = 4.0  # pixels between the left edge of a picture and a label
 LEGEND_ROWS = 16  # in a picture of strata: beyond these a legend is longer than the section is high
 TITLE_CHARACTERS, CURVE_CHARACTERS, LEGEND_CHARACTERS, NOTE_CHARACTERS = 95, 120, 150, 88
 
@@ -208,7 +209,11 @@ class Drawing:
             if SYMBOL.search(words):
                 text.set_parse_math(True)
                 text.set_text(in_mathtext(words))
+        self.fit()
         self.figure.savefig(path, format="png", pil_kwargs={"compress_level": COMPRESSION})
+
+    def fit(self) -> None:
+        """Make room for texts whose width is known only when they are drawn."""
 
 
 class Frames(Drawing):
@@ -244,6 +249,7 @@ class Sheet(Drawing):
             self.figure.text(left, 0.09 / total, foot, fontsize=7, va="bottom", **style)
         self.legend_at = (left, (foot_room + legend_room) / total)
         self.views: list[Axes] = []
+        self.curves: list[Axes] = []
         top = total - head
         for panel in panels:
             box = (left, (top - panel) / total, right - left, panel / total)
@@ -323,6 +329,7 @@ class Sheet(Drawing):
         ``across``, ``up``: labels of the axes; ``title``: title above the view.
         """
         axes = self.views[view]
+        self.curves.append(axes)
         axes.set_xlabel(across, fontsize=8, color=INK, labelpad=2, parse_math=False)
         axes.set_ylabel(up, fontsize=8, color=INK, parse_math=False)
         axes.tick_params(labelsize=8, colors=INK)
@@ -333,6 +340,19 @@ class Sheet(Drawing):
             axes.set_position((left, low, wide, high - 0.16 * title.count("\n") / self.figure.get_figheight()))
             axes.set_title(title, fontsize=9, loc="left", y=1.0, color=INK, pad=4, parse_math=False)
         return axes
+
+    def fit(self) -> None:
+        """Move the left side of the curves, so that wide numbers at their ticks do not push a label off the picture."""
+        if not self.curves:
+            return
+        renderer = FigureCanvasAgg(self.figure).get_renderer()
+        boxes = [box for axes in self.curves if (box := axes.yaxis.get_tightbbox(renderer)) is not None]
+        missing = (LABEL_EDGE - min((box.x0 for box in boxes), default=LABEL_EDGE)) / self.figure.bbox.width
+        if missing <= 0.0:
+            return
+        for axes in self.curves:
+            left, low, wide, high = axes.get_position().bounds
+            axes.set_position((left + missing, low, wide - missing, high))
 
     def state_exaggeration(self, view: int) -> None:
         """Add to the title of a view of curves how many times heights are drawn larger than distances."""

@@ -122,7 +122,7 @@ class SlideProgress:
             seconds, slide, settlement, speed = message
             self.done[place] = _finished_share(seconds / self.config.slide.duration)
             line = (
-                f"{self._name(piece.task)}: t = {seconds:.1f} s, slide {slide:.2f} m, settlement {settlement:.2f} m, "
+                f"{self._name(piece.task)}: t = {seconds:.1f} s, slide {slide:.2f} m, settlement {settlement:z.2f} m, "
                 f"{speed:.2g} m/s"
             )
         work = sum(done * cost for done, cost in zip(self.done, self.costs, strict=True))

@@ -62,3 +62,16 @@ def test_what_no_font_has_is_told_and_drawn_as_a_question_mark(tmp_path: Path, m
     assert said.startswith("no font on this machine has 能代, so pictures show ? in their place; ")
     assert "fonts-noto-cjk" in said
     assert np.array_equal(drawn("能代 1", tmp_path / "a.png"), drawn("?? 1", tmp_path / "b.png"))
+
+
+def test_wide_numbers_at_ticks_do_not_push_a_label_off_the_picture(tmp_path: Path) -> None:
+    """Settlements of millimetres had numbers such as -0.002, and half of their label was outside of the picture."""
+    sheet = Sheet("Bank: slides in time", [0.26, 0.26])
+    views = [sheet.plot(k, "time since the onset (s)", "settlement, upslope third (m)") for k in range(2)]
+    views[0].plot([0.0, 1.0], [0.0, 0.4])
+    views[1].plot([0.0, 1.0], [-0.00234, 0.00511])
+    sheet.save(tmp_path / "history.png")
+    boxes = [axes.yaxis.label.get_window_extent() for axes in views]
+    assert min(box.x0 for box in boxes) >= 0.0
+    first, second = (axes.get_position() for axes in views)
+    assert (first.x0, first.x1) == (second.x0, second.x1)
