@@ -19,6 +19,7 @@ from meshes.section.vertical_flow import LinearHead
 
 Json = Mapping[str, Any]
 INSIDE = 0.02  # of the way from a corner of a layer to its middle: a place inside, where its pressure is compared
+STEP_WIDTH = 0.05  # m: over which a vertical step of a head line is drawn
 NOTABLE_HEAD = 0.1  # m: differences of the pressure head that are reported
 
 
@@ -58,7 +59,7 @@ class Waternet:
     @classmethod
     def read(cls, content: Json, ground: np.ndarray) -> Self:
         """Return the waternet of a document of a model with a ``ground`` surface (n, 2) in m."""
-        heads = {line["Id"]: line_of(xz(line["Points"])) for line in content["HeadLines"]}
+        heads = {line["Id"]: _without_steps(line_of(xz(line["Points"]))) for line in content["HeadLines"]}
         phreatic = content["PhreaticLineId"] if content["PhreaticLineId"] in heads else None
         lines = [
             ReferenceLine(line_of(xz(line["Points"])), line["TopHeadLineId"], line["BottomHeadLineId"])
@@ -163,6 +164,15 @@ class Waternet:
 def xz(points: Sequence[Json]) -> list[tuple[float, float]]:
     """Return the coordinates of points of a document."""
     return [(point["X"], point["Z"]) for point in points]
+
+
+def _without_steps(line: np.ndarray) -> np.ndarray:
+    """Return a line (n, 2) in m whose vertical steps are steep slopes, since water in the ground has no steps."""
+    moved = line.copy()
+    for i in np.flatnonzero(np.diff(line[:, 0]) == 0.0):
+        room = line[i + 2, 0] - line[i, 0] if i + 2 < len(line) else np.inf
+        moved[i + 1, 0] += min(STEP_WIDTH, 0.5 * room)
+    return moved
 
 
 def middle_of(outline: np.ndarray, x: float | None = None) -> np.ndarray:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from meshes.section.layering import layering
 from meshes.section.polyline import Line, Points, limits, without_repeats
 from meshes.section.simplified import needed, with_farthest
 from meshes.section.stratum import Stratum
@@ -119,6 +120,19 @@ def with_lines(data: dict[str, Any], lines: Mapping[Place, np.ndarray]) -> dict[
             inside = inside[step]
         inside[place[-1]] = points.tolist()
     return data
+
+
+def without_films(data: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """Return the contents of a file with thinned lines without the strata of which nothing is left, and their names."""
+    ground, strata = np.array(data["surface"], dtype=float), data["strata"]
+    base, *bottoms = (
+        None if line is None else Line(**line) for line in (data["base"], *(item.get("bottom") for item in strata))
+    )
+    if base is None:
+        return data, []
+    areas = layering(ground, base, bottoms).layering.areas()
+    gone = [item["name"] for item, area in zip(strata[:-1], areas[:-1], strict=True) if area <= 0.0]
+    return {**data, "strata": [item for item in strata if item["name"] not in gone]}, gone
 
 
 def mean_height(surface: Points, base: Line) -> float:

@@ -17,7 +17,7 @@ from meshes.section.beyond import Continuation, Slope, continuation, continuatio
 from meshes.section.cohesion_field import CohesionField
 from meshes.section.consolidation import Consolidation
 from meshes.section.cutting import Cutting, cut_films, cut_strata, key_in_file, named_strata, uncut_strata
-from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines
+from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines, without_films
 from meshes.section.flow import seepage_of
 from meshes.section.flow_grid import Wall
 from meshes.section.geometry_problems import geometry_problems, problems_of_the_rest
@@ -63,9 +63,7 @@ class Section(Model):
     )
     surface: Polyline = Field(description="the ground surface, [[x, elevation], ...]")
     base: Line = Field(description="lower boundary of the section, { elevation = ... } or { depth = ... }")
-    water_table: Line | None = Field(
-        default=None, description="water table for pictures alone, if the densities of the strata include water"
-    )
+    water_table: Line | None = Field(default=None, description="water table for pictures, if densities include it")
     water: Water | None = Field(default=None, description="table [water]: the water table, or heads of seepage")
     surcharges: tuple[Surcharge, ...] = Field(default=(), description="loads on the ground, tables [[surcharges]]")
     consolidation: Consolidation | None = Field(
@@ -301,15 +299,16 @@ class Section(Model):
         if tolerance == 0.0:
             return self
         data = self.model_dump(mode="python", exclude_none=True, by_alias=True)
-        thinned = type(self).model_validate(with_lines(data, fewer_points))
-        pairs = zip(thinned.strata, self.strata, strict=True)
-        thinned = thinned._derived([new.in_table(old.file_table) for new, old in pairs])
+        data, gone = without_films(with_lines(data, fewer_points))
+        tables = {s.name: s.file_table or (f"strata {k}" if gone else "") for k, s in enumerate(self.strata, start=1)}
+        thinned = type(self).model_validate(data)
+        thinned = thinned._derived([s.in_table(tables[s.name]) for s in thinned.strata])
         thinned._zone_notices = self._zone_notices
         thinned._line_notices = (
             *self._line_notices,
-            f"geometry: lines have more points than cells can resolve, and were thinned: {len(thinned.surface)} "
-            f"of {len(self.surface)} points of the ground remain, within {tolerance:.2g} m of the running median "
-            "of the lines",
+            f"geometry: lines have more points than cells can resolve, and were thinned: {len(thinned.surface)} of "
+            f"{len(self.surface)} points of the ground remain, within {tolerance:.2g} m of their running median",
+            *(f'geometry: stratum "{name}" is thinner than these lines are exact, and is left out' for name in gone),
         )
         return thinned
 

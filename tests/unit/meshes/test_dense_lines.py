@@ -166,3 +166,15 @@ def test_a_section_drawn_from_right_to_left_is_turned_round_and_told() -> None:
     (messages,) = [text for text in other.notices if "were reversed" in text]
     assert "surface; base, elevation; strata, 1, bottom, elevation; water, table" in messages
     assert not [text for text in ground.notices if "were reversed" in text]
+
+
+def test_a_film_that_thinning_removes_is_left_out_and_told() -> None:
+    """It ended in a traceback of pydantic. What comes below it keeps its number in the file."""
+    x = np.linspace(0.0, 40.0, 1601)
+    ground = np.column_stack([x, 5.0 - 0.1 * x + 0.005 * np.random.default_rng(3).standard_normal(len(x))])
+    film = ground - np.where(abs(x - 20.0) < 0.04, 0.015, 0.0)[:, None] * [0.0, 1.0]
+    strata = [{"name": "Film", "bottom": {"elevation": film.tolist()}, **SOIL}, {"name": "Clay", **SOIL}]
+    thinned = Section.parse({"name": "scan", "surface": ground.tolist(), "base": {"elevation": -8}, "strata": strata})
+    assert [stratum.name for stratum in thinned.strata] == ["Clay"]
+    assert thinned.strata[0].file_table == "strata 2"
+    assert any('"Film" is thinner than these lines are exact, and is left out' in text for text in thinned.notices)

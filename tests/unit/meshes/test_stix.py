@@ -294,6 +294,15 @@ def test_pore_pressure_between_two_reference_lines_is_linear(
     np.testing.assert_allclose(head, list(below_ground.values()), rtol=1e-9)
 
 
+def test_a_vertical_step_of_a_head_line_is_steep(tmp_path: Path) -> None:
+    data = model()
+    data["waternets/waternet"]["HeadLines"][0]["Points"] = points((-30, -1), (2, -1), (2, 1), (30, 1))
+    section = Section.parse(tomllib.loads(read_stix(written(tmp_path, data), "dike").text))
+    assert section.water is not None
+    assert section.water.table is not None
+    assert section.water.table.elevation[1:3] == ((2.0, -1.0), (2.05, 1.0))
+
+
 def test_a_reference_line_through_a_layer_is_told_where_it_changes_the_pressure(tmp_path: Path) -> None:
     """The level in the clay is 3 m below -3.1 m, and -1 m above."""
     data = model()
