@@ -34,7 +34,7 @@ from workflow.report.player import films
 from workflow.report.post_liquefaction import just_enough
 from workflow.report.residual import residual_details
 from workflow.report.second_opinion import second_opinions
-from workflow.report.slices import above_bound
+from workflow.report.slices import above_bound, below_bound
 from workflow.report.stability import stability_rows
 from workflow.report.structures import circles_without_crest, face_rows
 from workflow.report.summary_text import lies_still, moved_lately, springs_of
@@ -124,6 +124,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "limit_words": limit_words,
         "interval_words": interval_words,
         "above_bound": above_bound,
+        "below_bound": below_bound,
         "elsewhere": list(circles_without_crest(config, results.slices)),
         "lines_of_faces": face_lines(results),
         "face_notes": list(note_sentences(results)) if faces else [],

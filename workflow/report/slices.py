@@ -11,7 +11,13 @@ from meshes.section.section import Section
 from workflow.config import Config
 from workflow.estimates.slip_circles import least_balance
 from workflow.estimates.structures import structures_of
-from workflow.report.circles import RATIO_ABOVE_BOUND, against_elements, of_circles, of_longer_sections
+from workflow.report.circles import (
+    RATIO_ABOVE_BOUND,
+    RATIO_BELOW_BOUND,
+    against_elements,
+    of_circles,
+    of_longer_sections,
+)
 from workflow.results.continuum import FactorOfSafety
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, CirclesAtRest, SlicesAnswer
@@ -81,6 +87,12 @@ def circles_after_liquefaction(case: LiquefiedCase) -> Iterator[str]:
             f"Warning: Slip circles are above the strict upper bound of {case.factor_upper:.2f}, which counts: the "
             "critical mechanism follows the liquefied ground, and is no circle."
         )
+    if below_bound(case):
+        yield (
+            f"Slip circles are below the strict lower bound of {case.factor_lower:.2f}: through ground with friction "
+            "they are no mechanism with ψ = φ, and the normal force on them is an assumption. They are the more "
+            "cautious result."
+        )
 
 
 def above_bound(case: LiquefiedCase) -> bool:
@@ -88,6 +100,13 @@ def above_bound(case: LiquefiedCase) -> bool:
     if case.circles is None or not case.circles.circles or case.factor_upper is None:
         return False
     return case.circles.circles[0].bishop > RATIO_ABOVE_BOUND * case.factor_upper
+
+
+def below_bound(case: LiquefiedCase) -> bool:
+    """Return whether the slip circles of a case of liquefaction are far below its strict lower bound."""
+    if case.circles is None or not case.circles.circles or case.factor_lower is None:
+        return False
+    return case.circles.circles[0].bishop < RATIO_BELOW_BOUND * case.factor_lower
 
 
 def face_circles(answer: CirclesAtRest, section: Section) -> Iterator[str]:

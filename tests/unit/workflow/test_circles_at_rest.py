@@ -82,6 +82,11 @@ def test_the_circles_of_liquefied_ground_are_reported() -> None:
     bounded = case.model_copy(update={"factor_upper": 0.9 * least.bishop})
     text = "\n".join(sentences(answer.model_copy(update={"cases": (bounded,)})))
     assert f"Slip circles are above the strict upper bound of {0.9 * least.bishop:.2f}, which counts" in text
+    lower = case.model_copy(update={"factor_lower": 1.05 * least.bishop})  # 1.03 stood beside 1.07 to 1.13
+    text = "\n".join(sentences(answer.model_copy(update={"cases": (lower,)})))
+    assert f"Slip circles are below the strict lower bound of {1.05 * least.bishop:.2f}:" in text
+    close = case.model_copy(update={"factor_lower": 1.01 * least.bishop})
+    assert "Slip circles are below" not in "\n".join(sentences(answer.model_copy(update={"cases": (close,)})))
     notes = [note for note in note_sentences(results(clay, liquefied=answer)) if "after liquefaction" in note]
     assert len(notes) == 2
     for note, face in zip(notes, circles.faces, strict=True):
