@@ -98,6 +98,18 @@ def test_nothing_changed_nothing_runs(whole: Path, capsys: pytest.CaptureFixture
     assert run("report", whole / "moved", "-q") == 0
     assert numbers(whole / "moved") == numbers(out)
     assert capsys.readouterr().out == ""
+    refuses_an_empty_report(whole / "moved", capsys)
+
+
+def refuses_an_empty_report(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """After the program had another key of sections, `noshiro report` replaced a report by one without any number."""
+    page, section = folder / "report.html", folder / "section.toml"
+    before = page.read_bytes()
+    text = section.read_text(encoding="utf-8")
+    section.write_text(text.replace("poissons_ratio = 0.3", "poissons_ratio = 0.31"), encoding="utf-8")
+    assert run("report", folder) == 2
+    assert "no result belongs to its section.toml and this program (inputs changed: section)" in capsys.readouterr().err
+    assert page.read_bytes() == before
 
 
 def test_a_dry_run_only_says_what_it_would_do(whole: Path, capsys: pytest.CaptureFixture[str]) -> None:

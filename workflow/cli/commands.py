@@ -255,12 +255,13 @@ def report(
     json: Json = False,
 ) -> None:
     """Write summary and report of a run again, from the stored results."""
-    from workflow.cli.invocation import stored_job
-    from workflow.cli.terminal import execute, warn_of_old_words
+    from workflow.cli.invocation import left_out_of_report, stored_job
+    from workflow.cli.terminal import execute, warn, warn_of_old_words
     from workflow.run.plan import Choice
 
     job, verbosity = stored_job(folder), Verbosity.of(quiet, verbose, json)
     warn_of_old_words(folder / "section.toml", verbosity)
+    warn(left_out_of_report(job), verbosity)
     execute(job, Choice.of(job.stages, only=["report"], force=True), verbosity, pdf=pdf)
 
 

@@ -175,6 +175,26 @@ def stored_job(folder: Path) -> Job:
     return Job(load_config(path), store, declared.STAGES, mesh_file=mesh_file)
 
 
+def left_out_of_report(job: Job) -> list[str]:
+    """Return a notice of stages whose stored results belong to other inputs, and so are not in a report of this job.
+
+    Raises InputError if there are no others: an empty report would replace the one in the folder.
+    """
+    from workflow.results.results import Results
+
+    results, record = Results.of(job), Record(job.store)
+    stale = {name: reason for name, reason in results.missing.items() if record[name] is not None}
+    if not stale:
+        return []
+    again = f"noshiro run {job.store.folder / 'section.toml'} --out {job.store.folder} computes them again"
+    if not results.ends:
+        first = next(iter(stale.values()))
+        raise InputError(
+            str(job.store.folder), [f"no result belongs to its section.toml and this program ({first}); {again}"]
+        )
+    return [f"Left out, since their inputs changed: {', '.join(stale)}; {again}."]
+
+
 def _with_mesh_options(section: Path, tables: Tables, mesh: dict[str, Any], store: Store) -> Config:
     """Return the config with the mesh options of the folder. The message of an InputError names the folder."""
     try:
