@@ -2,7 +2,7 @@
 slide.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +11,7 @@ from workflow.figures.canvas import CRITICAL, DISCS, Sheet
 from workflow.figures.ground import Overlay, mark_borings, section_sheet
 from workflow.figures.slides import seen_from_above
 from workflow.results.cases import CaseAnswer, equal_cases, smoothed
-from workflow.results.governing import faces_with_bounds, governing_face_value, governing_kh, slides_by_weight
+from workflow.results.governing import faces_with_bounds, governing_kh, slides_by_weight, value_of_face
 from workflow.results.lengths import metres
 from workflow.results.results import Results
 
@@ -51,18 +51,24 @@ def front(results: Results) -> Sheet | None:
 def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
     """Yield the slip surface of the face that slides first with a crest, unless it is also the slip surface of the
     section at ``kh``. A face without a value by finite elements has its slip circle."""
-    values: dict[tuple[str, str], tuple[float, str, Sequence[tuple[float, float]]]] = {}
-    for part in results.slices.faces if results.slices is not None else ():
-        if part.critical is not None:
-            values[part.structure, part.towards] = part.critical.bishop, "slip circle", part.critical.surface_m
     bounded = faces_with_bounds(results)
-    for face in bounded.faces if bounded is not None else ():
-        if face.critical is not None and face.critical.reaches_crest:
-            kc = governing_face_value(face.critical)
-            values[face.structure, face.towards] = kc, "slip surface", face.critical.slip_surface
-    if bounded is None or not values:
+    if bounded is None:
         return
-    (structure, towards), (least, kind, surface) = min(values.items(), key=lambda item: item[1][0])
+    circles = {(part.structure, part.towards): part.critical
+               for part in (results.slices.faces if results.slices is not None else ())}  # fmt: skip
+    elements = {(face.structure, face.towards): face.critical for face in bounded.faces}
+    values = []
+    for key in dict.fromkeys((*circles, *elements)):
+        circle, value = circles.get(key), elements.get(key)
+        kc, by_elements = value_of_face(value, None if circle is None else circle.bishop)
+        surface = (
+            value.slip_surface if by_elements and value is not None else () if circle is None else circle.surface_m
+        )
+        if kc is not None:
+            values.append((kc, key, "slip surface" if by_elements else "slip circle", surface))
+    if not values:
+        return
+    least, (structure, towards), kind, surface = min(values, key=lambda item: item[0])
     if len(surface) and least > SAME_KH_RATIO * kh:
         label = f"{structure}, towards the {towards}: {kind} at Kh = {least:.3f}"
         yield Overlay(np.array(surface), CRITICAL, (0, (4, 2)), label)

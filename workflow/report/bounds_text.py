@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from meshes.section.cutting import shown_name
 from workflow.report.numbers import coefficient
-from workflow.results.bounds import BoundsAnswer
-from workflow.results.continuum import ShallowFailurePart
+from workflow.results.bounds import BoundsAnswer, SafetyPart
+from workflow.results.continuum import FemAnswer, ShallowFailurePart
 
 
 def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
@@ -34,6 +34,15 @@ def proven(faces: bool, load_ends: bool, water_exits: bool) -> str:
     return f"{failures} ({' and '.join(strengthened)} given a cohesion)" if strengthened else "Strict bounds"
 
 
+def _is_known(factor: SafetyPart, reported: FemAnswer) -> bool:
+    """Return whether the finite elements report the factor of the shallow failure of a ``factor`` with bounds."""
+    at = {(item.kh, item.after_shaking): item.shallow_failure for item in reported.factors}
+    known = at.get((factor.kh, factor.after_shaking))
+    if known is None or factor.shallow_failure is None:
+        return False
+    return f"{known:.3f}" == f"{factor.shallow_failure:.3f}"
+
+
 def _face_sentences(answer: BoundsAnswer, reported_faces: Sequence[ShallowFailurePart]) -> Iterator[str]:
     """Yield sentences on the shallow failures of faces, and on the depth of the failures of the bounds."""
     reported = {(face.stratum, face.start_x_m, face.end_x_m, failing_at(face.kh)) for face in reported_faces}
@@ -48,10 +57,10 @@ def _face_sentences(answer: BoundsAnswer, reported_faces: Sequence[ShallowFailur
         yield f"The bounds below are for failures deeper than {answer.least_depth:g} m."
 
 
-def bounds_sentences(answer: BoundsAnswer, reported_faces: Sequence[ShallowFailurePart] = ()) -> Iterator[str]:
+def bounds_sentences(answer: BoundsAnswer, reported: FemAnswer | None = None) -> Iterator[str]:
     """Yield sentences on the strict bounds of fem/bounds.json, and the shallow failures of faces before them, except
-    ``reported_faces`` of the finite elements."""
-    yield from _face_sentences(answer, reported_faces)
+    those of the finite elements that are ``reported`` already."""
+    yield from _face_sentences(answer, () if reported is None else reported.shallow_failures)
     if answer.shallow is not None:
         when = f"at Kh of {answer.shallow:.3f} or less" if answer.shallow > 0.0 else "by its own weight"
         water = "water seeps out of bare ground or stands close below"
@@ -82,7 +91,9 @@ def bounds_sentences(answer: BoundsAnswer, reported_faces: Sequence[ShallowFailu
         yield answer.reason
     for factor in answer.factors:
         name_of_factor = proven(factor.shallow_failure is not None, ends, False)
-        yield f"{name_of_factor} for the factor of safety, ψ = φ: {factor.description}."
+        known = reported is not None and _is_known(factor, reported)
+        words = factor.bracket_words if known else factor.description
+        yield f"{name_of_factor} for the factor of safety, ψ = φ: {words}."
         if factor.reason:
             yield factor.reason
     if answer.substitute:

@@ -352,7 +352,6 @@ def sentences(
     compared with the ``results`` of the other stages; facts of the stages that are ``reported`` already are left out.
     """
     fem = results.fem if results is not None and "fem" in reported else None
-    faces = fem.shallow_failures if fem is not None else ()
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
         "triggering": lambda: triggering_sentences(TriggeringAnswer.read(store)),
         "response": lambda: response_sentences(SiteResponseAnswer.read(store)),
@@ -360,7 +359,7 @@ def sentences(
         "liquefied": lambda: post_liquefaction.sentences(LiquefiedAnswer.read(store)),
         "mesh": lambda: mesh_sentences(config, store),
         "fem": lambda: fem_sentences(FemAnswer.read(store), config.section, every, results),
-        "bounds": lambda: bounds_sentences(BoundsAnswer.read(store), faces),
+        "bounds": lambda: bounds_sentences(BoundsAnswer.read(store), fem),
         "slices": lambda: _slices(config, SlicesAnswer.read(store), results),
         "faces": lambda: faces_sentences(FacesAnswer.read(store), results),
         "calibrate": lambda: calibrate_sentences(CalibrationAnswer.read(store)),

@@ -23,6 +23,7 @@ from workflow.results.governing import (
     governing_value,
     section_factor_bounds,
     section_kh_bounds,
+    value_of_face,
 )
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart
@@ -34,7 +35,8 @@ SMALLEST_SLIDE = 0.05  # m: less is written as 0
 
 @dataclass(frozen=True)
 class MethodValues:
-    """Holds a critical Kh or factor of safety by every method: ψ = φ, and Davis's reduced strength where ψ < φ."""
+    """Holds a critical Kh or factor of safety by every method: ψ = φ, and Davis's reduced strength where ψ < φ; and
+    those of a face of a structure, by the method that counts for it."""
 
     elements: float | None = None
     davis: float | None = None
@@ -42,23 +44,14 @@ class MethodValues:
     upper: float | None = None
     circles: float | None = None
     davis_circles: float | None = None
+    of_face: float | None = None
+    davis_of_face: float | None = None
 
     @property
     def governing(self) -> float | None:
         """Return the value with ψ = φ that counts: the value by finite elements or, if this value lies beyond a strict
         bound, the bound; None without finite elements."""
         return None if self.elements is None else governing_value(self.elements, self.lower, self.upper)
-
-    @property
-    def of_face(self) -> float | None:
-        """Return the value of a face with ψ = φ: the value that counts, or that of the slip circle without one by
-        finite elements, which may not reach a mechanism that contains the crest."""
-        return self.circles if self.governing is None else self.governing
-
-    @property
-    def davis_of_face(self) -> float | None:
-        """Return the value of a face with Davis's strength, by the same method as `of_face`."""
-        return self.davis_circles if self.governing is None else self.davis
 
     def pair(self, by: Literal["elements", "circles"], digits: int) -> tuple[str, str]:
         """Return the value with ψ = φ that counts, and the value with Davis's strength, as texts; empty if there is
@@ -151,15 +144,11 @@ def _blocks(config: Config, row: FaceRow, elements: FaceValue | None) -> str:
 
 
 def _strength(value: FaceValue | None, circle: float | None, davis: CirclePart | None) -> MethodValues:
-    valid = value if value is not None and value.reaches_crest else None
-    return MethodValues(
-        None if valid is None else valid.value,
-        None if valid is None else valid.davis,
-        None if valid is None else valid.lower,
-        None if valid is None else valid.upper,
-        circle,
-        None if davis is None else davis.bishop,
-    )
+    of_face, by_elements = value_of_face(value, circle)
+    low = None if davis is None else davis.bishop
+    if value is None or not by_elements:
+        return MethodValues(circles=circle, davis_circles=low, of_face=of_face, davis_of_face=low)
+    return MethodValues(value.value, value.davis, value.lower, value.upper, circle, low, of_face, value.davis)
 
 
 def _moved_surfaces(results: Results) -> Iterator[tuple[str, list[MovedSurface]]]:

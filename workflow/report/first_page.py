@@ -12,13 +12,14 @@ from workflow.estimates.structures import structures_of
 from workflow.report.at_rest import after_shaking, failure_at_rest
 from workflow.report.crests import crest_parts, crests_in_short
 from workflow.report.faces import face_lines
+from workflow.report.intervals import from_to, interval_text
 from workflow.report.numbers import coefficient, of_cases, rounded_up
 from workflow.report.paper import rows
 from workflow.report.post_liquefaction import just_enough
 from workflow.report.residual import residual_verdict
 from workflow.report.slide_headline import slide_headline
 from workflow.report.verdicts import spared_structures
-from workflow.results.accuracy import METHODS, Accuracy, accuracy, proven_by, strict_factor
+from workflow.results.accuracy import METHODS, accuracy, proven_by, strict_factor
 from workflow.results.answer import FORCE
 from workflow.results.bounds import DirectionPart
 from workflow.results.continuum import FactorOfSafety, FemAnswer
@@ -95,7 +96,10 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
             kc=coefficient(fem.davis.kc) if fem.davis.verdict in ("plateau", "peak") else "0",
         )
     return HeadlinePart(
-        name=name, value=coefficient(fem.kc), interval=_interval(governing.interval, _), conclusion=phrase + excluded
+        name=name,
+        value=coefficient(fem.kc),
+        interval=interval_text(governing.interval, _),
+        conclusion=phrase + excluded,
     )
 
 
@@ -221,22 +225,8 @@ def _contradicted(
         excess=difference_words(in_direction.kc, kh.value),
     )
     phrase += excluded
-    interval = _interval(kh.interval, _, _("by this strict bound alone"))
+    interval = interval_text(kh.interval, _, _("by this strict bound alone"))
     return HeadlinePart(name=_("critical Kh"), value=kh.text, interval=interval, conclusion=phrase)
-
-
-def _interval(error: Accuracy | None, _: Texts, unknown: str = "") -> str:
-    if error is None:
-        return unknown or _("numerical error not known: one mesh, no strict bounds")
-    return _from_to(coefficient(error.low), coefficient(error.high), error.method, _)
-
-
-def _from_to(low: str, high: str, method: str, _: Texts) -> str:
-    """Return an interval and its method; if both ends have the same digits, the digit that the error is below."""
-    if low == high:
-        digit = 10.0 ** -len(low.partition(".")[2])
-        return _("error below {digit} {method}", digit=f"{digit:g}", method=_(method))
-    return _("{interval} {method}", interval=_("{low} to {high}", low=low, high=high), method=_(method))
 
 
 def _safety(results: Results, _: Texts) -> HeadlinePart:
@@ -319,11 +309,12 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
     )
     if strict is not None and strict.lower is not None and strict.upper is not None:
         low, high, method = strict.lower, strict.upper, proven_by(strict.shallow_failure is not None)
+        alone = f"{low:.2f}", f"{high:.2f}"
         if by_meshes is not None and by_meshes[0] <= high and low <= by_meshes[1]:
             low, high, method = max(low, by_meshes[0]), min(high, by_meshes[1]), f"{method} and {METHODS[0][3:]}"
-        return _from_to(f"{low:.2f}", f"{high:.2f}", method, _)
+        return from_to(f"{low:.2f}", f"{high:.2f}", method, _, alone)
     if by_meshes is not None:
-        return _from_to(f"{by_meshes[0]:.2f}", f"{by_meshes[1]:.2f}", METHODS[0], _)
+        return from_to(f"{by_meshes[0]:.2f}", f"{by_meshes[1]:.2f}", METHODS[0], _)
     error = accuracy(results, fem)
     if error is None or not fem.has_kc or error.low <= 0.0:
         return ""

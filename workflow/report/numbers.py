@@ -119,20 +119,29 @@ def numerical_error(estimate: Accuracy | None, kc: float) -> str:
             f"The sequence of meshes has not converged: the numerical error may be {error}, with the critical Kh "
             f"anywhere from {range_of([estimate.low, estimate.high])}."
         )
-    return f"The numerical error of the critical Kh is below {error}, {estimate.source}."
+    alone = alone_words(estimate, range_of([estimate.low, estimate.high]))
+    return f"The numerical error of the critical Kh is below {error}, {estimate.source}{alone}."
+
+
+def alone_words(error: Accuracy, shown: str) -> str:
+    """Return the strict bounds alone in words if the interval that is ``shown`` is another one; else nothing."""
+    if error.strict is None or (alone := range_of(error.strict)) == shown:
+        return ""
+    return f" (by strict bounds alone {alone})"
 
 
 def range_sentence(answer: FemAnswer, error: Accuracy) -> str:
     """Return the interval of the critical Kh in a sentence, and the value by finite elements if it lies beyond."""
+    alone = alone_words(error, range_of([error.low, error.high]))
     if not answer.has_kc:
-        return f"The range {error.method} is {range_of([error.low, error.high])}."
+        return f"The range {error.method} is {range_of([error.low, error.high])}{alone}."
     if exceeds(answer.kc, error.high):
         beyond = f"{difference_words(answer.kc, error.high)} above this range, whose upper end is"
     elif falls_below(answer.kc, error.low):
         beyond = f"{difference_words(answer.kc, error.low)} below this range, whose lower end is"
     else:  # their last digit may be the next one
-        return f"The range {error.method} is {range_of([error.low, error.high, answer.kc])}."
+        return f"The range {error.method} is {range_of([error.low, error.high, answer.kc])}{alone}."
     return (
-        f"The range {error.method} is {range_of([error.low, error.high])}. The finite elements give "
+        f"The range {error.method} is {range_of([error.low, error.high])}{alone}. The finite elements give "
         f"{coefficient(answer.kc)}, {beyond} the critical Kh."
     )

@@ -23,6 +23,8 @@ from workflow.results.results import Results
 from workflow.results.slices import CirclePart, CirclesAtRest, SlicesAnswer
 from workflow.results.stability import LiquefiedCase
 
+KH_DIGITS = 3  # of a critical Kh; a factor of safety has fewer
+
 
 def slices_sentences(answer: SlicesAnswer, rises_by_shaking: bool = False) -> Iterator[str]:
     """Yield the critical circles, one sentence for each factor of safety and for the critical Kh.
@@ -121,9 +123,10 @@ def _critical_list(circles: Sequence[CirclePart], fails: str) -> str:
     """Return the critical Kh of circles, each side that fails without a seismic force with the words for this."""
     negative = [circle.bishop < 0.0 for circle in circles]
     if all(negative):
-        return f"{_circle_list(circles, 3)}: {fails}"
+        return f"{_circle_list(circles, KH_DIGITS)}: {fails}"
     words = [
-        _words(circle, 3) + (f" ({fails})" if fell else "") for circle, fell in zip(circles, negative, strict=True)
+        _words(circle, KH_DIGITS) + (f" ({fails})" if fell else "")
+        for circle, fell in zip(circles, negative, strict=True)
     ]
     return "; ".join(words)
 
@@ -137,7 +140,8 @@ def _words(circle: CirclePart, digits: int) -> str:
     words = f"to the {circle.towards} ({ends}) {circle.bishop:.{digits}f} by Bishop's method"
     if circle.spencer is not None:
         words += f", {circle.spencer:.{digits}f} by Spencer's"
-    below = ", for failures below the cohesionless face, which fails at a smaller Kh"
+    smaller = "Kh" if digits == KH_DIGITS else "factor"
+    below = f", for failures below the cohesionless face, which fails at a smaller {smaller}"
     return words + (below if circle.strengthened else "")
 
 

@@ -12,7 +12,7 @@ from workflow.estimates.estimate import depth_below_ground
 from workflow.estimates.structures import structures_of
 from workflow.report.first_page import FLOW, SIDES
 from workflow.report.numbers import coefficient, number, rough_coefficient
-from workflow.report.slices import factor_on_surface
+from workflow.report.slices import KH_DIGITS, factor_on_surface
 from workflow.results.accuracy import exceeds, falls_below, strict_factor, strict_kh
 from workflow.results.bounds import SafetyPart
 from workflow.results.continuum import FemAnswer, OtherCriticalKh
@@ -178,7 +178,10 @@ def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts
     if circle.strengthened:
         conditions += _(
             "; the cohesionless face has a cohesion added, because without cohesion it fails at a smaller Kh"
-        )
+        ) if digits == KH_DIGITS else _(
+            "; the cohesionless face has a cohesion added, because without cohesion it fails at a smaller factor of "
+            "safety"
+        )  # fmt: skip
     return StabilityRow(of, f"{circle.bishop:.{digits}f}", "", conditions)
 
 

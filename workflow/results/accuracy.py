@@ -35,12 +35,14 @@ class Accuracy:
     low, high : ends of the interval (-)
     source : source of the interval
     reliable : whether the sequence of meshes has converged, or strict bounds limit the interval
+    strict : the strict bounds alone, where the sequence of meshes makes the interval narrower; else None
     """
 
     low: float
     high: float
     source: str
     reliable: bool
+    strict: tuple[float, float] | None = None
 
     @property
     def method(self) -> str:
@@ -63,7 +65,8 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
     bounds = proven_by(results.bounds is not None and results.bounds.strengthened)
     if meshes is None or not meshes.reliable or meshes.low > high or meshes.high < low:
         return Accuracy(low, high, bounds, True)
-    return Accuracy(max(low, meshes.low), min(high, meshes.high), f"{bounds} and {meshes.method[3:]}", True)
+    ends = max(low, meshes.low), min(high, meshes.high)
+    return Accuracy(*ends, f"{bounds} and {meshes.method[3:]}", True, None if ends == strict else (low, high))
 
 
 def _limited(meshes: Accuracy | None, low: float | None, high: float | None) -> Accuracy | None:

@@ -149,12 +149,17 @@ class SafetyPart(Part):
     @property
     def description(self) -> str:
         """Return the bracket in words."""
+        return self.bracket_words + self._shallow_words
+
+    @property
+    def bracket_words(self) -> str:
+        """Return the bracket in words, without the failure of shallow ground."""
         low = "" if self.lower is None else f"{self.lower:.3f} <= "
         high = "" if self.upper is None else f" <= {self.upper:.3f}"
         between = f"{low}FS{high}" if low or high else "none found of FS"
         force = f", force {FORCE[self.direction]}" if self.direction else ""
         after = " after shaking, with its excess pore pressure" if self.after_shaking else ""
-        return f"{between} at Kh = {self.kh:g}{after}{force}, {self.cells} triangles{self._shallow_words}"
+        return f"{between} at Kh = {self.kh:g}{after}{force}, {self.cells} triangles"
 
     @property
     def _shallow_words(self) -> str:

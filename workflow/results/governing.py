@@ -142,6 +142,14 @@ def governing_face_value(value: FaceValue) -> float:
     return governing_value(value.value, value.lower, value.upper)
 
 
+def value_of_face(elements: FaceValue | None, circle: float | None) -> tuple[float | None, bool]:
+    """Return the critical Kh or factor of safety of a face, and whether it is by finite ``elements``: their value that
+    counts or, where their failure does not contain the crest, that of the slip ``circle``, which may be missing."""
+    if elements is not None and elements.reaches_crest:
+        return governing_face_value(elements), True
+    return circle, False
+
+
 def estimates_of(results: Results) -> list[Estimate]:
     """Return all estimates of displacement, with the critical Kh that counts; estimates of lateral spreads state
     whether they apply to ground that flows."""

@@ -21,7 +21,7 @@ from workflow.results.site_response import SiteResponseAnswer
 from workflow.results.slices import SlicesAnswer
 from workflow.results.stability import LiquefiedAnswer, ResidualAnswer
 from workflow.results.triggering import TriggeringAnswer
-from workflow.run.plan import changes, is_of_this_input, made_from
+from workflow.run.plan import changes, has_answers_of, is_of_this_input, made_from
 from workflow.run.record import Entry, Record
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
@@ -81,7 +81,8 @@ class Results:
         for stage in stages:
             prints = made_from(stage, job, record)
             entry, change_words = record[stage.name], changes(stage, prints, record)
-            if entry is not None and (not change_words or (entry.outcome == "part" and entry.inputs == prints)):
+            same = entry is not None and (not change_words or (entry.outcome == "part" and entry.inputs == prints))
+            if entry is not None and (same or has_answers_of(stage, prints, record)):
                 ends[stage.name] = entry
             elif entry is not None and is_of_this_input(stage, job, record):
                 ends[stage.name] = entry

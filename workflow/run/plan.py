@@ -14,6 +14,8 @@ Action = Literal["run", "redraw", "reuse", "off"]
 
 
 OTHER_VERSION = "computed by another version of noshiro"
+# The fingerprint of the inputs of a stage without the settings that only add answers.
+WITHOUT_ADDITIONS = "inputs without additions"
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,19 @@ def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
     if stage.of_all:
         ends = {name: [entry.outcome, entry.ended] for name, entry in record.entries.items() if name != stage.name}
         prints["the results"] = fingerprint_of(ends)
+    if stage.adds:
+        prints[WITHOUT_ADDITIONS] = fingerprint_of(inputs(stage, job, frozenset(stage.adds)))
     return prints
+
+
+def has_answers_of(stage: Stage, prints: dict[str, str], record: Record) -> bool:
+    """Return whether the stored answers of a stage belong to the inputs ``prints``, though there may be more or fewer
+    of them than requested, such as factors of safety."""
+    entry = record[stage.name]
+    if entry is None or WITHOUT_ADDITIONS not in prints:
+        return False
+    same = entry.inputs.get(WITHOUT_ADDITIONS) == prints[WITHOUT_ADDITIONS]
+    return same and not changes(stage, entry.inputs, record)
 
 
 def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
@@ -118,7 +132,8 @@ def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
     needed = [(other, record[other.name]) for other in job.stages if other.name in stage.needs]
     if any(left is None or left.ended > entry.ended for _, left in needed):
         return False
-    of_the_program = {name: entry.inputs.get(name, "") for name in (PROGRAM, *(other.name for other, _ in needed))}
+    with_program = (PROGRAM, *(other.name for other, _ in needed), *((WITHOUT_ADDITIONS,) if stage.adds else ()))
+    of_the_program = {name: entry.inputs.get(name, "") for name in with_program}
     if {**made_from(stage, job, record), **of_the_program} != entry.inputs:
         return False
     readable = entry.outcome == "part" or not changes(stage, entry.inputs, record)
@@ -151,7 +166,10 @@ def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
     entry = record[stage.name]
     if entry is None:
         return OTHER_VERSION if stage.name in record.outdated else "not run"
-    changed = [name for name in {**prints, **entry.inputs} if prints.get(name) != entry.inputs.get(name)]
+    changed = [
+        name for name in {**prints, **entry.inputs}
+        if name != WITHOUT_ADDITIONS and prints.get(name) != entry.inputs.get(name)
+    ]  # fmt: skip
     if changed:
         return f"inputs changed: {', '.join(changed)}"
     if entry.outcome == "begun":

@@ -73,6 +73,7 @@ class Stage:
     needs: stages whose results this stage reads.
     reads: settings that the work of this stage reads, each a whole "table" or one "table.key".
     ignores: settings that this stage, or a stage that it needs, reads, but that do not change its results.
+    adds: settings that only add or leave out some answers of this stage, so that the others remain valid.
     takes: inputs that follow from settings which the stage does not read itself, such as cases from borings, by
         names for messages.
     files: files of the user that the stage reads, by names for messages.
@@ -99,6 +100,7 @@ class Stage:
     needs: tuple[str, ...] = ()
     reads: tuple[str, ...] = ()
     ignores: Callable[[Config], Collection[str]] = lambda config: ()
+    adds: tuple[str, ...] = ()
     takes: Callable[[Config], Mapping[str, Any]] = lambda config: {}
     files: Callable[[Job], Mapping[str, Path]] = lambda job: {}
     results: tuple[str, ...] = ()

@@ -313,6 +313,7 @@ STAGE = Stage(
         "bounds", "fem.direction", "fem.flow", "fem.least_depth", "fem.safety_factor_at", "fem.sides", "fem.vertical",
     ),
     ignores=lambda config: ("bounds.run", *(() if config.bounds.safety_factor else ("fem.safety_factor_at",))),
+    adds=("bounds.safety_factor", "fem.safety_factor_at"),
     concurrent_after=("fem",),
     results=(BoundsAnswer.FILE,),
     read=BoundsAnswer.read,

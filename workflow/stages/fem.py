@@ -230,6 +230,7 @@ STAGE = Stage(
     needs=("mesh",),
     reads=("fem",),
     ignores=lambda config: ("fem.threads", "fem.rigid_box"),
+    adds=("fem.safety_factor_at",),
     results=(FemAnswer.FILE, FEM_FILE, PATH_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
     read=FemAnswer.read,
     pictures=("figures/fem_*.png",),

@@ -8,7 +8,7 @@ from tests.support.answers import bounds, fem, results, variant
 from tests.support.sections import slope
 from workflow.config import Config
 from workflow.report.first_page import headlines
-from workflow.report.numbers import numerical_error, rounded_up
+from workflow.report.numbers import numerical_error, range_sentence, rounded_up
 from workflow.report.summary_text import findings
 from workflow.results.accuracy import Accuracy, accuracy, of_meshes
 from workflow.results.bounds import ShallowBoundPart
@@ -60,6 +60,12 @@ def test_strict_bounds_of_the_same_flow_close_the_interval() -> None:
     inside = accuracy(results(RUN, fem=answer, bounds=bounds(RUN, 0.27, 0.30)), answer)
     assert inside is not None
     assert (inside.low, inside.high) == pytest.approx((0.2820, 0.2826))
+    assert inside.strict == (0.27, 0.30)
+    assert "and the sequence of meshes (by strict bounds alone 0.270 to 0.300)." in numerical_error(inside, answer.kc)
+    assert range_sentence(answer, inside).endswith("is 0.282 to 0.283 (by strict bounds alone 0.270 to 0.300).")
+    same = accuracy(results(RUN, fem=answer, bounds=bounds(RUN, 0.28201, 0.28259)), answer)
+    assert same is not None
+    assert "alone" not in numerical_error(same, answer.kc)  # not in these digits
     apart = answer.model_copy(update={"direction": "uphill"})
     assert accuracy(results(RUN, fem=apart, bounds=bounds(RUN, 0.2799, 0.2815)), apart) == of_meshes(answer)
     davis = answer.model_copy(update={"flow": "davis"})  # the upper bound with ψ = φ holds for every ψ ≤ φ
@@ -73,8 +79,9 @@ def test_the_first_page_names_all_that_its_interval_follows_from() -> None:
     deeper = wide.model_copy(update={"shallow_failures": (face,)})
     values = [headlines(results(RUN, fem=answer, bounds=item), Texts())[0].interval for item in (wide, deeper, None)]
     assert values == [
-        "0.282 to 0.283 by strict bounds and the sequence of meshes",
-        "0.282 to 0.283 by strict bounds (shallow failures excluded) and the sequence of meshes",
+        "0.282 to 0.283 by strict bounds and the sequence of meshes; strict bounds alone 0.270 to 0.300",
+        "0.282 to 0.283 by strict bounds (shallow failures excluded) and the sequence of meshes; strict bounds alone "
+        "0.270 to 0.300",
         "0.282 to 0.283 by the sequence of meshes",
     ]
 

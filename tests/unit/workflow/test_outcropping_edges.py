@@ -3,8 +3,8 @@
 from fem.settings import FemSettings
 from workflow.report.bounds_text import bounds_sentences
 from workflow.report.console import comparison_sentences
-from workflow.results.bounds import BoundsAnswer, ShallowBoundPart
-from workflow.results.continuum import FemAnswer, ShallowFailurePart
+from workflow.results.bounds import BoundsAnswer, SafetyPart, ShallowBoundPart
+from workflow.results.continuum import FactorOfSafety, FemAnswer, ShallowFailurePart
 
 
 def elements(width: float) -> str:
@@ -23,7 +23,8 @@ def bounds(width: float, *reported_faces: ShallowFailurePart) -> str:
         shallow_failures=(face,), shallow=None, least_depth=0.5, load_ends=(), water_exits=(), description="0.1 <= Kh",
         verdict="bracketed", safety=(), substitute=None,
     )  # fmt: skip
-    return next(iter(bounds_sentences(answer, reported_faces)))
+    reported = FemAnswer.model_construct(shallow_failures=reported_faces, safety_factors=(), after_shaking=None)
+    return next(iter(bounds_sentences(answer, reported)))
 
 
 def test_seven_centimetres_of_a_liner_are_an_edge() -> None:
@@ -46,3 +47,19 @@ def test_a_face_that_the_elements_report_is_not_reported_again_by_the_bounds() -
     assert bounds(3.0, face) == "The bounds below are for failures deeper than 0.5 m."
     other = face.model_copy(update={"kh": 0.06})
     assert bounds(3.0, other).startswith("Shallow failure of the face")
+
+
+def test_a_factor_of_the_face_that_the_elements_report_is_not_reported_again_by_the_bounds() -> None:
+    """The elements had "fails in a shallow failure at a smaller factor, 1.090", the bounds "fails before, at 1.090"."""
+    part = SafetyPart(kh=0.0, lower=1.282, upper=1.288, cells=100, shallow_failure=1.0904)
+    answer = BoundsAnswer.model_construct(
+        shallow_failures=(), shallow=None, least_depth=0.5, load_ends=(), water_exits=(), description="0.1 <= Kh",
+        verdict="bracketed", safety=(part,), after_shaking=None, substitute=None,
+    )  # fmt: skip
+    is_reported = {}
+    for factor in (1.0902, 1.05, None):
+        row = FactorOfSafety.model_construct(kh=0.0, after_shaking=False, shallow_failure=factor)
+        elements = FemAnswer.model_construct(shallow_failures=(), safety_factors=(row,), after_shaking=None)
+        is_reported[factor] = "fails before, at 1.090 at most" in " ".join(bounds_sentences(answer, elements))
+    assert is_reported == {1.0902: False, 1.05: True, None: True}
+    assert "fails before, at 1.090 at most" in " ".join(bounds_sentences(answer))

@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from tests.support import dem_fixture
+from tests.support.answers import bounds
 from tests.support.sections import slope
 from tests.support.toy_stages import Toys
 from workflow.config import Config
+from workflow.results.bounds import BoundsAnswer, SafetyPart
 from workflow.results.cases import CasesAnswer
 from workflow.results.results import Results
 from workflow.run.plan import Choice, changes, made_from, plan
@@ -73,3 +75,25 @@ def test_answers_of_another_version_of_the_program_are_told_as_such(
     assert mesh is not None
     record.put("mesh", replace(mesh, ended="9999-01-01 00:00:00"))  # computed again since
     assert sorted(Results.of(toys.job(tmp_path)).ends) == ["mesh"]
+
+
+def test_answers_of_a_command_that_asked_for_more_of_them_hold_for_others(tmp_path: Path) -> None:
+    """`noshiro slices` after `noshiro fem --safety-factor` did not heed its bounds of the factor of safety."""
+
+    def with_settings(**settings: dict[str, object]) -> Job:
+        return Job(Config.parse({**slope(), **settings}), Store(tmp_path), STAGES)
+
+    requested = with_settings(fem={"safety_factor_at": [0.0, 0.1]}, bounds={"safety_factor": True})
+    stage = next(item for item in STAGES if item.name == "bounds")
+    part = SafetyPart(kh=0.0, lower=1.2, upper=1.21, cells=100)
+    bounds(requested.config, 0.19, 0.2).model_copy(update={"safety": (part,)}).write(requested.store)
+    record = Record(requested.store)
+    files = sizes(requested.store, [BoundsAnswer.FILE])
+    record.put("bounds", Entry(made_from(stage, requested, record), "done", files=files))
+    plain = Results.of(with_settings())
+    assert plain.bounds is not None
+    assert plain.bounds.safety == (part,)
+    assert plain.older == ()
+    [step] = [step for step in plan(with_settings(), record, Choice(())) if step.stage is stage]
+    assert step.reason == "inputs changed: [bounds], fem.safety_factor_at"
+    assert Results.of(with_settings(fem={"sides": "fixed"})).bounds is None
