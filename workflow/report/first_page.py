@@ -1,9 +1,6 @@
 """Writes the first page of the report: three numbers with their intervals, and one sentence of conclusion for each."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Literal
-
-import numpy as np
 
 from fem.search.result_warnings import difference_words
 from meshes.section.cutting import shown_name
@@ -11,14 +8,13 @@ from meshes.section.quantity import GRAVITY
 from workflow.estimates.structures import structures_of
 from workflow.report.at_rest import after_shaking, failure_at_rest
 from workflow.report.crests import crest_parts, crests_in_short
-from workflow.report.faces import face_lines
+from workflow.report.first_crests import with_crests
 from workflow.report.intervals import from_to, interval_text
 from workflow.report.numbers import coefficient, of_cases, rounded_up
 from workflow.report.paper import rows
 from workflow.report.post_liquefaction import just_enough
 from workflow.report.residual import residual_verdict
 from workflow.report.slide_headline import slide_headline
-from workflow.report.verdicts import spared_structures
 from workflow.results.accuracy import METHODS, accuracy, proven_by, strict_factor
 from workflow.results.answer import FORCE
 from workflow.results.bounds import DirectionPart
@@ -55,8 +51,8 @@ def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
     _ : texts in the language of the report
     """
     three = (
-        _with_crests(_critical(results, _), results, results.slip_surface, "critical", _),
-        _with_crests(_safety(results, _), results, _surface_at_rest(results), "safety", _),
+        with_crests(_critical(results, _), results, results.slip_surface, "critical", _),
+        with_crests(_safety(results, _), results, _surface_at_rest(results), "safety", _),
         slide_headline(results, _),
     )
     return tuple(headline.model_copy(update={"value": _.sentence(headline.value)}) for headline in three)
@@ -124,58 +120,6 @@ def _surface_at_rest(results: Results) -> Sequence[Sequence[float]]:
     """Return the slip surface of the factor of safety without shaking; empty without any."""
     factors = results.fem.safety_factors if results.fem is not None else ()
     return next((factor.slip_surface for factor in factors if factor.kh == 0.0), ())
-
-
-def _with_crests(
-    headline: HeadlinePart,
-    results: Results,
-    surface: np.ndarray | Sequence[Sequence[float]],
-    quantity: Literal["critical", "safety"],
-    _: Texts,
-) -> HeadlinePart:
-    """Return a headline with the smallest value of the faces of structures added, if no crest moves in its failure."""
-    names = spared_structures(results, surface)
-    if not names or headline.value == "–":
-        return headline
-    x = [point[0] for point in surface]
-    phrase, values = "", [
-        value for line in face_lines(results) if line.of_structure and (value := getattr(line, quantity).of_face)
-    ]  # fmt: skip
-    if quantity == "critical":
-        phrase = " " + _(
-            "This mechanism reaches from x = {left} to {right} m, and no crest is part of this failure ({structures}).",
-            left=f"{min(x):.0f}",
-            right=f"{max(x):.0f}",
-            structures=_.listed(names),
-        ) + _first_face(results, _)  # fmt: skip
-    crests = ""
-    if values:
-        least = coefficient(min(values)) if quantity == "critical" else f"{min(values):.2f}"
-        crests = _("; {value} for the first crest to slide", value=least)
-    return headline.model_copy(
-        update={"conclusion": headline.conclusion + phrase, "interval": headline.interval + crests}
-    )
-
-
-def _first_face(results: Results, _: Texts) -> str:
-    """Return a sentence, after a blank, on the face of a structure that fails first; empty without any."""
-    lines = ((line.critical.of_face, line) for line in face_lines(results) if line.of_structure)
-    known = [(kc, line) for kc, line in lines if kc is not None]
-    if not known:
-        return ""
-    kc, line = min(known, key=lambda pair: pair[0])
-    low, factor = line.critical.davis_of_face, line.safety.of_face
-    value = _("{kc} by slip circles", kc=coefficient(kc)) if line.critical.governing is None else coefficient(kc)
-    values = {"structure": line.name, "side": _.sentence(line.side), "kc": value}
-    if low is None or factor is None:
-        return " " + _("Of the crests, {structure} slides first ({side}), at Kh = {kc}.", **values)
-    return " " + _(
-        "Of the crests, {structure} slides first ({side}), at Kh = {kc} ({davis} with Davis reduced strength); without "
-        "shaking its factor of safety is {factor}.",
-        **values,
-        davis=coefficient(low),
-        factor=f"{factor:.2f}",
-    )
 
 
 def _direction_words(results: Results, failing: FemAnswer | DirectionPart, _: Texts) -> str:

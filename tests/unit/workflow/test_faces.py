@@ -30,6 +30,7 @@ from workflow.report.faces import face_lines, faces_sentences, note_sentences, s
 from workflow.report.first_page import headlines
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
+from workflow.results.continuum import FactorOfSafety
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, StrongZonePart
 from workflow.results.governing import value_of_face
 from workflow.results.slices import FactorCircles
@@ -253,6 +254,30 @@ def test_a_face_without_a_value_by_elements_has_that_of_its_circle_on_the_first_
     assert first.interval.endswith("; 0.144 for the first crest to slide")
     [overlay] = _of_structure(results(config, slices=by_slices(config), faces=faces, fem=of_fem), 0.078)
     assert overlay.label == "embankment at x = 69 m, towards the left: slip circle at Kh = 0.144"
+
+
+def test_the_structure_that_the_file_names_stands_first() -> None:
+    """Large print had 0.078 of the bank; the levee's values stood in small print behind it."""
+    config = levee(structures=[{"name": "embankment at x = 69 m", "from": 56.0, "to": 86.0, "kind": "levee"}])
+    factor = FactorOfSafety.model_construct(
+        kh=0.0, factor=1.2, verdict="plateau", remaining_error=0.01, after_shaking=False, slip_surface=BANK,
+        shallow_failure=None, davis=None, associated=None,
+    )  # fmt: skip
+    of_fem = fem(config, 0.078)
+    state = of_fem.states[-1].model_copy(update={"slip_surface": BANK, "past_equilibrium": False})
+    changes = {"states": (state,), "towards": "left", "safety_factors": (factor,)}
+    of_fem = of_fem.model_copy(update=changes)
+    strict = bounds(config, 0.0773, 0.0785)
+    answers = results(config, slices=by_slices(config), faces=answer(), fem=of_fem, bounds=strict)
+    critical, safety, _ = headlines(answers, Texts())
+    assert (critical.name, critical.value) == ("critical Kh, embankment at x = 69 m (riverward, left)", "0.148")
+    assert critical.interval == (
+        "0.140 to 0.149 by strict bounds; 0.078 from x = 40 to 46 m, where no crest is part of the failure"
+    )
+    assert critical.conclusion.startswith("Of the crests, embankment at x = 69 m slides first (riverward, left)")
+    assert critical.conclusion.endswith("no crest is part of this failure (embankment at x = 69 m).")
+    assert (safety.name, safety.value) == ("factor of safety, embankment at x = 69 m (riverward, left)", "1.65")
+    assert safety.interval == ("by finite elements; 1.20 from x = 40 to 46 m, where no crest is part of the failure")
 
 
 def test_a_circle_with_the_crest_is_no_circle_of_the_bank() -> None:
