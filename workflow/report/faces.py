@@ -12,8 +12,7 @@ from workflow.config import Config
 from workflow.estimates.comparison import block_slide
 from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import structures_of
-from workflow.report.numbers import of_cases
-from workflow.report.slices import face_circles
+from workflow.report.faces_after import AfterLine, factors_after, strong_elsewhere
 from workflow.report.structures import BEFORE_SHAKING, FaceRow, face_rows, smaller_kh
 from workflow.results.cases import MovedSurface
 from workflow.results.faces import FacesAnswer, FaceValue
@@ -81,6 +80,7 @@ class FaceLine:
         in parentheses with Davis's strength; empty if there is none.
     slides, settles : slide of the face after liquefaction, and settlement of the half of the crest beside the face, by
         every method.
+    after : factors of safety after shaking, and after liquefaction in each case.
     counts : whether the critical Kh of the face is the smallest of all faces.
     of_structure : whether the line is a face of a structure; a failure elsewhere is not.
     """
@@ -94,6 +94,7 @@ class FaceLine:
     settles: tuple[str, ...]
     counts: bool
     of_structure: bool = True
+    after: tuple[AfterLine, ...] = ()
 
 
 def side_words(config: Config, start: float, end: float, towards: Side) -> str:
@@ -129,6 +130,7 @@ def _line(results: Results, row: FaceRow, faces: FacesAnswer | None) -> FaceLine
         slides=tuple(_slides(results, row)),
         settles=tuple(_settlements(results, row)),
         counts=row.counts,
+        after=tuple(factors_after(results, row)),
     )
 
 
@@ -263,16 +265,6 @@ def _overlap(line: tuple[tuple[float, float], ...], surface: list[tuple[float, f
     return shared > 0.5 * min(line[-1][0] - line[0][0], surface[-1][0] - surface[0][0])
 
 
-def _after_shaking(results: Results) -> Iterator[str]:
-    """Yield the factors of safety of the faces by slip circles after shaking, and after liquefaction in each case."""
-    section = results.config.section
-    if results.slices is not None and results.slices.after_shaking is not None:
-        yield from (f"{words} after shaking." for words in face_circles(results.slices.after_shaking, section))
-    for case in results.liquefied.cases if results.liquefied is not None else ():
-        for words in face_circles(case.circles, section) if case.circles is not None else ():
-            yield f"{words} after liquefaction in {of_cases(case.cases)}."
-
-
 def note_sentences(results: Results) -> Iterator[str]:
     """Yield sentences on the strong zones of the faces, values without an answer, and values left out of the table."""
     config, answer = results.config, results.faces
@@ -305,7 +297,7 @@ def note_sentences(results: Results) -> Iterator[str]:
         for reason in face.reasons:
             yield f"{of[0].upper()}{of[1:]}: no {reason.rstrip('.')}."
     yield from _beyond_bounds(face_lines(results))
-    yield from _after_shaking(results)
+    yield from strong_elsewhere(results)
     if config.section.water_pressure.rises_by_shaking:
         yield BEFORE_SHAKING
     if answer is None:

@@ -7,10 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from meshes.section.cutting import shown_name
-from meshes.section.section import Section
 from workflow.config import Config
 from workflow.estimates.slip_circles import least_balance
-from workflow.estimates.structures import structures_of
 from workflow.report.circles import (
     RATIO_ABOVE_BOUND,
     RATIO_BELOW_BOUND,
@@ -20,7 +18,7 @@ from workflow.report.circles import (
 )
 from workflow.results.continuum import FactorOfSafety
 from workflow.results.results import Results
-from workflow.results.slices import CirclePart, CirclesAtRest, SlicesAnswer
+from workflow.results.slices import CirclePart, SlicesAnswer
 from workflow.results.stability import LiquefiedCase
 
 KH_DIGITS = 3  # of a critical Kh; a factor of safety has fewer
@@ -109,14 +107,6 @@ def below_bound(case: LiquefiedCase) -> bool:
     if case.circles is None or not case.circles.circles or case.factor_lower is None:
         return False
     return case.circles.circles[0].bishop < RATIO_BELOW_BOUND * case.factor_lower
-
-
-def face_circles(answer: CirclesAtRest, section: Section) -> Iterator[str]:
-    """Yield the factor of safety of every face of structures by slip circles, in words without a full stop."""
-    names = {(item.crest.start, item.crest.end): item.name for item in structures_of(section)}
-    for face in answer.faces:
-        name = names.get((face.start_m, face.end_m), f"structure from x = {face.start_m:g} to {face.end_m:g} m")
-        yield f"{name}, towards the {face.towards}: factor of safety {face.circle.bishop:.2f} by slip circles"
 
 
 def _critical_list(circles: Sequence[CirclePart], fails: str) -> str:

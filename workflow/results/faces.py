@@ -40,6 +40,15 @@ class FaceStrength(Part):
     reasons: tuple[str, ...] = Field(default=(), description="reasons why an answer is missing, one sentence each")
 
 
+class FaceAtRest(Part):
+    """Holds the factor of safety of one face in ground after shaking or liquefaction, by finite elements."""
+
+    structure: str
+    towards: Literal["left", "right"] = Field(description="side to which the face slides")
+    safety: FaceValue | None = Field(description="factor of safety without shaking; null without an answer")
+    reason: str = Field(default="", description="reason why there is no factor of safety")
+
+
 class FacesAnswer(Answer):
     """Holds the faces of all structures."""
 
@@ -47,6 +56,9 @@ class FacesAnswer(Answer):
 
     section: SectionLabel
     faces: tuple[FaceStrength, ...]
+    after_shaking: tuple[FaceAtRest, ...] = Field(
+        default=(), description="factors of safety with the excess pore pressure of shaking; empty without any"
+    )
 
     def of(self, structure: str, towards: str) -> FaceStrength | None:
         """Return the strength of the face of a structure towards one side; None if it was not computed."""

@@ -9,6 +9,7 @@ from pydantic import Field
 from fem.continuum.loads import Direction
 from fem.settings import Sides
 from workflow.results.answer import Answer, Line, Part, SectionLabel
+from workflow.results.faces import FaceAtRest
 from workflow.results.slices import CirclesAtRest
 
 BearingVerdict = Literal["stands", "flows"]
@@ -120,6 +121,9 @@ class LiquefiedCase(Bearing):
     strata: tuple[LiquefiedStratum, ...]
     circles: CirclesAtRest | None = Field(
         default=None, description="slip circles with the least factors of safety at Kh = 0; null without any strength"
+    )
+    faces: tuple[FaceAtRest, ...] = Field(
+        default=(), description="factors of safety of the faces of structures by finite elements; empty without any"
     )
 
 

@@ -11,6 +11,7 @@ from workflow.results.finished_parts import FinishedParts
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.run.stage import Job, Stage, unless_it_liquefies
 from workflow.stages.bearing import WITHOUT_EFFECT, bearing_of
+from workflow.stages.faces_at_rest import faces_at_rest
 from workflow.stages.liquefaction import (
     STRENGTH_KEYS,
     cases_as_data,
@@ -79,6 +80,7 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, RemainingStrength
     section = liquefied_ground(config, remains)
     mean = section.cohesion_field.means()
     bearing = bearing_of(section, config, mesh, no_strength=not has_strength(remains))
+    circles = circles_at_rest(section, config) if has_strength(remains) else None
     cases = [config.cases[number - 1] for number in numbers]
     return LiquefiedCase.taken(
         bearing,
@@ -93,7 +95,8 @@ def _case(config: Config, mesh: "QuadMesh", remains: dict[int, RemainingStrength
             )
             for k in remains
         ),
-        circles=circles_at_rest(section, config) if has_strength(remains) else None,
+        circles=circles,
+        faces=faces_at_rest(section, config, circles),
     )
 
 
@@ -102,7 +105,7 @@ STAGE = Stage(
     description="stability after liquefaction",
     work=work,
     needs=("mesh",),
-    reads=("fem", "tension_crack"),
+    reads=("fem", "tension_crack", "mesh", "faces.run"),
     ignores=lambda config: (*WITHOUT_EFFECT, "fem.own_dilation"),
     takes=lambda config: {
         "what liquefies": cases_as_data(config, STRENGTH_KEYS),

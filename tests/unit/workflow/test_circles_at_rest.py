@@ -1,6 +1,5 @@
 """Slip circles without a seismic force, after shaking and after liquefaction, of the section and of its crests."""
 
-import re
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -12,14 +11,16 @@ from meshes.section.liquefies import RemainingStrength
 from tests.support.answers import results
 from tests.support.sections import SOIL, analysed
 from workflow.config import Config
-from workflow.report.faces import note_sentences
+from workflow.report.faces import face_lines, note_sentences
 from workflow.report.post_liquefaction import sentences
 from workflow.report.slices import slices_sentences
 from workflow.report.stability import stability_rows
 from workflow.results.answer import SectionLabel
+from workflow.results.faces import StrongZonePart
 from workflow.results.slices import CirclesAtRest, SlicesAnswer
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase
 from workflow.run.store import Store
+from workflow.stages.faces_at_rest import faces_at_rest
 from workflow.stages.slices import circles_at_rest, work
 from workflow.texts.report_texts import Texts
 
@@ -63,7 +64,9 @@ def test_circles_after_shaking_have_its_excess_pore_pressure(tmp_path: Path) -> 
     assert "after shaking, with its excess pore pressure, by slip circles: to the" in text
     rows = [row for row in stability_rows(results(run, slices=answer), Texts()) if "after shaking" in row.quantity]
     assert [row.value for row in rows] == [f"{circle.bishop:.2f}" for circle in circles_after.circles]
-    assert any("by slip circles after shaking." in note for note in note_sentences(results(run, slices=answer)))
+    of_faces = [face.circle.bishop for face in circles_after.faces]
+    table = [line.after for line in face_lines(results(run, slices=answer)) if line.of_structure]
+    assert table == [(("after shaking", "", f"{value:.2f}"),) for value in of_faces]
 
 
 def test_the_circles_of_liquefied_ground_are_reported() -> None:
@@ -87,13 +90,49 @@ def test_the_circles_of_liquefied_ground_are_reported() -> None:
     assert f"Slip circles are below the strict lower bound of {1.05 * least.bishop:.2f}:" in text
     close = case.model_copy(update={"factor_lower": 1.01 * least.bishop})
     assert "Slip circles are below" not in "\n".join(sentences(answer.model_copy(update={"cases": (close,)})))
-    notes = [note for note in note_sentences(results(clay, liquefied=answer)) if "after liquefaction" in note]
-    assert len(notes) == 2
-    for note, face in zip(notes, circles.faces, strict=True):
-        words = f"towards the {face.towards}: factor of safety {face.circle.bishop:.2f} by slip circles after"
-        assert note.startswith("embankment at x = 36 m, ")
-        assert f"{words} liquefaction in cases 1 and 2." in note
-        assert re.search("[a-z]{4}", Texts("ja").sentence(note)) is None
+
+
+def test_the_table_of_faces_has_the_factors_after_liquefaction_by_elements_and_circles(tmp_path: Path) -> None:
+    """Elements had no factor of the faces after shaking or liquefaction, although slip circles had. With 40 % of the
+    strength of clay both have 40 % of the factor of safety; elements are within 5 % of the circles."""
+    clay = bank(cohesion="12 kPa", friction_angle="0 deg").with_settings("mesh", size=1.5)
+    circles = circles_at_rest(clay.section, clay)
+    faces = faces_at_rest(clay.section, clay, circles)
+    assert [face.towards for face in faces] == ["left", "right"]
+    for face, circle in zip(faces, circles.faces, strict=True):
+        assert face.safety is not None
+        assert face.safety.reaches_crest
+        assert face.safety.value == pytest.approx(circle.circle.bishop, rel=0.05)
+    case = LiquefiedCase(
+        verdict="flows", reason="it fails", kc=None, kc_lower=None, kc_upper=None, factor=0.9, factor_lower=None,
+        factor_upper=None, notes=(), cases=(1, 2), names=(), strata=(), circles=circles, faces=faces,
+    )  # fmt: skip
+    answer = LiquefiedAnswer(section=SectionLabel.of(clay.section), sides="smooth", cases=(case,))
+    store = Store(tmp_path)
+    work(cast(Any, SimpleNamespace(config=clay, store=store, progress=lambda *what: None)))
+    lines = face_lines(results(clay, slices=SlicesAnswer.read(store), liquefied=answer))
+    shown = {line.side.rpartition(" ")[2]: line.after for line in lines if line.of_structure}
+    assert shown == {
+        face.towards: (("cases 1, 2", f"{face.safety.value:.2f}", f"{circle.circle.bishop:.2f}"),)
+        for face, circle in zip(faces, circles.faces, strict=True)
+        if face.safety is not None
+    }
+    assert faces_at_rest(clay.section, clay.with_settings("faces", run=False), circles) == ()
+    assert faces[0].safety is not None
+    zones = (StrongZonePart(start=40.0, end=72.0, depth=1e6),)
+    strong = faces[0].model_copy(update={"safety": faces[0].safety.model_copy(update={"strong_zones": zones})})
+    [note] = [
+        text
+        for text in note_sentences(
+            results(
+                clay, liquefied=answer.model_copy(update={"cases": (case.model_copy(update={"faces": (strong,)}),)})
+            )
+        )
+        if "too strong to fail" in text
+    ]
+    assert note.startswith(
+        "Factor of safety of embankment at x = 36 m, towards the left, after shaking or liquefaction"
+    )
 
 
 def test_ground_without_excess_pressure_has_no_circles_after_shaking(tmp_path: Path) -> None:

@@ -34,7 +34,7 @@ from workflow.results.continuum import FactorOfSafety
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, StrongZonePart
 from workflow.results.governing import value_of_face
 from workflow.results.slices import FactorCircles
-from workflow.stages import faces
+from workflow.stages import face_values, faces
 from workflow.texts.report_texts import Texts
 
 BANK = ((40.0, 6.0), (43.0, 6.5), (46.0, 9.0))
@@ -94,8 +94,10 @@ def test_ground_that_spreads_below_the_crest_is_the_failure_of_both_faces() -> N
         reached = tuple(is_of_face(structure, side, moving, sides) for side in (LEFT, RIGHT))
         assert reached == (expected or (False, False))
         if expected:
-            task = faces.FaceTask(levee(bounds={"run": False}), structure, RIGHT, "factor of safety", spreads, WHOLE)
-            value = faces.face_value(task, lambda message: None)
+            task = face_values.FaceTask(
+                levee(bounds={"run": False}), structure, RIGHT, "factor of safety", spreads, WHOLE
+            )
+            value = face_values.face_value(task, lambda message: None)
             assert isinstance(value, FaceValue)
             assert value.value == 1.07
             assert value.reaches_crest
@@ -118,10 +120,10 @@ def test_a_failure_without_a_slip_surface_is_a_reason(first: bool, monkeypatch: 
     """Ground that settles to both sides has none; the run of a quay ended in an IndexError."""
     (structure,) = structures_of(levee().section)
     none = FaceLimit(0.57, 0.5, np.zeros((0, 2)))
-    monkeypatch.setattr(faces, "_computed", lambda *arguments: none)
+    monkeypatch.setattr(face_values, "_computed", lambda *arguments: none)
     unchanged = none if first else FaceLimit(0.4, None, np.array(LANDWARD))
-    task = faces.FaceTask(levee(), structure, LEFT, "critical Kh", unchanged, WHOLE)
-    reason = faces.face_value(task, lambda message: None)
+    task = face_values.FaceTask(levee(), structure, LEFT, "critical Kh", unchanged, WHOLE)
+    reason = face_values.face_value(task, lambda message: None)
     assert isinstance(reason, str)
     assert reason.startswith("the ground that fails at 0.57 in finite elements has no slip surface")
 
@@ -171,7 +173,7 @@ def test_faces_share_the_searches_in_the_section_without_strong_zones(monkeypatc
         requested.append((quantity, side, zones))
         return FaceLimit(0.1, None, np.array(WHOLE))
 
-    monkeypatch.setattr(faces, "_computed", computed)
+    monkeypatch.setattr(face_values, "_computed", computed)
     job = cast(Any, SimpleNamespace(config=levee(), executor=OneThread(), progress=lambda *what: None))
     result = fem(levee(), 0.1)
     for flow, searches in (("davis", 3), ("associated", 2)):
@@ -365,8 +367,8 @@ def test_bounds_of_a_factor_that_are_not_asked_for_are_not_told(monkeypatch: pyt
     zone = StrongZone(40.0, 66.0, 0.9)
     monkeypatch.setattr(faces, "_ground", lambda config, zones: config.section)
     structure = structures_of(config.section)[0]
-    task = faces.FaceTask(config, structure, LEFT, "factor of safety", "", ())
-    assert faces._bounded(task, (zone,), messages.append) == (None, None)
+    task = face_values.FaceTask(config, structure, LEFT, "factor of safety", "", ())
+    assert face_values._bounded(task, (zone,), messages.append) == (None, None)
     assert messages == []
 
 

@@ -50,7 +50,7 @@ def test_stages_name_tables_and_settings_that_there_are() -> None:
         ("fem.rigid_box", False, {"calibrate", "slide"}),
         ("bounds.gap", 0.02, {"bounds", "faces"}),
         ("faces.bounds", False, {"faces"}),
-        ("faces.run", False, set()),
+        ("faces.run", False, {"liquefied"}),
         ("bounds.run", False, {"faces"}),
         ("dem.elements", 1500, {"calibrate", "slide"}),
         ("dem.kh", (0.1,), {"calibrate"}),
