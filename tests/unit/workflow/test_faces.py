@@ -365,7 +365,7 @@ def test_bounds_of_a_factor_that_are_not_asked_for_are_not_told(monkeypatch: pyt
     config = levee()
     assert not config.bounds.safety_factor
     zone = StrongZone(40.0, 66.0, 0.9)
-    monkeypatch.setattr(faces, "_ground", lambda config, zones: config.section)
+    monkeypatch.setattr(face_values, "_ground", lambda config, zones: config.section)
     structure = structures_of(config.section)[0]
     task = face_values.FaceTask(config, structure, LEFT, "factor of safety", "", ())
     assert face_values._bounded(task, (zone,), messages.append) == (None, None)
