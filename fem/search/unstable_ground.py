@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.continuum.loads import excess_pressure_advice
 from fem.continuum.strength import davis_words, is_dilating_fully
-from fem.errors import UnstableError
+from fem.errors import FailureAtRest, UnstableError
 from fem.search.mesh_sequence import AdaptiveResult
 from fem.search.slip_surface import slip_surface
 from fem.search.strength_reduction import SafetyFactor
@@ -39,7 +39,8 @@ def with_factors(
     full : function that returns the factor of safety before shaking with ψ = φ (-), if the flow rule is another one
     """
     result = factor.result
-    place = _place_of(factor) if result.factor <= 1.0 else ""
+    line = _slip_surface(factor) if result.factor <= 1.0 else np.empty((0, 2))
+    place = f"; the ground {extent_in_words(line)}" if len(line) else ""
     message, remedy = f"{error.reason}; its factor of safety is {result.factor:.2f}", error.remedy
     if result.factor > 1.0 and section.water_pressure.rises_by_shaking:
         known = after_shaking is not None and after_shaking <= 1.0
@@ -55,17 +56,25 @@ def with_factors(
             f"horizontally, with a factor of safety of {result.factor:.2f}"
         )
         remedy = 'make the section longer, or take fem.sides = "smooth"'
+    by_weight = result.factor < 1.0 and not section.water_pressure.rises_by_shaking
+
+    def failure(davis: float | None = None, associated: float | None = None) -> FailureAtRest | None:
+        """Return the factor of safety of ground that fails by its weight alone."""
+        return FailureAtRest(result.factor, settings.flow, davis, associated, line) if by_weight else None
+
     if is_dilating_fully(section.strata):
-        return UnstableError(message + place, remedy)
+        return UnstableError(message + place, remedy, failure())
     if settings.flow == "associated":
         low = f", and {result.by_other_flow:.2f} {by(section.strata, 'davis')}" if result.by_other_flow else ""
-        return UnstableError(f"{message} {by(section.strata, 'associated')}{low}{place}", remedy)
+        message += f" {by(section.strata, 'associated')}{low}{place}"
+        return UnstableError(message, remedy, failure(davis=result.by_other_flow or None))
     of_full = result.by_other_flow if result.by_other_flow is not None else full()
     rule = f" {by(section.strata, 'davis')}" if settings.flow == "davis" else ""
     by_other_cause = result.factor > 1.0 and (section.water_pressure.rises_by_shaking or settings.sides == "free-field")
     if of_full > 1.0 and not by_other_cause:
         remedy = 'with fem.flow = "associated" the ground stands, and has a critical Kh'
-    return UnstableError(f"{message}{rule}, and {of_full:.2f} {by(section.strata, 'associated')}{place}", remedy)
+    message += f"{rule}, and {of_full:.2f} {by(section.strata, 'associated')}{place}"
+    return UnstableError(message, remedy, failure(associated=of_full))
 
 
 def by(strata: tuple[Stratum, ...], flow: FlowSetting) -> str:
@@ -73,9 +82,8 @@ def by(strata: tuple[Stratum, ...], flow: FlowSetting) -> str:
     return f"by {davis_words(s.dilation for s in strata)}" if flow == "davis" else "with ψ = φ"
 
 
-def _place_of(weakened: Factor) -> str:
-    """Return where the ground slips with its strength divided by the factor of safety, as a clause; empty without a
+def _slip_surface(weakened: Factor) -> np.ndarray:
+    """Return where the ground slips with its strength divided by the factor of safety, (k, 2) in m; empty without a
     mechanism."""
     mechanism = weakened.result.mechanism
-    line = slip_surface(weakened.mesh, mechanism) if mechanism is not None else np.empty((0, 2))
-    return f"; the ground {extent_in_words(line)}" if len(line) else ""
+    return slip_surface(weakened.mesh, mechanism) if mechanism is not None else np.empty((0, 2))

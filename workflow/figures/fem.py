@@ -15,7 +15,7 @@ from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Renderer, Sheet, W
 from workflow.figures.ground import Overlay, foot, section_sheet
 from workflow.figures.raster import draw_border, fill_cells, painted
 from workflow.results.answer import FORCE
-from workflow.results.continuum import FemAnswer
+from workflow.results.continuum import FailureAnswer, FemAnswer
 from workflow.results.fem_states import FemResults
 from workflow.run.store import Store
 
@@ -51,6 +51,17 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
         names.append(SAFETY)
         store.save(SAFETY, section_sheet(config.section, "FEM, slip surface at the factor of safety", slips))
     store.remove(sorted(set(store.matching(["figures/fem_kh_*.png", "figures/fem_plateau.png", SAFETY])) - set(names)))
+
+
+def draw_failure(config: Config, answer: FailureAnswer, store: Store) -> None:
+    """Draw fem_safety.png, the slip surface of ground that fails without a seismic force; remove pictures of states.
+
+    config: config of the run; answer: factor of safety, with its slip surface; store: folder of the run.
+    """
+    label = f"slip surface, F_s = {answer.factor:.2f} at Kh = 0"
+    slips = [Overlay(np.array(answer.slip_surface), CONTINUUM, (0, ()), label)] if answer.slip_surface else []
+    store.save(SAFETY, section_sheet(config.section, "FEM, slip surface at the factor of safety", slips))
+    store.remove(["figures/fem_kh_*.png", "figures/fem_plateau.png", "figures/fem_curve.png"])
 
 
 def _slip_surfaces(answer: FemAnswer) -> list[Overlay]:

@@ -27,8 +27,11 @@ def front(results: Results) -> Sheet | None:
     lines: list[Overlay] = []
     governing = governing_kh(results)
     if governing is not None and len(results.slip_surface):
-        label = f"slip surface at Kh = {governing.text}"
+        label = f"slip surface at Kh {governing.sign} {governing.value:.3f}"
         lines.append(Overlay(results.slip_surface, CRITICAL, (0, ()), label))
+    if results.failure is not None and results.failure.slip_surface:
+        label = f"slip surface, F_s = {results.failure.factor:.2f} at Kh = 0"
+        lines.append(Overlay(np.array(results.failure.slip_surface), CRITICAL, (0, ()), label))
     lines += _of_structure(results, 0.0 if governing is None else governing.value)
     slides = slides_by_weight(results)
     number, case = slides[0].of_largest if slides else (0, None)

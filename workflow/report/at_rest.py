@@ -1,10 +1,12 @@
 """States in words what the ground does without a seismic force: that a strict bound proves its failure, and its factor
 of safety after shaking."""
 
+from workflow.report.flow_rule import FLOW
 from workflow.report.numbers import coefficient
-from workflow.results.continuum import FactorOfSafety, FemAnswer
+from workflow.results.continuum import FactorOfSafety, FailureAnswer, FemAnswer
 from workflow.results.governing import governing_factor, stands_with_smooth_sides
 from workflow.results.results import Results
+from workflow.results.verdicts import HeadlinePart
 from workflow.texts.report_texts import Texts
 
 
@@ -72,3 +74,34 @@ def is_same_after_shaking(answer: FemAnswer) -> bool:
     before = next((factor for factor in answer.safety_factors if factor.kh == 0.0), None)
     pairs = [] if after is None or before is None else [(after.factor, before.factor), (after.davis, before.davis)]
     return bool(pairs) and all(f"{item or 0.0:.3f}" == f"{other or 0.0:.3f}" for item, other in pairs)
+
+
+def critical_without_answer(results: Results, name: str, _: Texts) -> HeadlinePart:
+    """Return the headline of the critical Kh without one by finite elements: below 0 where ground fails by its weight.
+
+    ``results``: results of the stages; ``name``: name of the number; ``_``: texts in the language of the report.
+    """
+    entry = results.no_answer("fem")
+    reason = entry.reason if entry is not None else _("the finite element analysis was not run")
+    if results.failure is None and not results.fails_at_rest:
+        return HeadlinePart(name=name, value="–", interval="", conclusion=_("No critical Kh: {reason}.", reason=reason))
+    phrase = failure_at_rest(results, _) or _("The section fails without shaking, so that it has no critical Kh.")
+    return HeadlinePart(name=name, value="< 0", interval="", conclusion=phrase)
+
+
+def safety_of_failure(results: Results, failure: FailureAnswer, name: str, _: Texts) -> HeadlinePart:
+    """Return the headline of the factor of safety of ground that fails by its weight.
+
+    ``results``, ``name``, ``_``: as above; ``failure``: factor of safety by finite elements.
+    """
+    factor, upper = failure.factor, results.upper_factor_at_rest
+    phrase = _(
+        "Without shaking the section does not stand: its factor of safety is {factor} ({flow}).",
+        factor=f"{factor:.2f}", flow=_(FLOW[failure.flow]),
+    )  # fmt: skip
+    if failure.davis is not None:
+        phrase += " " + _(
+            "With Davis reduced strength the factor of safety is {factor}.", factor=f"{failure.davis:.2f}"
+        )
+    interval = _("at most {upper}", upper=f"{upper:.2f}") if upper is not None and upper < factor else ""
+    return HeadlinePart(name=name, value=f"{factor:.2f}", interval=interval, conclusion=phrase)

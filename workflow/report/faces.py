@@ -29,6 +29,7 @@ from workflow.results.slices import CirclePart
 
 Side = Literal["left", "right"]
 HALF_CREST_POINTS = 21  # points of half a crest, whose mean level settles
+DIGITS_OF_KH = 3
 SMALLEST_SLIDE = 0.05  # m: less is written as 0
 
 
@@ -57,6 +58,8 @@ class MethodValues:
         none."""
         values = (self.governing, self.davis) if by == "elements" else (self.circles, self.davis_circles)
         full, low = ("" if value is None else f"{value:.{digits}f}" for value in values)
+        if by == "elements" and digits == DIGITS_OF_KH and self.davis is not None and self.davis <= 0.0:
+            low = "< 0"  # it fails under its own weight
         return full, low
 
     def interval(self, digits: int) -> str:

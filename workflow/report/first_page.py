@@ -6,9 +6,10 @@ from fem.search.result_warnings import difference_words
 from meshes.section.cutting import shown_name
 from meshes.section.quantity import GRAVITY
 from workflow.estimates.structures import structures_of
-from workflow.report.at_rest import after_shaking, failure_at_rest
+from workflow.report.at_rest import after_shaking, critical_without_answer, failure_at_rest, safety_of_failure
 from workflow.report.crests import crest_parts, crests_in_short
 from workflow.report.first_crests import with_crests
+from workflow.report.flow_rule import FLOW
 from workflow.report.intervals import from_to, interval_text
 from workflow.report.numbers import coefficient, of_cases, rounded_up
 from workflow.report.paper import rows
@@ -30,11 +31,6 @@ from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
 from workflow.texts.report_texts import Texts
 
-FLOW: Mapping[str, str] = {
-    "associated": "associated flow, ψ = φ",
-    "davis": "Davis reduced strength",
-    "non-associated": "non-associated flow with the given ψ",
-}
 IN_FULL = {**FLOW, "davis": "Davis reduced strength, for soil that dilates less than ψ = φ"}  # where it is first named
 SIDES: Mapping[str, str] = {
     "free-field": "free-field sides", "smooth": "smooth sides", "fixed": "fixed sides", "periodic": "periodic sides",
@@ -60,10 +56,8 @@ def headlines(results: Results, _: Texts) -> tuple[HeadlinePart, ...]:
 
 def _critical(results: Results, _: Texts) -> HeadlinePart:
     fem, name = results.fem, _("critical Kh")
-    entry = results.no_answer("fem")
-    if fem is None or entry is not None:
-        reason = entry.reason if entry is not None else _("the finite element analysis was not run")
-        return HeadlinePart(name=name, value="–", interval="", conclusion=_("No critical Kh: {reason}.", reason=reason))
+    if fem is None or results.no_answer("fem") is not None:
+        return critical_without_answer(results, name, _)
     if results.fails_at_rest:
         return HeadlinePart(name=name, value="< 0", interval="", conclusion=failure_at_rest(results, _))
     if not fem.has_kc:
@@ -87,10 +81,13 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
         conditions=conditions,
     )
     if fem.davis is not None and fem.flow == "associated":
-        phrase += " " + _(
-            "With Davis reduced strength, a low estimate for soil that dilates less, the critical Kh is {kc}.",
-            kc=coefficient(fem.davis.kc) if fem.davis.verdict in ("plateau", "peak") else "0",
+        stands = fem.davis.verdict in ("plateau", "peak") and fem.davis.kc > 0.0
+        word = (
+            "With Davis reduced strength, a low estimate for soil that dilates less, the section fails without shaking."
         )
+        if stands:
+            word = "With Davis reduced strength, a low estimate for soil that dilates less, the critical Kh is {kc}."
+        phrase += " " + _(word, kc=coefficient(fem.davis.kc))
     return HeadlinePart(
         name=name,
         value=coefficient(fem.kc),
@@ -178,6 +175,8 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
     factor = (
         next((candidate for candidate in fem.safety_factors if candidate.kh == 0.0), None) if fem is not None else None
     )
+    if results.failure is not None:
+        return safety_of_failure(results, results.failure, name, _)
     entry = results.no_answer("fem")
     if entry is not None:
         phrase = _("No factor of safety: {reason}.", reason=entry.reason)

@@ -9,6 +9,11 @@ from workflow.report.numbers import coefficient
 from workflow.results.continuum import FemAnswer
 from workflow.results.governing import GoverningKh
 
+FLOW: Mapping[str, str] = {
+    "associated": "associated flow, ψ = φ",
+    "davis": "Davis reduced strength",
+    "non-associated": "non-associated flow with the given ψ",
+}
 # When Davis's estimate counts, and when ψ = φ does.
 WHEN = (
     "Strict bounds, limit equilibrium and most results of strength reduction are for ψ = φ. Davis's estimate has a "

@@ -27,6 +27,8 @@ def slide_headline(results: Results, _: Texts) -> HeadlinePart:
             return _block(results, _)
         entry = results.no_answer("calibrate") or results.no_answer("slide")
         reason = entry.reason if entry is not None else _("the slides were not computed")
+        if entry is None and results.mpm is not None and results.mpm.not_possible:
+            reason = _.sentence(results.mpm.not_possible)
         phrase = _("The slide after liquefaction is not known: {reason}.", reason=reason)
         return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
     names = (shown_name(s.name) for s in results.config.section.strata if s.liquefies_in)

@@ -10,12 +10,13 @@ from fem.continuum.strength import Flow, strength_of
 from meshes.section.section import Section
 from workflow.estimates.estimate import depth_below_ground
 from workflow.estimates.structures import structures_of
-from workflow.report.first_page import FLOW, SIDES
+from workflow.report.first_page import SIDES
+from workflow.report.flow_rule import FLOW
 from workflow.report.numbers import coefficient, number, rough_coefficient
 from workflow.report.slices import KH_DIGITS, factor_on_surface
 from workflow.results.accuracy import exceeds, falls_below, strict_factor, strict_kh
 from workflow.results.bounds import SafetyPart
-from workflow.results.continuum import FemAnswer, OtherCriticalKh
+from workflow.results.continuum import FailureAnswer, FemAnswer, OtherCriticalKh
 from workflow.results.governing import is_limited_by_kh
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart
@@ -39,6 +40,8 @@ def stability_rows(results: Results, _: Texts) -> list[StabilityRow]:
 
 def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
     fem, name = results.fem, _("critical Kh, finite elements")
+    if results.failure is not None:
+        yield from _of_failure(results.failure, _)
     if fem is None:
         return
     sides = _(SIDES[fem.settings.sides])
@@ -50,7 +53,8 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
     for other, flow in others:
         if other is not None and other.verdict in ("plateau", "peak"):
             above = _bound_words(other.kc, strict_kh(results, fem, flow, other.direction), _)
-            yield StabilityRow(name, coefficient(other.kc), "", f"{sides}, {_(FLOW[flow])}{above}")
+            value = coefficient(other.kc) if other.kc > 0.0 else "< 0"  # it fails under its own weight
+            yield StabilityRow(name, value, "", f"{sides}, {_(FLOW[flow])}{above}")
     third = fem.own_dilation
     if third is not None and third.kc is not None:
         interval = _("{low} to {high}", low=number(third.low, 3), high=number(third.high, 3))
@@ -77,6 +81,15 @@ def _elements(results: Results, _: Texts) -> Iterator[StabilityRow]:
         yield StabilityRow(name, coefficient(max(shallow_failure.kh, 0.0)), "", f"{face_words}, {_(FLOW[fem.flow])}")
     yield from _shallow_by_davis(results, fem, name, _)
     yield from _factors(results, fem, _)
+
+
+def _of_failure(failure: FailureAnswer, _: Texts) -> Iterator[StabilityRow]:
+    """Yield the factors of safety of ground that fails without a seismic force."""
+    of = _("factor of safety at Kh = {kh}, finite elements", kh="0")
+    yield StabilityRow(of, f"{failure.factor:.2f}", "", _(FLOW[failure.flow]))
+    for factor, flow in ((failure.davis, "davis"), (failure.associated, "associated")):
+        if factor is not None:
+            yield StabilityRow(of, f"{factor:.2f}", "", _(FLOW[flow]))
 
 
 def _factors(results: Results, fem: FemAnswer, _: Texts) -> Iterator[StabilityRow]:

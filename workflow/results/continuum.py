@@ -146,6 +146,19 @@ def displacement_at(path: Sequence[PathStep], kc: float, share: float) -> float:
     return last.displacement + length * log(left[1] / (1.0 - share))
 
 
+class FailureAnswer(Answer):
+    """Holds the factor of safety of a section that fails without a seismic force, and so has no critical Kh."""
+
+    FILE: ClassVar[str] = "fem/failure.json"
+
+    section: SectionLabel
+    factor: float = Field(description="factor of safety at Kh = 0, below 1")
+    flow: Flow
+    davis: float | None = Field(description="Davis's estimate (low, no bound) if the factor is with ψ = φ")
+    associated: float | None = Field(description="factor of safety with ψ = φ, if the factor is Davis's estimate")
+    slip_surface: Line = Field(description="points [x, elevation] of the slip surface (m)")
+
+
 class FemAnswer(Answer):
     """Holds the critical Kh, with its bracket, verdict and path."""
 

@@ -12,7 +12,7 @@ from workflow.results.answer import FORCE, Answer
 from workflow.results.bounds import BoundsAnswer
 from workflow.results.calibration import CalibrationAnswer
 from workflow.results.cases import CaseAnswer, CasesAnswer
-from workflow.results.continuum import FemAnswer, VariantsAnswer
+from workflow.results.continuum import FailureAnswer, FemAnswer, VariantsAnswer
 from workflow.results.dem_counterpart import DemCounterpart
 from workflow.results.discs import DiscsAnswer
 from workflow.results.faces import FacesAnswer
@@ -57,6 +57,7 @@ class Results:
     ends: dict[str, Entry]
     missing: dict[str, str]
     fem: FemAnswer | None = None
+    failure: FailureAnswer | None = None
     variants: VariantsAnswer | None = None
     bounds: BoundsAnswer | None = None
     dem: DiscsAnswer | None = None
@@ -102,6 +103,7 @@ class Results:
             ends,
             missing,
             fem=left("fem", FemAnswer),
+            failure=left("fem", FailureAnswer),
             variants=left("variants", VariantsAnswer),
             bounds=bounds if bounds is not None and (bounds.has_interval or bounds.fails_at_rest) else None,
             dem=left("calibrate", DiscsAnswer),

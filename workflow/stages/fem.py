@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from fem.continuum.strength import Flow
+from fem.errors import UnstableError
 from fem.search.result_warnings import is_doubtful
 from meshes.errors import NoAnswerError
 from meshes.section.section import Section
@@ -12,6 +13,7 @@ from workflow.config import Config
 from workflow.results.answer import Line, SectionLabel, line
 from workflow.results.continuum import (
     FactorOfSafety,
+    FailureAnswer,
     FemAnswer,
     Gravity,
     MeshCount,
@@ -44,10 +46,13 @@ def help_compute(job: Job, ranks: Ranks) -> None:
 
 
 def draw(job: Job) -> None:
-    """Draw the curve, and the fields at every recorded Kh."""
-    from workflow.figures.fem import draw_all
+    """Draw the curve, and the fields at every recorded Kh, or the slip surface of ground that fails at rest."""
+    from workflow.figures.fem import draw_all, draw_failure
     from workflow.results.fem_states import FemResults
 
+    if job.store.has(FailureAnswer.FILE):
+        draw_failure(job.config, FailureAnswer.read(job.store), job.store)
+        return
     draw_all(job.config, FemResults.load(job.config.section, job.store), job.store)
 
 
@@ -64,6 +69,7 @@ def work(job: Job) -> None:
     config, store, progress, ranks = job.config, job.store, job.progress, job.ranks or Ranks()
     mesh = stored_mesh(config.section, store)
     if ranks.is_first:
+        store.remove([FailureAnswer.FILE])  # that of an earlier input
         ranks.call()
 
     def tell(what: str, path: "EquilibriumPath | None") -> None:
@@ -78,7 +84,15 @@ def work(job: Job) -> None:
         )
 
     progress("gravity", None)
-    assessment = assess(config.section, config.mesh, mesh, config.fem, ranks.comm, tell)
+    try:
+        assessment = assess(config.section, config.mesh, mesh, config.fem, ranks.comm, tell)
+    except UnstableError as error:
+        if error.at_rest is not None and ranks.is_first:
+            line_of_slip = line(error.at_rest.slip_surface)
+            FailureAnswer.taken(
+                error.at_rest, section=SectionLabel.of(config.section), slip_surface=line_of_slip
+            ).write(store)
+        raise
     result = assessment.critical
     if ranks.is_first:
         with store.writing(FEM_FILE) as path:
@@ -231,7 +245,7 @@ STAGE = Stage(
     reads=("fem",),
     ignores=lambda config: ("fem.threads", "fem.rigid_box"),
     adds=("fem.safety_factor_at",),
-    results=(FemAnswer.FILE, FEM_FILE, PATH_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
+    results=(FemAnswer.FILE, FailureAnswer.FILE, FEM_FILE, PATH_FILE, "fem/fields.pvd", "fem/fields_*.vtu"),
     read=FemAnswer.read,
     pictures=("figures/fem_*.png",),
 )

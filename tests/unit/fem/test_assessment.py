@@ -1,5 +1,6 @@
 """All answers for a section: what is looked for side by side is found as one after the other, to the last bit."""
 
+import pickle
 import re
 from dataclasses import replace
 from typing import Any
@@ -66,6 +67,12 @@ def test_ground_that_fails_under_its_own_weight_is_told_with_the_place_where_it_
     assert 40.0 < start < 60.0
     assert 62.0 < end < 85.0
     assert -6.0 <= low < 1.0
+    at_rest = error.value.at_rest
+    assert at_rest is not None
+    assert f"its factor of safety is {at_rest.factor:.2f}" in error.value.reason
+    assert at_rest.slip_surface[0, 0] == pytest.approx(start, abs=0.06)
+    again = pickle.loads(pickle.dumps(error.value))
+    assert (again.reason, again.at_rest.factor) == (error.value.reason, at_rest.factor)
 
 
 @pytest.mark.slow

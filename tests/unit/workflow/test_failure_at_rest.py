@@ -21,19 +21,24 @@ from tests.support.sections import analysed, layer, slope
 from workflow.cli import terminal
 from workflow.config import Config
 from workflow.criteria.settings import CriteriaSettings
+from workflow.figures.front import front
 from workflow.report.console import fem_sentences
+from workflow.report.faces import MethodValues
 from workflow.report.first_page import headlines
 from workflow.report.stability import stability_rows
 from workflow.report.summary import summary
 from workflow.report.verdicts import interval_words, verdicts
+from workflow.results.answer import SectionLabel
 from workflow.results.bounds import BoundsAnswer, DirectionPart, SafetyPart
-from workflow.results.continuum import FactorOfSafety, OtherCriticalKh
+from workflow.results.continuum import FactorOfSafety, FailureAnswer, OtherCriticalKh
 from workflow.results.governing import estimates_of, governing_factor, governing_kh
+from workflow.results.material_points import PointSlidesAnswer
 from workflow.results.results import Results
 from workflow.results.verdicts import VerdictPart
 from workflow.run import pipeline
 from workflow.run.plan import Choice
 from workflow.run.progress import Verbosity
+from workflow.run.record import Entry
 from workflow.run.stage import Job
 from workflow.run.store import Store
 from workflow.stages.bounds import work
@@ -316,3 +321,66 @@ def test_the_criterion_of_kh_is_read_against_the_bounds_that_count(
         return
     [part] = judged_kh(results(run, fem=answer, bounds=bounds(run, lower, 0.15)))
     assert (part.subject, part.verdict, interval_words(part)) == ("the section by finite elements", verdict, words)
+
+
+def test_the_first_page_of_ground_that_fails_by_its_weight_has_its_factor_of_safety() -> None:
+    """It had three dashes, and "No factor of safety: ... its factor of safety is 0.86"."""
+    run = analysed(slope())
+    failure = FailureAnswer(
+        section=SectionLabel.of(run.section), factor=0.86, flow="associated", davis=0.64, associated=None,
+        slip_surface=((20.0, 15.0), (40.0, 10.0)),
+    )  # fmt: skip
+    reason = "the section fails under its own weight; its factor of safety is 0.86 with ψ = φ"
+    ended = {"fem": Entry({}, "no answer", reason)}
+    known = replace(results(run, failure=failure), ends=ended)
+    critical, safety, _ = headlines(known, Texts())
+    assert (critical.value, safety.value) == ("< 0", "0.86")
+    assert critical.conclusion == "The section fails without shaking, so that it has no critical Kh."
+    assert safety.conclusion.startswith(
+        "Without shaking the section does not stand: its factor of safety is 0.86 (assoc"
+    )
+    assert safety.conclusion.endswith("With Davis reduced strength the factor of safety is 0.64.")
+    rows = [row.value for row in stability_rows(known, Texts()) if "factor of safety at Kh = 0" in row.quantity]
+    assert rows == ["0.86", "0.64"]
+    proven = replace(known, bounds=bounds(run, -0.13, -0.0275).model_copy(update={"verdict": "unstable"}))
+    first, second, _ = headlines(proven, Texts())
+    assert (first.value, second.value) == ("< 0", "0.86")
+    assert "its critical Kh is at most -0.0275" in first.conclusion
+    picture = front(known)
+    assert picture is not None
+    labels = {text.get_text() for legend in picture.figure.legends for text in legend.get_texts()}
+    assert "slip surface, F_s = 0.86 at Kh = 0" in labels
+    for headline in headlines(known, Texts("ja"))[:2]:
+        assert re.search("[a-z]{4}", headline.conclusion.replace("Davis", "")) is None
+    unknown = replace(results(run), ends={"fem": Entry({}, "no answer", "no state on the path is in equilibrium")})
+    assert [headline.value for headline in headlines(unknown, Texts())[:2]] == ["–", "–"]
+
+
+def test_no_critical_kh_of_zero_stands_for_ground_that_fails_with_reduced_strength() -> None:
+    """A quay had "0.000" by Davis's estimate beside a factor of safety of 0.89 by it."""
+    run = analysed(slope())
+    davis = OtherCriticalKh(
+        kc=0.0,
+        kc_upper=0.0,
+        verdict="plateau",
+        reason="the ground fails under its own weight",
+        direction="downhill",
+        at_sides=(),
+    )
+    answer = fem(run).model_copy(update={"davis": davis, "flow": "associated"})
+    known = results(run, fem=answer)
+    values = [row.value for row in stability_rows(known, Texts()) if row.conditions.endswith("Davis reduced strength")]
+    assert values == ["< 0"]
+    critical = headlines(known, Texts())[0]
+    assert critical.conclusion.endswith("for soil that dilates less, the section fails without shaking.")
+    assert MethodValues(elements=0.005, davis=0.0).pair("elements", 3) == ("0.005", "< 0")
+
+
+def test_the_reason_why_material_points_do_not_slide_is_the_reason_of_the_headline() -> None:
+    """ "The slides were not computed" stood beside a stage that had computed for a minute."""
+    data = slope()
+    data["strata"][0] |= {"liquefies_in": [1]}
+    run = analysed(data)
+    points = PointSlidesAnswer(section=SectionLabel.of(run.section), not_possible="the ground does not come to rest")
+    slide = headlines(results(run, mpm=points), Texts())[2]
+    assert slide.conclusion == "The slide after liquefaction is not known: the ground does not come to rest."
