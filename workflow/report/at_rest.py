@@ -9,6 +9,9 @@ from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
 from workflow.texts.report_texts import Texts
 
+# Words of the reason why finite elements have no critical Kh: the ground fails at rest, or only between free sides.
+FAILS, STANDS = "the section fails under its own weight", "stands with its sides held"
+
 
 def failure_at_rest(results: Results, texts: Texts | None = None) -> str:
     """Return the proof that the section fails without a seismic force in sentences, with the critical Kh of the finite
@@ -84,7 +87,9 @@ def critical_without_answer(results: Results, name: str, _: Texts) -> HeadlinePa
     entry = results.no_answer("fem")
     reason = entry.reason if entry is not None else _("the finite element analysis was not run")
     if results.failure is None and not results.fails_at_rest:
-        return HeadlinePart(name=name, value="–", interval="", conclusion=_("No critical Kh: {reason}.", reason=reason))
+        fails = reason.startswith(FAILS) and STANDS not in reason
+        phrase = _("No critical Kh: {reason}.", reason=reason)
+        return HeadlinePart(name=name, value="< 0" if fails else "–", interval="", conclusion=phrase)
     phrase = failure_at_rest(results, _) or _("The section fails without shaking, so that it has no critical Kh.")
     return HeadlinePart(name=name, value="< 0", interval="", conclusion=phrase)
 

@@ -354,6 +354,9 @@ def test_the_first_page_of_ground_that_fails_by_its_weight_has_its_factor_of_saf
         assert re.search("[a-z]{4}", headline.conclusion.replace("Davis", "")) is None
     unknown = replace(results(run), ends={"fem": Entry({}, "no answer", "no state on the path is in equilibrium")})
     assert [headline.value for headline in headlines(unknown, Texts())[:2]] == ["–", "–"]
+    reason = "the section fails under its own weight even at 20 times its strength"
+    weak = replace(results(run), ends={"fem": Entry({}, "no answer", reason)})
+    assert [headline.value for headline in headlines(weak, Texts())[:2]] == ["< 0", "–"]
 
 
 def test_no_critical_kh_of_zero_stands_for_ground_that_fails_with_reduced_strength() -> None:
