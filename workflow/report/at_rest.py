@@ -10,7 +10,7 @@ from workflow.results.verdicts import HeadlinePart
 from workflow.texts.report_texts import Texts
 
 # Words of the reason why finite elements have no critical Kh: the ground fails at rest, or only between free sides.
-FAILS, STANDS = "the section fails under its own weight", "stands with its sides held"
+FAILURE_REASON, SMOOTH_SIDES_REASON = "the section fails under its own weight", "stands with its sides held"
 
 
 def failure_at_rest(results: Results, texts: Texts | None = None) -> str:
@@ -87,7 +87,7 @@ def critical_without_answer(results: Results, name: str, _: Texts) -> HeadlinePa
     entry = results.no_answer("fem")
     reason = entry.reason if entry is not None else _("the finite element analysis was not run")
     if results.failure is None and not results.fails_at_rest:
-        fails = reason.startswith(FAILS) and STANDS not in reason
+        fails = reason.startswith(FAILURE_REASON) and SMOOTH_SIDES_REASON not in reason
         phrase = _("No critical Kh: {reason}.", reason=reason)
         return HeadlinePart(name=name, value="< 0" if fails else "–", interval="", conclusion=phrase)
     phrase = failure_at_rest(results, _) or _("The section fails without shaking, so that it has no critical Kh.")
