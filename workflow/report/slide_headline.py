@@ -76,15 +76,20 @@ def _spread(slides: MethodSlides, _: Texts) -> str:
     return _("{span} with the error on known slides", span=rough_range(*slides.interval))
 
 
-def _block(results: Results, _: Texts) -> HeadlinePart:
-    """Return the displacement of a rigid block in the earthquake, if nothing liquefies."""
+def block_slides(results: Results) -> dict[str, float]:
+    """Return the displacement (m) of a rigid block in the earthquake by every method; empty without an earthquake."""
     config = results.config
     has_shaking = config.earthquake != EarthquakeSettings() or bool(config.sliding_block.accelerogram)
-    slides = {
-        _("Newmark's block") if row.kind == "block" else row.method: row.displacement_m
+    return {
+        "Newmark's block" if row.kind == "block" else row.method: row.displacement_m
         for row in (estimates_of(results) if has_shaking else ())
         if row.kind in ("block", "block regression") and row.displacement_m is not None
     }
+
+
+def _block(results: Results, _: Texts) -> HeadlinePart:
+    """Return the displacement of a rigid block in the earthquake, if nothing liquefies."""
+    slides = {_.sentence(method): slide for method, slide in block_slides(results).items()}
     if not slides:
         phrase = _("No layer of the section liquefies, so no slide was computed.")
         return HeadlinePart(name=_("slide after liquefaction"), value="–", interval="", conclusion=phrase)

@@ -9,6 +9,7 @@ from workflow.criteria.settings import common_verdict, judge
 from workflow.estimates.crest_settlement import freeboard
 from workflow.estimates.structures import structures_of
 from workflow.report.crests import crest_parts, water_at_crest
+from workflow.report.slide_headline import block_slides
 from workflow.report.structures import FaceRow, face_rows
 from workflow.report.summary_text import at_rest
 from workflow.results.answer import Line
@@ -183,17 +184,31 @@ def _displacements(results: Results) -> Iterator[Interval]:
         )
         for number, case in (sorted(results.mpm.cases.items()) if results.mpm is not None else ())
     ]
-    for structure in structures_of(config.section):
+    places = [
+        (structure.name, structure.crest.start, structure.crest.end) for structure in structures_of(config.section)
+    ]
+    if not places:
+        places = [("the section", *config.section.extent)]
+        yield from _section_block(results)
+    for name, start, end in places:
         for by, along, rests, (least, most) in slides:
-            slide = _largest(along, structure.crest.start, structure.crest.end)
+            slide = _largest(along, start, end)
             if slide is not None:
                 yield (
-                    f"{structure.name}, {by}",
+                    f"{name}, {by}",
                     least * slide,
                     most * slide if rests else OPEN_END,
                     _unrest_reason(rests),
                 )
     yield from _not_computed(results)
+
+
+def _section_block(results: Results) -> Iterator[Interval]:
+    """Yield the displacement of a rigid block on the slip surface of a section without structures, as on the first
+    page."""
+    slides = block_slides(results)
+    if slides:
+        yield f"the section, {BLOCK}", min(slides.values()), max(slides.values()), ""
 
 
 def _packing_ratios(results: Results, case: int) -> tuple[float, float]:

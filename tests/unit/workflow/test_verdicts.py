@@ -8,11 +8,12 @@ import pytest
 
 from tests.support import TOP, dem_fixture
 from tests.support.answers import fem, results
-from tests.support.sections import analysed
+from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.report.console import slide_sentences
 from workflow.report.crests import crest_parts
 from workflow.report.first_page import headlines
+from workflow.report.slide_headline import block_slides
 from workflow.report.structures import face_rows, structure_sentences
 from workflow.report.verdicts import verdict_paragraph, verdicts
 from workflow.results.answer import SectionLabel, line
@@ -274,3 +275,18 @@ def test_a_criterion_counts_the_elements_of_a_face_and_their_upper_bound(upper: 
     assert part.verdict == verdict
     other = [part for part in parts if part.subject.endswith("by slices")]
     assert {part.verdict for part in other} == {"satisfied"}
+
+
+def test_the_displacement_of_a_slope_without_structures_is_that_of_its_block_and_of_its_surface() -> None:
+    """A hillside moved "0 to 0.01 m" on the first page, and the limit of 0.15 m was "not decided: not computed"."""
+    quake = {"magnitude": 7.0, "peak_acceleration": "0.3 g", "distance": "20 km"}
+    config = analysed({**slope(), "criteria": {"displacement": {"limit": "0.1 m"}}, "earthquake": quake})
+    for kc, verdict in ((0.28, "satisfied"), (0.02, "not satisfied")):
+        answer = results(config, fem=fem(config, kc))
+        (part,) = verdicts(answer)
+        assert part.subject == "the section, rigid block without loss of strength"
+        slides = block_slides(answer).values()
+        assert (part.low, part.high) == (min(slides), max(slides))
+        assert part.verdict == verdict
+    moved = results(config, cases=slid(sunk(config, 0.5, far=0.8)))
+    assert [(part.subject, part.high) for part in verdicts(moved)][-1] == ("the section, discs, case 1", 0.8)
