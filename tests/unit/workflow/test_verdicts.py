@@ -289,4 +289,4 @@ def test_the_displacement_of_a_slope_without_structures_is_that_of_its_block_and
         assert (part.low, part.high) == (min(slides), max(slides))
         assert part.verdict == verdict
     moved = results(config, cases=slid(sunk(config, 0.5, far=0.8)))
-    assert [(part.subject, part.high) for part in verdicts(moved)][-1] == ("the section, discs, case 1", 0.8)
+    assert [(part.subject, part.high) for part in verdicts(moved)][-1] == ("the section, discs, case 1, median", 0.8)
