@@ -16,6 +16,8 @@ from workflow.results.results import Results
 from workflow.results.verdicts import HeadlinePart
 from workflow.texts.report_texts import Texts
 
+UNDER_KH = "rigid block on the slip surface"  # beginning of the name of a block under cycles of Kh
+
 
 def slide_headline(results: Results, _: Texts) -> HeadlinePart:
     """Write the slide after liquefaction by the method that counts, and the other method as a second opinion."""
@@ -77,14 +79,22 @@ def _spread(slides: MethodSlides, _: Texts) -> str:
 
 
 def block_slides(results: Results) -> dict[str, float]:
-    """Return the displacement (m) of a rigid block in the earthquake by every method; empty without an earthquake."""
+    """Return the displacement (m) of a rigid block in the earthquake by every method; empty without an earthquake.
+
+    A record of `[sliding_block]`, in both directions, takes the place of the cycles of Kh.
+    """
     config = results.config
-    has_shaking = config.earthquake != EarthquakeSettings() or bool(config.sliding_block.accelerogram)
-    return {
-        "Newmark's block" if row.kind == "block" else row.method: row.displacement_m
-        for row in (estimates_of(results) if has_shaking else ())
-        if row.kind in ("block", "block regression") and row.displacement_m is not None
-    }
+    has_record = bool(config.sliding_block.accelerogram)
+    slides: dict[str, float] = {}
+    for row in estimates_of(results) if has_record or config.earthquake != EarthquakeSettings() else ():
+        if row.kind not in ("block", "block regression") or row.displacement_m is None:
+            continue
+        if row.kind == "block" and row.method.startswith(UNDER_KH):
+            if not has_record:
+                slides["Newmark's block"] = row.displacement_m
+        elif not row.method.endswith(", mean"):
+            slides[row.method] = row.displacement_m
+    return slides
 
 
 def _block(results: Results, _: Texts) -> HeadlinePart:
@@ -100,7 +110,8 @@ def _block(results: Results, _: Texts) -> HeadlinePart:
         "No layer of the section liquefies. In the earthquake the ground that fails slides as a rigid block: {each}.",
         each=_.listed(slides_by_method),
     )
-    interval = _("by {number} methods for a rigid block without loss of strength", number=len(slides))
+    number = len({method.partition(", ")[0] for method in block_slides(results)})  # both directions are one method
+    interval = _("by {number} methods for a rigid block without loss of strength", number=number)
     name = _("displacement in the earthquake")
     return HeadlinePart(name=name, value=span(list(slides.values())), interval=interval, conclusion=phrase)
 

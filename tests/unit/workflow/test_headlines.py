@@ -1,8 +1,10 @@
 """The three numbers of the first page of the report, and their intervals."""
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
+import numpy as np
 import pytest
 
 from tests.support.answers import bounds, fem, results
@@ -11,10 +13,12 @@ from tests.support.sections import analysed, slope
 from workflow.estimates.slide_error import SlideError
 from workflow.report.console import fem_sentences
 from workflow.report.first_page import headlines
+from workflow.report.slide_headline import block_slides
 from workflow.results import governing
 from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety, ShallowFailurePart
+from workflow.results.lengths import metres
 from workflow.results.verdicts import HeadlinePart
 from workflow.texts.report_texts import Texts
 
@@ -212,6 +216,27 @@ def test_where_nothing_liquefies_the_third_number_is_that_of_a_rigid_block_in_th
     assert stable.conclusion.count("0 m by") >= 1
     quiet = headlines(results(analysed(slope()), fem=fem(analysed(slope()), 0.05)), Texts())[2]
     assert (quiet.name, quiet.value) == ("slide after liquefaction", "–")
+
+
+def test_a_block_under_a_record_counts_in_both_directions(tmp_path: Path) -> None:
+    """A hillside had "0 to 0.01 m" beside a block that slid 0.13 and 0.23 m under the record of the file: the first
+    page had the last of all blocks, that of the mean acceleration."""
+    time = np.arange(0.0, 8.0, 0.01)
+    acceleration = 0.4 * 9.80665 * np.where(time < 4.0, 1.0, 0.2) * np.sin(2.0 * np.pi * time)
+    record = tmp_path / "r.csv"
+    lines = [f"{t:.2f},{a:.5f}" for t, a in zip(time, acceleration, strict=True)]
+    record.write_text("\n".join(["time (s),acceleration (m/s^2)", *lines]), encoding="utf-8")
+    data = {**slope(), "earthquake": {"magnitude": 6.8, "peak_acceleration": "0.1 g"}}
+    data["sliding_block"] = {"accelerogram": str(record)}
+    run = analysed(data)
+    answer = results(run, fem=fem(run, 0.1))
+    slides = block_slides(answer)
+    directions = [slides[f"rigid block under the accelerogram, {way}"] for way in ("positive", "negative")]
+    assert min(directions) > 0.05
+    assert not any(method.endswith(", mean") or method == "Newmark's block" for method in slides)
+    third = headlines(answer, Texts())[2]
+    assert metres(max(slides.values())) in third.value
+    assert f"by {len(slides) - 1} methods" in third.interval
 
 
 def test_bounds_below_the_elements_are_the_one_headline_and_the_picture_has_the_same() -> None:
