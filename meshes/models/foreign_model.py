@@ -45,6 +45,8 @@ class ForeignLayer(NamedTuple):
     keys : properties that do not depend on the water table, as keys of a stratum
     dry, wet : properties above and below the water table, as keys of a stratum
     yield_stress : preconsolidation stress of the layer, which becomes a pre-overburden pressure where it is known
+    parts : upper parts of the layer with other water, from the top down, each with the line (n, 2) in m at its bottom
+        and its ``keys``
     """
 
     soil: str
@@ -53,6 +55,7 @@ class ForeignLayer(NamedTuple):
     dry: Mapping[str, Any]
     wet: Mapping[str, Any]
     yield_stress: YieldStress | None = None
+    parts: tuple[tuple[list[list[float]], Mapping[str, Any]], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -158,15 +161,17 @@ def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
     sides = float(columns.x[0]), float(columns.x[-1])
     lines = [columns.points(bottom) for bottom in bottoms]
     water = _across(model.water, "table", *sides)
-    parts = _parted(columns.points(ground), lines, [of_name[layer] for layer in columns.stack.layers], water)
+    whole = [of_name[layer] for layer in columns.stack.layers]
+    lines, layers, names = _with_parts(columns.points(ground), lines, whole, columns.stack.names)
+    parts = _parted(columns.points(ground), lines, layers, water)
     strata: list[dict[str, Any]] = []
     for k, bottom, wet in parts:
-        layer = of_name[columns.stack.layers[k]]
+        layer = layers[k]
         keys = {**layer.keys, **(layer.wet if wet else layer.dry)}
         levels = _across(keys, "piezometric_level", *sides)
         if flow := levels.get("vertical_flow"):
             levels["vertical_flow"] = reduce(lambda lines, key: _across(lines, key, *sides), flow, flow)
-        called = columns.stack.names[k] + (", wet" if [number for number, _, _ in parts].count(k) > 1 and wet else "")
+        called = names[k] + (", wet" if [number for number, _, _ in parts].count(k) > 1 and wet else "")
         strata.append({"name": called, "bottom": {"elevation": _points(bottom)}, **STIFFNESS, **levels})
     data = {"name": name, "surface": _points(columns.points(ground)), "base": strata[-1].pop("bottom")}
     data |= {"water": water} if water else {}
@@ -175,7 +180,7 @@ def section_of(model: ForeignModel, path: Path, name: str) -> ImportedSection:
         state = reduce(lambda lines, key: _across(lines, key, *sides), ("table", "surface"), model.consolidation)
         data["consolidation"] = dict(state)
     data["strata"] = strata
-    _consolidate(data, [of_name[columns.stack.layers[k]].yield_stress for k, _, _ in parts], path)
+    _consolidate(data, [layers[k].yield_stress for k, _, _ in parts], path)
     notices = [
         *model.notices, *columns.stack.notices, *columns.tally.sentences(),
         f"not in the file: stiffness; {STIFFNESS['youngs_modulus']} and a Poisson's ratio of "
@@ -204,6 +209,27 @@ def layer_names(layers: Sequence[ForeignLayer]) -> list[str]:
         number = known.index(keys) + 1
         names.append(layer.soil if number == 1 else f"{layer.soil} {number}")
     return names
+
+
+def _with_parts(
+    ground: np.ndarray, bottoms: Sequence[np.ndarray], layers: Sequence[ForeignLayer], names: Sequence[str]
+) -> tuple[list[np.ndarray], list[ForeignLayer], list[str]]:
+    """Return bottoms (n, 2), layers and names with the upper parts of layers that have other water as layers of their
+    own."""
+    lines = [Line(elevation=_points(bottom)) for bottom in bottoms]
+    stack = layering(ground, lines[-1], [*lines[:-1], None]).layering
+    parts: list[tuple[np.ndarray, ForeignLayer, str]] = []
+    for k, (bottom, layer, name) in enumerate(zip(bottoms, layers, names, strict=True)):
+        number = 0
+        for line, keys in layer.parts:
+            cut = divided_by_water(stack, k, np.array(line))
+            if cut.has(0) and cut.has(1):
+                number += 1
+                points = cut.line(*ground[[0, -1], 0]).points(0.0, 1.0)
+                parts.append((points, layer._replace(keys=keys), name if number == 1 else f"{name}, part {number}"))
+        parts.append((bottom, layer, name if number == 0 else f"{name}, part {number + 1}"))
+    parted = list(zip(*parts, strict=True))
+    return list(parted[0]), list(parted[1]), list(parted[2])
 
 
 def _parted(

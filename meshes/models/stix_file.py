@@ -151,7 +151,7 @@ def _layer(
 ) -> ForeignLayer:
     """Return a layer with an outline (n, 2) in m. Properties that a stratum cannot have are added to ``notices``, and
     the number of the stage that states its preconsolidation to ``used``."""
-    level, of_level = stages[0].water.keys_of(points)
+    (*upper, lowest), of_level = stages[0].water.keys_of(points)
     notices += [f'"{soil["Name"]}": {text}' for text in of_level]
     models = soil[MODEL_ABOVE_WATER], soil[MODEL_BELOW_WATER]
     number, state = _latest_state(stages, points, soil["Name"], notices) if "Su" in models else (None, {})
@@ -163,7 +163,8 @@ def _layer(
     if state.get("StateType") == "YieldStress":
         x, z = corners(xz([state["At"]]))[0]
         stress = YieldStress(x, z, 1e3 * float(state["YieldStress"]))
-    return ForeignLayer(soil["Name"], points, {**_weights(soil), **level}, dry, wet, stress)
+    parts = tuple((part.bottom or [], _weights(soil) | part.keys) for part in upper)
+    return ForeignLayer(soil["Name"], points, _weights(soil) | lowest.keys, dry, wet, stress, parts)
 
 
 def _weights(soil: Json) -> dict[str, str]:

@@ -303,11 +303,19 @@ def test_a_vertical_step_of_a_head_line_is_steep(tmp_path: Path) -> None:
     assert section.water.table.elevation[1:3] == ((2.0, -1.0), (2.05, 1.0))
 
 
-def test_a_reference_line_through_a_layer_is_told_where_it_changes_the_pressure(tmp_path: Path) -> None:
-    """The level in the clay is 3 m below -3.1 m, and -1 m above."""
+def test_a_reference_line_through_a_layer_divides_it_where_the_water_is_another(tmp_path: Path) -> None:
+    """The level in the clay is 3 m below -3.1 m, and -1 m above. Where the levels continue, one stratum suffices."""
     data = model()
     data["waternets/waternet"]["ReferenceLines"] = lines_at((-3.1, "31", "32"), (-6, "32", "32"))
-    notices = read_stix(written(tmp_path, data), "dike").notices
-    assert any('"Clay": not read: a reference line within the layer; at its edge' in text for text in notices)
+    read = read_stix(written(tmp_path, data), "dike")
+    assert not any("a reference line within" in text for text in read.notices)
+    section = Section.parse(tomllib.loads(read.text))
+    names = [stratum.name for stratum in section.strata if stratum.name.startswith("Clay")]
+    assert names == ["Clay", "Clay, below water", "Clay, part 2, below water"]
+    at = np.array([[-15.0, -2.5], [-15.0, -3.5], [10.0, -5.0]])
+    head = section.water_pressure.at_rest(at, at, section.stratum_at(*at.T)) / 9810.0
+    np.testing.assert_allclose(head, [1.5, 6.5, 8.0], rtol=1e-9)
+    assert {stratum.strength_ratio for stratum in section.strata if stratum.name.startswith("Clay")} == {0.25}
     data["waternets/waternet"]["ReferenceLines"] = lines_at((-2, "31", "31"), (-6, "32", "32"))
-    assert not any("a reference line within" in text for text in read_stix(written(tmp_path, data), "dike").notices)
+    read = read_stix(written(tmp_path, data), "dike")
+    assert not any("a reference line within" in text for text in read.notices)
