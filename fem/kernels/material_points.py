@@ -11,11 +11,8 @@ d from the point to the node. α = 0 is the affine particle-in-cell transfer (AP
 velocities in every step; α = 1 keeps what the grid cannot resolve (affine FLIP), C as well as v: the C of the grid
 alone would lose a share of its energy in every step. Let S be the transfer from the points to the grid and back, which
 conserves momentum. `take_off` serves to damp (I - S)^m (v, C), as Hammerquist & Nairn (2017, Comput. Methods Appl.
-Mech. Eng. 318, 724) filter velocities: a velocity of which S loses a share ε is reduced by ε^m. Stress is Mohr-Coulomb
-without dilation: with t the radius and p the mean of Mohr's circle in the plane (compression positive) t <= c cos φ + p
-sin φ, the out-of-plane stress the intermediate one, returned at constant p (de Souza Neto, Perić & Owen 2008, sec. 8.2,
-with ψ = 0); a mean tension beyond the apex opens a crack, and the crack has to close before the ground carries pressure
-again.
+Mech. Eng. 318, 724) filter velocities: a velocity of which S loses a share ε is reduced by ε^m. The stress of the
+points is updated by `point_stress`.
 
 Four points of constant volume leave a knot span, which has two degrees of freedom, no way to deform: it locks (Mast et
 al. 2012, J. Comput. Phys. 231, 5351; Coombs et al. 2018, Comput. Methods Appl. Mech. Eng. 333, 1). Therefore at points
@@ -45,21 +42,22 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fem.kernels.grid_motion import NEW_VELOCITY, move_base, move_grid
+from fem.kernels.point_stress import (
+    BULK,
+    DRAINAGE_RATE,
+    MASS,
+    OPENED_STRAIN,
+    SIN_PHI,
+    STRENGTH,
+    VOLUME,
+    WEIGHT_RATIO,
+    Floats,
+    update_stress,
+)
 from fem.kernels.spline_transfer import NODE, VELOCITIES, add_to_nodes, collect_nodes
 
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-# Properties of a point: Lamé's λ + G (Pa), shear modulus (Pa), c cos φ (Pa), sin φ, largest mean tension (Pa), rate of
-# volumetric strain by drainage (1/s, shrinking positive), weight over seismic mass; smaller shear modulus (Pa) below a
-# radius of Mohr's circle (Pa), and viscosity (Pa s) there.
-BULK, SHEAR, STRENGTH, SIN_PHI, TENSION_LIMIT, DRAINAGE_RATE, WEIGHT_RATIO = range(7)
-SOFT_SHEAR, SOFT_RADIUS, VISCOSITY = range(7, 10)
-PROPERTIES = 10
-# State of a point: volume (m²), mass (kg/m), volumetric strain of open cracks, plastic shear strain; viscous part (Pa)
-# of half the difference of the normal stresses, and of the shear stress.
-VOLUME, MASS, OPENED_STRAIN, PLASTIC_STRAIN, VISCOUS_HALF_DIFFERENCE, VISCOUS_SHEAR = range(6)
-STATE = 6
 # Record of a node, of which the last number is idle: mass, momentum (2), force (2), volume, a number above 0 where the
 # node is fixed vertically.
 # Of the points in the knot span about the next node to the right and above: volume strain (m²) by the mean stress, and
@@ -153,112 +151,6 @@ def scatter(
             add_to_nodes(nodes, places, _weights(fx), _weights(fz), dx, dz, at_point, by_x, by_z)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _strain_of(radius: float, shear: float, soft: float, knee: float) -> float:
-    """Return the elastic shear strain at a radius of Mohr's circle (Pa)."""
-    return radius / soft if radius < knee else (knee / soft if knee > 0.0 else 0.0) + (radius - knee) / shear
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _radius_of(strain: float, shear: float, soft: float, knee: float) -> float:
-    """Return the radius of Mohr's circle (Pa) at an elastic shear strain. The function is the inverse of
-    `_strain_of`."""
-    knee_strain = knee / soft if knee > 0.0 else 0.0
-    return soft * strain if strain < knee_strain else knee + shear * (strain - knee_strain)
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _shear_energy(radius: float, shear: float, soft: float, knee: float) -> float:
-    """Return the elastic energy of shear in a unit of volume (J/m³)."""
-    below = min(radius, knee)
-    return (0.5 * below * below / soft if knee > 0.0 else 0.0) + 0.5 * (radius * radius - below * below) / shear
-
-
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _double_rotation(spin: float) -> tuple[float, float]:
-    """Return cosine and sine of twice the angle by which a spin in one step rotates the ground, about the spin itself:
-    the rotation of Hughes & Winget (1980, Int. J. Numer. Methods Eng. 15, 1862), whose half has the tangent spin / 2.
-    """
-    half = 0.5 * spin
-    share = 1.0 / (1.0 + half * half)
-    cos, sin = (1.0 - half * half) * share, 2.0 * half * share
-    return cos * cos - sin * sin, 2.0 * cos * sin
-
-
-@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
-def _update_stress(
-    stress: Floats, state: Floats, properties: Floats, p: int, xx: float, zz: float, xz: float, spin: float,
-    relaxed: float, drained: float, dt: float,
-) -> float:  # fmt: skip
-    """Return the stress of a point after a strain increment (tensor components) and a rotation, and the energy
-    dissipated (J/m)."""
-    bulk, shear, soft, knee = (
-        properties[p, BULK],
-        properties[p, SHEAR],
-        properties[p, SOFT_SHEAR],
-        properties[p, SOFT_RADIUS],
-    )
-    by_bulk, by_shear = 1.0 / bulk, 1.0 / shear
-    old_mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
-    # dissipated (slip, viscosity, opening, drainage, softening): work at the mean of both stresses less elastic energy
-    cos, sin = _double_rotation(spin)
-    half, cross = half * cos + cross * sin, cross * cos - half * sin
-    lost = 0.5 * (old_mean * (xx + zz) + half * (xx - zz)) + cross * xz
-    if knee > 0.0:
-        late_half, late_cross = state[p, VISCOUS_HALF_DIFFERENCE], state[p, VISCOUS_SHEAR]
-        half, cross = half - (late_half * cos + late_cross * sin), cross - (late_cross * cos - late_half * sin)
-        radius = math.sqrt(half * half + cross * cross)
-        lost += _shear_energy(radius, shear, soft, knee)
-        compliance = _strain_of(radius, shear, soft, knee) / radius if radius > 0.0 else 0.0
-        half, cross = half * compliance + (xx - zz), cross * compliance + 2.0 * xz
-        strain = math.sqrt(half * half + cross * cross)
-        stiffness = _radius_of(strain, shear, soft, knee) / strain if strain > 0.0 else 0.0
-        half, cross = half * stiffness, cross * stiffness
-    else:
-        lost += 0.5 * (half * half + cross * cross) * by_shear
-        half, cross = half + shear * (xx - zz), cross + 2.0 * shear * xz
-    mean, volumetric = old_mean, xx + zz + drained
-    opened = state[p, OPENED_STRAIN]
-    if opened > 0.0:
-        opened += volumetric
-        if opened < 0.0:
-            mean, opened = mean + bulk * opened, 0.0
-    else:
-        mean += bulk * volumetric + relaxed
-    if mean > properties[p, TENSION_LIMIT]:
-        opened += (mean - properties[p, TENSION_LIMIT]) * by_bulk
-        mean = properties[p, TENSION_LIMIT]
-    widened = opened - state[p, OPENED_STRAIN]
-    state[p, OPENED_STRAIN] = opened
-    radius = math.sqrt(half * half + cross * cross)
-    strength = max(properties[p, STRENGTH] - mean * properties[p, SIN_PHI], 0.0)
-    if radius > strength:
-        state[p, PLASTIC_STRAIN] += (
-            (radius - strength) * by_shear
-            if knee == 0.0
-            else _strain_of(radius, shear, soft, knee) - _strain_of(strength, shear, soft, knee)
-        )
-        scale = strength / radius
-        half, cross, radius = half * scale, cross * scale, strength
-    lost += 0.5 * (old_mean * old_mean - mean * mean) * by_bulk
-    if knee > 0.0:
-        lost -= _shear_energy(radius, shear, soft, knee)
-        late_half = half + properties[p, VISCOSITY] * (xx - zz) / dt
-        late_cross = cross + 2.0 * properties[p, VISCOSITY] * xz / dt
-        total = math.sqrt(late_half * late_half + late_cross * late_cross)
-        scale = strength / total if total > strength else 1.0
-        late_half, late_cross = scale * late_half, scale * late_cross
-        state[p, VISCOUS_HALF_DIFFERENCE], state[p, VISCOUS_SHEAR] = late_half - half, late_cross - cross
-        half, cross = late_half, late_cross
-    else:
-        lost -= 0.5 * radius * radius * by_shear
-    stress[p, 0], stress[p, 1], stress[p, 2] = mean + half, mean - half, cross
-    lost += 0.5 * (mean * (xx + zz) + half * (xx - zz)) + cross * xz
-    lost *= state[p, VOLUME]
-    state[p, VOLUME] *= 1.0 + xx + zz - widened  # a crack bears no stress, and its volume is none of the ground
-    return lost
-
-
 @njit(cache=True, nogil=True, error_model="numpy")
 def _mass_around(grid: Floats, columns: int, i: int, j: int, fx: float, fz: float, periodic: bool) -> float:
     """Return the mass of the nodes around a point (kg/m), weighted by its splines."""
@@ -328,7 +220,7 @@ def gather(
                 if _mass_around(grid, columns, i, j, fx, fz, periodic) < DETACHED_SHARE * full:
                     side[p] = 0.0
             drained = dt * properties[p, DRAINAGE_RATE]
-            dissipated += _update_stress(
+            dissipated += update_stress(
                 stress, state, properties, p, dt * cxx, dt * czz, 0.5 * dt * (cxz + czx), 0.5 * dt * (cxz - czx),
                 relaxed, drained, dt,
             )  # fmt: skip

@@ -9,6 +9,7 @@ import numpy as np
 
 from fem.kernels import grid_motion
 from fem.kernels import material_points as kernel
+from fem.kernels import point_stress as law
 from fem.mpm.grid import BackgroundGrid
 from fem.mpm.points import MaterialPoints
 from meshes.section.quantity import GRAVITY
@@ -215,7 +216,7 @@ class MaterialPointEngine:
     def _scatter(self, each: Each, v: np.ndarray, affine: np.ndarray, acceleration: float) -> None:
         """Compute mass, momentum and forces of the nodes from velocities (n, 2), (n, 4) of the points."""
         points, grid = self.points, self.grid
-        heavy = points.properties[:, kernel.WEIGHT_RATIO].copy()
+        heavy = points.properties[:, law.WEIGHT_RATIO].copy()
         self._nodes[:], self._spans[:] = 0.0, 0.0
         for shares in self._even, self._odd:
             list(each(lambda stripe: kernel.scatter(

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.kernels import grid_motion
-from fem.kernels import material_points as kernel
+from fem.kernels import point_stress as law
 from fem.mpm.grid import BackgroundGrid
 from fem.mpm.points import MaterialPoints, PointSoil
 from fem.settings import Sides
@@ -145,7 +145,7 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
     base = section.layering.interface(-1, np.clip(places[:, 0], left + LENGTH_TOLERANCE, right - LENGTH_TOLERANCE))
     remaining = (points.stratum >= 0) | (places[:, 1] < base)
     points.stress[(points.stratum < 0) & ((places[:, 0] < left) | (places[:, 0] > right))] = 0.0  # nothing weighs on it
-    height = points.state[:, kernel.VOLUME] / (0.5 * cell)
+    height = points.state[:, law.VOLUME] / (0.5 * cell)
     for inwards, distance in ((1.0, places[:, 0] - left), (-1.0, right - places[:, 0])):
         at_side = (points.stratum >= 0) & (distance < 0.5 * cell)
         points.side[at_side] = inwards * np.maximum(-points.stress[at_side, 0] * height[at_side], SMALLEST_FORCE)
@@ -236,12 +236,12 @@ def _add_surcharges(
     section: Section, points: MaterialPoints, places: np.ndarray, surface: np.ndarray, spacing: float
 ) -> None:
     """Add surcharges to the points of the surface: their weight, and the mass that shakes."""
-    x, mass = places[surface, 0], points.state[surface, kernel.MASS]
-    weighs = points.properties[surface, kernel.WEIGHT_RATIO] * mass
+    x, mass = places[surface, 0], points.state[surface, law.MASS]
+    weighs = points.properties[surface, law.WEIGHT_RATIO] * mass
     for load in section.surcharges:
         surcharge = load.at(x, x) * spacing / GRAVITY
         weighs, mass = weighs + surcharge, mass + load.seismic_share * surcharge
-    points.state[surface, kernel.MASS], points.properties[surface, kernel.WEIGHT_RATIO] = mass, weighs / mass
+    points.state[surface, law.MASS], points.properties[surface, law.WEIGHT_RATIO] = mass, weighs / mass
 
 
 def _soil(

@@ -8,7 +8,7 @@ from typing import Self
 
 import numpy as np
 
-from fem.kernels import material_points as kernel
+from fem.kernels import point_stress as law
 
 UNLIMITED_TENSION = 1e30  # Pa: tension without a cut-off
 
@@ -46,8 +46,8 @@ class MaterialPoints:
     affine (n, 4) : velocity gradient [xx, xz, zx, zz] of the affine field of a point (1/s)
     stress (n, 3) : effective stress [xx, zz, xz] (Pa)
     state (n, 6) : volume (m²), mass (kg/m), volumetric strain by opening (-), plastic shear strain (-), viscous part of
-        the stress (Pa), in the order of `fem.kernels.material_points`
-    properties (n, 10) : properties of the soil in the order of `fem.kernels.material_points`
+        the stress (Pa), in the order of `fem.kernels.point_stress`
+    properties (n, 14) : properties of the soil in the order of `fem.kernels.point_stress`
     start (n, 2) : position at the beginning (m)
     stratum (n,) : number of the stratum, -1 for rigid ground around the section
     side (n,) : horizontal force (N/m) on the points next to a free-field side, 0 elsewhere
@@ -75,14 +75,14 @@ class MaterialPoints:
         stratum (n,) : number of the stratum of each point; 0 by default
         """
         n = len(x)
-        properties = np.zeros((n, kernel.PROPERTIES))
+        properties = np.zeros((n, law.PROPERTIES))
         shear = soil.youngs_modulus / (2.0 * (1.0 + np.asarray(soil.poissons_ratio)))
-        properties[:, kernel.SHEAR] = shear
-        properties[:, kernel.BULK] = shear / (1.0 - 2.0 * np.asarray(soil.poissons_ratio))
-        properties[:, kernel.WEIGHT_RATIO] = soil.weight_ratio
-        state = np.zeros((n, kernel.STATE))
-        state[:, kernel.VOLUME] = volume
-        state[:, kernel.MASS] = soil.density * state[:, kernel.VOLUME]
+        properties[:, law.SHEAR] = shear
+        properties[:, law.BULK] = shear / (1.0 - 2.0 * np.asarray(soil.poissons_ratio))
+        properties[:, law.WEIGHT_RATIO] = soil.weight_ratio
+        state = np.zeros((n, law.STATE))
+        state[:, law.VOLUME] = volume
+        state[:, law.MASS] = soil.density * state[:, law.VOLUME]
         points = cls(
             x=np.array(x, dtype=float),
             v=np.zeros((n, 2)),
@@ -112,23 +112,38 @@ class MaterialPoints:
         c, phi, limit = (np.asarray(value, dtype=float) for value in (cohesion, friction, tension))
         with np.errstate(divide="ignore", invalid="ignore"):
             apex = np.where(np.tan(phi) > 0.0, c / np.tan(phi), UNLIMITED_TENSION)
-        self.properties[where, kernel.STRENGTH] = c * np.cos(phi)
-        self.properties[where, kernel.SIN_PHI] = np.sin(phi)
-        self.properties[where, kernel.TENSION_LIMIT] = np.minimum(np.minimum(limit, apex), UNLIMITED_TENSION)
+        self.properties[where, law.STRENGTH] = c * np.cos(phi)
+        self.properties[where, law.SIN_PHI] = np.sin(phi)
+        self.properties[where, law.TENSION_LIMIT] = np.minimum(np.minimum(limit, apex), UNLIMITED_TENSION)
 
     def scale_shear(self, where: np.ndarray, factor: float) -> None:
         """Multiply the shear stress of points ``where``, without its viscous part, by a factor; the mean stress is
         unchanged.
         """
-        late = self.state[where, kernel.VISCOUS_HALF_DIFFERENCE], self.state[where, kernel.VISCOUS_SHEAR]
+        half, cross = self._without_viscous_part(where)
+        cos, sin, on_plane = self._planes(where)
+        along = cross * cos - half * sin
+        half = np.where(on_plane, half - (factor - 1.0) * along * sin, factor * half)
+        cross = np.where(on_plane, cross + (factor - 1.0) * along * cos, factor * cross)
+        late = self.state[where, law.VISCOUS_HALF_DIFFERENCE], self.state[where, law.VISCOUS_SHEAR]
+        mean = 0.5 * (self.stress[where, 0] + self.stress[where, 1])
+        self.stress[where] = np.column_stack([mean + half + late[0], mean - half - late[0], late[1] + cross])
+
+    def _without_viscous_part(self, where: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
+        """Return half the difference of the normal stresses and the shear stress (Pa) without their viscous parts."""
+        late = self.state[where, law.VISCOUS_HALF_DIFFERENCE], self.state[where, law.VISCOUS_SHEAR]
         xx, zz, xz = self.stress[where].T
-        half, mean = late[0] + factor * (0.5 * (xx - zz) - late[0]), 0.5 * (xx + zz)
-        self.stress[where] = np.column_stack([mean + half, mean - half, late[1] + factor * (xz - late[1])])
+        return 0.5 * (xx - zz) - late[0], xz - late[1]
+
+    def _planes(self, where: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return cosine and sine of twice the inclination of planes of weakness, and the mask of points with one."""
+        angle = 2.0 * np.arctan(self.properties[where, law.PLANE_SLOPE])
+        return np.cos(angle), np.sin(angle), self.properties[where, law.PLANE_SHEAR] > 0.0
 
     @property
     def mass(self) -> np.ndarray:
         """Return masses (n,) in kg/m."""
-        return self.state[:, kernel.MASS]
+        return self.state[:, law.MASS]
 
     @property
     def displacement(self) -> np.ndarray:
@@ -138,8 +153,8 @@ class MaterialPoints:
     @property
     def wave_speed(self) -> float:
         """Return the velocity of the fastest compression wave (m/s)."""
-        modulus = self.properties[:, kernel.BULK] + self.properties[:, kernel.SHEAR]
-        return float(np.sqrt(modulus * self.state[:, kernel.VOLUME] / self.mass).max())
+        modulus = self.properties[:, law.BULK] + self.properties[:, law.SHEAR]
+        return float(np.sqrt(modulus * self.state[:, law.VOLUME] / self.mass).max())
 
     def kinetic(self, cell: float) -> float:
         """Return the kinetic energy (J/m), including that of the affine fields, on cells of size ``cell`` (m)."""
@@ -148,13 +163,16 @@ class MaterialPoints:
 
     def elastic(self) -> float:
         """Return the elastic energy (J/m) of the stress in the plane."""
-        mean = 0.5 * (self.stress[:, 0] + self.stress[:, 1])
-        half = 0.5 * (self.stress[:, 0] - self.stress[:, 1]) - self.state[:, kernel.VISCOUS_HALF_DIFFERENCE]
-        radius = np.hypot(half, self.stress[:, 2] - self.state[:, kernel.VISCOUS_SHEAR])
+        everywhere = slice(None)
+        mean, (half, cross) = 0.5 * (self.stress[:, 0] + self.stress[:, 1]), self._without_viscous_part(everywhere)
+        cos, sin, on_plane = self._planes(everywhere)
+        radius = np.where(on_plane, np.abs(cross * cos - half * sin), np.hypot(half, cross))
+        across = np.where(on_plane, half * cos + cross * sin, 0.0)
         bulk, shear, soft, knee = (
-            self.properties[:, k] for k in (kernel.BULK, kernel.SHEAR, kernel.SOFT_SHEAR, kernel.SOFT_RADIUS)
+            self.properties[:, k] for k in (law.BULK, law.SHEAR, law.SOFT_SHEAR, law.SOFT_RADIUS)
         )
+        stiff = np.where(on_plane, self.properties[:, law.PLANE_SHEAR], shear)
         below = np.minimum(radius, knee)
         softly = np.divide(below**2, soft, out=np.zeros(len(soft)), where=knee > 0.0)
-        density = 0.5 * (mean**2 / bulk + softly + (radius**2 - below**2) / shear)
-        return float(np.sum(self.state[:, kernel.VOLUME] * density))
+        density = 0.5 * (mean**2 / bulk + softly + (radius**2 - below**2) / stiff + across**2 / shear)
+        return float(np.sum(self.state[:, law.VOLUME] * density))

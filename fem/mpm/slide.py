@@ -7,17 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.continuum.liquefied_ground import LEAST_STRENGTH_RATIO, UNDRAINED_POISSON
 from fem.kernels import grid_motion
-from fem.kernels import material_points as kernel
+from fem.kernels import point_stress as law
+from fem.mpm.changes import CHANGED_COLUMNS, KNEE, SIDE, changes_of, properties_at
 from fem.mpm.engine import MaterialPointEngine, ShakingHistory
 from fem.mpm.ground import ROOM_BEYOND_SIDES, PointGround, with_free_sides
-from fem.mpm.points import UNLIMITED_TENSION
 from fem.mpm.slide_record import PointSlide
-from fem.mpm.weak_edges import edge_strength, in_columns, thickness_over_width
+from fem.mpm.weak_edges import in_columns
 from meshes.files import read_checkpoint, write_checkpoint
 from meshes.section.liquefies import RemainingStrength
-from meshes.section.strain_potential import LARGEST_SHARE, REGAINING_STRAIN, stress_at_potential
 from meshes.slip_line import running_median
 
 DAMPING = 0.7  # with which the ground comes to rest under its weight
@@ -33,19 +31,8 @@ ONSET_STEPS = 20  # in which strength changes as ground liquefies
 DECAY_RATES = (10.0, 1.0)
 # The surface after a slide is at a point with this number of points of its column within this number of cells below it.
 POINTS_BELOW, REACH_BELOW = 3, 2.0
-# s: viscosity over stiffness of liquefied ground below its strain potential. With this viscosity ground comes to rest
-# where it would if its stiffness were lost slowly, and does not swing for minutes; in sand hysteresis dissipates this
-# energy.
-CREEP_TIME = 5.0
 CHECKPOINT_INTERVAL = 10.0  # s of wall-clock time between two checkpoints
 ENERGY_TOLERANCE = 0.02  # of the total energy exchanged: imbalance above which there is a warning
-# Properties that change as ground liquefies, and their columns, and that of the force at free-field sides, in what is
-# remembered of them.
-CHANGED_COLUMNS = (
-    kernel.STRENGTH, kernel.SIN_PHI, kernel.TENSION_LIMIT, kernel.SHEAR, kernel.BULK, kernel.SOFT_SHEAR,
-    kernel.SOFT_RADIUS, kernel.VISCOSITY,
-)  # fmt: skip
-STRENGTH, SINE, LIMIT, SHEAR, BULK, SOFT, KNEE, VISCOUS, SIDE = range(9)
 ENGINE_PREFIX, START_PREFIX = "engine_", "began_"  # begin the names of arrays in a checkpoint
 RECORDED_LISTS, END_FIELDS = ("times", "slide", "settlement"), ("reason", "stopped_by", "settled")
 SMOOTHING_LENGTH = 2.0  # m of the surface over which movement is averaged, and three points at least
@@ -115,7 +102,7 @@ class PointSlider:
             points = self.ground.points
         points.start[:] = points.x
         points.v[:], points.affine[:] = 0.0, 0.0
-        points.state[:, kernel.PLASTIC_STRAIN] = 0.0
+        points.state[:, law.PLASTIC_STRAIN] = 0.0
         self.engine.begin_again()
         return largest_movement
 
@@ -149,7 +136,7 @@ class PointSlider:
         slide = PointSlide(surface_before=self._surface(), cell=self.ground.grid.cell)
         self.engine.decay = decay
         self.engine.base[grid_motion.IMPEDANCE] = programme.base_impedance
-        self._remember(programme)
+        self.began = changes_of(self.ground, self.engine, programme.remains)
         shares: dict[int, float] = dict.fromkeys(programme.starts, 0.0)
         if checkpoint is not None:
             self._resume(checkpoint, slide, shares)
@@ -209,90 +196,6 @@ class PointSlider:
         for name in END_FIELDS:
             setattr(slide, name, plain[name])
 
-    def _remember(self, programme: SlideProgramme) -> None:
-        """Store strength and shear stiffness of every point before and after liquefaction. Also store the number of the
-        stratum with which each point liquefies (-1 for none).
-        """
-        points, original = self.ground.points, self.engine.original
-        before = original(np.column_stack([points.properties[:, CHANGED_COLUMNS], points.side]))
-        height = original(points.state[:, kernel.VOLUME]) / (0.5 * self.ground.grid.cell)
-        after, stratum = before.copy(), original(points.stratum)
-        potential, knee = np.zeros(len(stratum)), np.zeros(len(stratum))
-        for k, remains in programme.remains.items():
-            in_stratum, soil = stratum == k, self.ground.section.strata[k]
-            stress, consolidated = self.ground.effective[in_stratum], self.ground.consolidated[in_stratum]
-            friction = np.arctan(remains.friction * np.tan(soil.friction_angle))
-            intact = before[in_stratum, STRENGTH] / np.cos(soil.friction_angle)
-            cohesion = remains.cohesion * intact + remains.residual * consolidated + remains.strength
-            if friction == 0.0:
-                cohesion = np.maximum(cohesion, LEAST_STRENGTH_RATIO * stress)
-            after[in_stratum, STRENGTH], after[in_stratum, SINE] = cohesion * np.cos(friction), np.sin(friction)
-            after[in_stratum, LIMIT] = UNLIMITED_TENSION if friction == 0.0 else cohesion / np.tan(friction)
-            if friction == 0.0 and remains.strain_potential > 0.0:
-                potential[in_stratum] = remains.strain_potential
-                knee[in_stratum] = stress_at_potential(np.maximum(stress, 1.0), cohesion)
-        liquefies = np.where(np.isin(stratum, list(programme.remains)), stratum, -1)
-        self._weaken_edges(before, after, liquefies, potential, knee)
-        self._soften(before, after, liquefies, potential, knee)
-        pressure = UNDRAINED_POISSON / (1.0 - UNDRAINED_POISSON) * self.ground.effective * height * (liquefies >= 0)
-        after[:, SIDE] = np.sign(before[:, SIDE]) * np.maximum(pressure, np.abs(before[:, SIDE]))
-        self.began = {"before": before, "after": after, "liquefies": liquefies}
-
-    def _weaken_edges(
-        self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray, potential: np.ndarray, knee: np.ndarray
-    ) -> None:
-        """Give the points in knot spans at the edges of liquefying layers the strength for slip at the edge, and the
-        stress-strain law of a layer with a strain potential: ``potential`` (n,) and ``knee`` (n,), the stress (Pa) at
-        this strain.
-        """
-        x, height, mass = self._columns()
-        stress = self.ground.effective
-        strength = after[:, STRENGTH] + stress * after[:, SINE]
-        edge = edge_strength(x, height, mass, liquefies, strength, self.ground.grid.cell)
-        sound = np.where(liquefies >= 0, after[:, STRENGTH], before[:, STRENGTH])[edge.points]
-        sound += stress[edge.points] * np.where(liquefies >= 0, after[:, SINE], before[:, SINE])[edge.points]
-        weakened = edge.strength < sound
-        weakened_points, donor = edge.points[weakened], edge.donors[weakened]
-        after[np.ix_(weakened_points, [SINE, LIMIT])] = after[np.ix_(donor, [SINE, LIMIT])]
-        after[weakened_points, STRENGTH] = np.maximum(
-            edge.strength[weakened] - stress[weakened_points] * after[weakened_points, SINE], 0.0
-        )
-        strains = potential[edge.donors] > 0.0
-        liquefies[edge.points[weakened | strains]] = liquefies[edge.donors[weakened | strains]]
-        weakened_points, donor = edge.points[strains], edge.donors[strains]
-        potential[weakened_points] = potential[donor]
-        largest_strength = LARGEST_SHARE * np.minimum(edge.strength, sound)[strains]
-        knee[weakened_points] = np.minimum(edge.demand[strains] * knee[donor], largest_strength)
-
-    def _soften(
-        self, before: np.ndarray, after: np.ndarray, liquefies: np.ndarray, potential: np.ndarray, knee: np.ndarray
-    ) -> None:
-        """Give points with a strain potential the bilinear stress-strain law of their layer, scaled to the width that
-        shears.
-        """
-        strains = np.flatnonzero(potential > 0.0)
-        if not len(strains):
-            return
-        x, height, mass = self._columns()
-        layer = np.where(potential > 0.0, liquefies, -1)
-        in_layer = self.engine.original(self.ground.points.stratum) == layer
-        share = thickness_over_width(x, height, mass, layer, in_layer, self.ground.grid.cell)[strains]
-        strength = after[strains, STRENGTH] + self.ground.effective[strains] * after[strains, SINE]
-        full_stiffness = before[strains, SHEAR]
-        stiff = np.minimum((strength - knee[strains]) / (REGAINING_STRAIN * share), full_stiffness)
-        soft = np.minimum(knee[strains] / (potential[strains] * share), stiff)
-        after[strains, SHEAR] = stiff
-        after[strains, BULK] += (stiff - full_stiffness) / 3.0  # λ + G at the same bulk modulus λ + 2 G / 3
-        after[strains, SOFT], after[strains, KNEE], after[strains, VISCOUS] = soft, knee[strains], CREEP_TIME * soft
-        before[strains, SOFT] = full_stiffness
-
-    def _columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return for all points, in their original order: positions on the grid (n, 2) in m, heights (n,) in m of the
-        rectangles, half a cell wide, that the points stand for, and masses (n,) in kg/m."""
-        original, points, grid = self.engine.original, self.ground.points, self.ground.grid
-        height = original(points.state[:, kernel.VOLUME]) / (0.5 * grid.cell)
-        return grid.level(original(points.x)), height, original(points.mass)
-
     def _liquefy(self, programme: SlideProgramme, shares: dict[int, float]) -> None:
         """Set strength, stiffness and the drained volume of the current time."""
         points, order = self.ground.points, self.engine.order
@@ -306,26 +209,16 @@ class PointSlider:
         for k, share in changes.items():
             in_stratum = self.began["liquefies"][order] == k
             before, after = (self.began[name][order][in_stratum] for name in ("before", "after"))
-            values = before + share * (after - before)
-            apex = np.divide(
-                values[:, STRENGTH],
-                values[:, SINE],
-                out=np.full(len(values), UNLIMITED_TENSION),
-                where=values[:, SINE] > 0.0,
-            )
-            values[:, LIMIT] = np.minimum(np.maximum(before[:, LIMIT], after[:, LIMIT]), apex)
+            values = properties_at(before, after, share)
             strains = after[:, KNEE] > 0.0
             if strains.any():
-                potential = np.ix_(strains, [SHEAR, BULK, SOFT])
-                values[potential] = before[potential] * (after[potential] / before[potential]) ** share
-                values[:, KNEE] = after[:, KNEE]
                 points.scale_shear(np.flatnonzero(in_stratum)[strains], (1.0 - share) / (1.0 - shares[k]))
             points.properties[np.ix_(in_stratum, CHANGED_COLUMNS)], points.side[in_stratum] = (
                 values[:, :SIDE],
                 values[:, SIDE],
             )
             draining = programme.drained / programme.onset if 0.0 < share < 1.0 else 0.0
-            points.properties[points.stratum == k, kernel.DRAINAGE_RATE] = draining
+            points.properties[points.stratum == k, law.DRAINAGE_RATE] = draining
             shares[k] = share
         self.engine.dissipate(stored - points.elastic())
 

@@ -8,13 +8,16 @@ below it, have the strength of the layer at its edge, and below the layer
     s(z) = s_e M(z) / M_e,
 
 with the mass above M (kg/m²), and s_e and M_e at the edge. The shear stress by Kh and the slope is proportional to M,
-so that these spans yield at the Kh at which a rigid block slips on the edge, wherever the edge lies on the grid.
+so that these spans yield at the Kh at which a rigid block slips on the edge, wherever the edge lies on the grid. They
+do so along the edge only (`fem.kernels.point_stress`): firm ground below a layer bears what lies above and beside it. A
+quay whose ground was weak in all directions up to two cells below the layer behind it sank and turned over without
+shaking, at a factor of safety of 1.3.
 
 Sand that strains by its strain potential γ_max before it regains strength would strain over all spans of its hat
 functions, or not at all where stiff points in the same spans carry the shear. Therefore the points in these spans also
-have the stress-strain law of the layer: their γ at τ M(z) / M is the γ of the layer at τ, and all strains are scaled by
-the thickness of the layer over the width that shears on the grid. The width W of a column of points p follows from its
-equilibrium: with φ_k the hat of knot k, h the cell,
+have the stress-strain law of the layer along the edge: their γ at τ M(z) / M is the γ of the layer at τ, and all
+strains are scaled by the thickness of the layer over the width that shears on the grid. The width W of a column of
+points p follows from its equilibrium: with φ_k the hat of knot k, h the cell,
 
     Σ_l (Σ_p V_p g_p φ_k φ_l) γ_l = Σ_p V_p M_p φ_k,   W = h Σ_k γ_k,
 
@@ -55,12 +58,14 @@ class EdgeStrength:
     strength (k,) : strength of each point (Pa)
     demand (k,) : mass above each point over the mass above its weak point (donor), which is the ratio of the shear
         stresses at the two points (-)
+    below (k,) : whether the edge is the lower edge of the layer
     """
 
     points: np.ndarray
     donors: np.ndarray
     strength: np.ndarray
     demand: np.ndarray
+    below: np.ndarray
 
 
 def edge_strength(
@@ -91,7 +96,7 @@ def edge_strength(
         edges[int(column[points_of_column[0]])] = _edges(
             points_of_column, int(column[points_of_column[0]]), x, height, mass, above, layer, strength
         )
-    nearest: dict[int, tuple[float, int, float]] = {}
+    nearest: dict[int, tuple[float, int, float, bool]] = {}
     for edge in (edge for of_column in edges.values() for edge in of_column):
         low, high = _rows(edge, edges, layer, cell)
         neighbours = edge.others[(row[edge.others] >= low) & (row[edge.others] <= high)]
@@ -99,11 +104,12 @@ def edge_strength(
             scaled = edge.per_mass * above[p] if edge.below else strength[edge.donor]
             distance = abs(x[p, 1] - edge.z)
             if distance < nearest.get(p, (np.inf,))[0]:
-                nearest[p] = distance, edge.donor, scaled
+                nearest[p] = distance, edge.donor, scaled, edge.below
     points = np.array(sorted(nearest), dtype=int)
     donors = np.array([nearest[p][1] for p in points], dtype=int)
     strengths = np.array([nearest[p][2] for p in points], dtype=float)
-    return EdgeStrength(points, donors, strengths, above[points] / above[donors])
+    below = np.array([nearest[p][3] for p in points], dtype=bool)
+    return EdgeStrength(points, donors, strengths, above[points] / above[donors], below)
 
 
 def thickness_over_width(

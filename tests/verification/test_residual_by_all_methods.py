@@ -17,7 +17,7 @@ from dem.slides.edge_strength import BAND
 from dem.slides.liquefied_strength import onset
 from fem.continuum.liquefied_ground import liquefied_section
 from fem.mpm.ground import ground_of
-from fem.mpm.slide import PointSlider, SlideProgramme
+from fem.mpm.slide import PointSlider
 from meshes.section.liquefies import RemainingStrength
 from meshes.section.section import Section
 from meshes.triangles import triangulate
@@ -58,11 +58,11 @@ def of_points(ground: Section, remaining: RemainingStrength, x: float) -> np.nda
     """Cohesion times cos φ (kPa), less what 18 kN/m³ above makes of the ratio, of the material points of the sand."""
     points = ground_of(ground, 600)
     slider = PointSlider(points, 1)
-    slider._remember(SlideProgramme(lambda t: 0.0 * t, {1: 0.0}, {1: remaining}, 1.0, 1.0, 1.0, 0.1, 0.0))
+    after = changes_of(points, slider.engine, {1: remaining})["after"]
     places, stratum = (slider.engine.original(of) for of in (points.points.x, points.points.stratum))
     below = (stratum == 1) & (abs(places[:, 0] + points.offset[0] - x) < 2.0)
     depth = 10.0 - (places + points.offset)[below, 1]
-    return slider.began["after"][below, 0] / 1e3 - remaining.residual * 18.0 * depth
+    return after[below, 0] / 1e3 - remaining.residual * 18.0 * depth
 
 
 def of_discs(ground: Section, case: Case) -> tuple[DiscModel, np.ndarray]:

@@ -11,10 +11,10 @@ from dem.case import Case
 from dem.laboratory.soil_contacts import soil_contacts
 from dem.settings import SlideSettings
 from docs.verify.slides.uniform_slope import UNIT_WEIGHT, UniformSlope
-from fem.kernels import material_points as kernel
+from fem.kernels import point_stress as law
 from fem.mpm import PointSlider, SlideProgramme, ground_of
+from fem.mpm.changes import CREEP_TIME
 from fem.mpm.points import MaterialPoints, PointSoil
-from fem.mpm.slide import CREEP_TIME
 from meshes.section.liquefies import RemainingStrength
 from meshes.section.quantity import GRAVITY
 from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potential
@@ -36,8 +36,8 @@ def point() -> MaterialPoints:
     """A point of a cubic metre with a strain potential, under 50 kPa."""
     points = MaterialPoints.of(np.zeros((1, 2)), np.ones(1), PointSoil(1900.0, 2e7, 0.3, STRENGTH, 0.0))
     knee = float(stress_at_potential(np.array([5e4]), np.array([STRENGTH]))[0])
-    points.properties[0, [kernel.SOFT_SHEAR, kernel.SOFT_RADIUS]] = knee / POTENTIAL, knee
-    points.properties[0, kernel.SHEAR] = (STRENGTH - knee) / REGAINING_STRAIN
+    points.properties[0, [law.SOFT_SHEAR, law.SOFT_RADIUS]] = knee / POTENTIAL, knee
+    points.properties[0, law.SHEAR] = (STRENGTH - knee) / REGAINING_STRAIN
     return points
 
 
@@ -45,7 +45,7 @@ def sheared(points: MaterialPoints, steps: np.ndarray) -> tuple[np.ndarray, floa
     """Shear stress (n,) after steps of simple shear without rotation, and what was dissipated (J)."""
     stress, lost = [], 0.0
     for step in steps:
-        lost += kernel._update_stress(
+        lost += law.update_stress(
             points.stress, points.state, points.properties, 0, 0.0, 0.0, 0.5 * step, 0.0, 0.0, 0.0, 1.0
         )
         stress.append(points.stress[0, 2])
@@ -67,7 +67,7 @@ def test_stress_of_a_point_follows_two_straight_lines_and_back() -> None:
 def test_a_point_holds_its_residual_strength_past_its_potential() -> None:
     """Beyond 55 % of strain the shear stress is the residual strength, however fast it is strained."""
     points = point()
-    points.properties[0, kernel.VISCOSITY] = CREEP_TIME * points.properties[0, kernel.SOFT_SHEAR]
+    points.properties[0, law.VISCOSITY] = CREEP_TIME * points.properties[0, law.SOFT_SHEAR]
     stress, lost = sheared(points, np.full(400, 0.01))
     assert stress[60:] == pytest.approx(STRENGTH, rel=1e-9)
     assert lost == pytest.approx((4.0 - POTENTIAL - REGAINING_STRAIN) * STRENGTH, rel=0.05)
@@ -80,9 +80,9 @@ def crust_of_points(slope: EndlessSlope, cell: float) -> float:
     layer = points.stratum == 0
     effective = -points.stress[layer, 1]
     knee = stress_at_potential(effective, np.full(len(effective), STRENGTH))
-    points.properties[layer, kernel.SOFT_SHEAR], points.properties[layer, kernel.SOFT_RADIUS] = knee / POTENTIAL, knee
-    points.properties[layer, kernel.SHEAR] = (STRENGTH - knee) / REGAINING_STRAIN
-    points.properties[layer, kernel.VISCOSITY] = CREEP_TIME * knee / POTENTIAL
+    points.properties[layer, law.SOFT_SHEAR], points.properties[layer, law.SOFT_RADIUS] = knee / POTENTIAL, knee
+    points.properties[layer, law.SHEAR] = (STRENGTH - knee) / REGAINING_STRAIN
+    points.properties[layer, law.VISCOSITY] = CREEP_TIME * knee / POTENTIAL
     points.scale_shear(layer, 0.0)
     engine.run(50.0)
     return float(points.displacement[points.stratum == 1, 0].mean())

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from docs.verify.slides.point_columns import PointColumn, front, toe
-from fem.kernels import material_points as kernel
+from fem.kernels import point_stress as law
 from fem.mpm.slide import DECAY_RATES
 from tests.support.material_points import UNIT_WEIGHT, slump
 
@@ -16,7 +16,7 @@ def test_vertical_cut_stands_below_its_stability_number(stability: float, stands
     engine = PointColumn(15.0, height, UNIT_WEIGHT * height / stability, 0.0, 1.0, 24.0).engine(1.0)
     engine.run(5.0)
     ground = engine.points.stratum == 0
-    sheared = engine.points.state[ground, kernel.PLASTIC_STRAIN]
+    sheared = engine.points.state[ground, law.PLASTIC_STRAIN]
     assert (np.quantile(sheared, 0.99) < 0.1) == stands
 
 

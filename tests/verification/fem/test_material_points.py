@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from numba import njit
 
 from docs.verify.slides.points import governing_slide_of_points
-from fem.kernels import material_points as kernel
 from fem.kernels import mohr_coulomb
+from fem.kernels import point_stress as law
 from fem.kernels import spline_transfer as transfer
 from fem.mpm import (
     BackgroundGrid,
@@ -106,7 +106,7 @@ def test_stress_is_that_of_the_return_mapping_without_dilation(
     limit = cohesion / np.tan(friction)
     points = MaterialPoints.of(np.zeros((1, 2)), np.ones(1), PointSoil(DENSITY, young, poisson, cohesion, friction))
     points.stress[:] = stress
-    kernel._update_stress(points.stress, points.state, points.properties, 0, *strain, 0.0, 0.0, 0.0, 1.0)
+    law.update_stress(points.stress, points.state, points.properties, 0, *strain, 0.0, 0.0, 0.0, 1.0)
     table = mohr_coulomb.table(young, poisson, cohesion, friction, 0.0)
     out, mean = np.empty((1, 4)), 0.5 * (xx + zz)
     # an out-of-plane stress that lies between the others after the elastic step, too
@@ -318,7 +318,7 @@ def test_ground_between_smooth_sides_settles_alike_everywhere() -> None:
 def test_surcharges_weigh_on_the_surface_and_shake_with_their_share() -> None:
     data = {**slope(), "surcharges": [{"from": 2.0, "to": 8.0, "pressure": "20 kPa", "seismic_share": 0.5}]}
     bare, loaded = (ground_of(Config.parse(each).section, 600).points for each in (slope(), data))
-    weights = [(points.mass * points.properties[:, kernel.WEIGHT_RATIO]).sum() * GRAVITY for points in (bare, loaded)]
+    weights = [(points.mass * points.properties[:, law.WEIGHT_RATIO]).sum() * GRAVITY for points in (bare, loaded)]
     assert weights[1] - weights[0] == pytest.approx(6.0 * 20e3, rel=0.1)  # whole columns of points
     assert (loaded.mass.sum() - bare.mass.sum()) * GRAVITY == pytest.approx(0.5 * (weights[1] - weights[0]))
     assert (bare.stress[:, 1] - loaded.stress[:, 1]).max() == pytest.approx(20e3)
