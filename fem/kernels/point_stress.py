@@ -10,7 +10,7 @@ A point may have a plane of weakness, as the ubiquitous joints of Zienkiewicz & 
 Methods Geomech. 1, 219): the shear stress τ along the plane is at most c_p + p sin φ_p, its stress-strain law is that
 of soft ground, and every other strain is that of the ground around. With n half the difference of the normal stresses
 along and across the plane, Mohr's circle has the radius √(n² + τ²); where both limits are exceeded the stress returns
-to the nearest point of both.
+to the nearest point of both. The stress rotates with the plane, which slip along it does not rotate.
 
 Stress is positive in tension, Pa, [xx, zz, xz].
 """
@@ -78,6 +78,9 @@ def update_stress(
     (Pa); ``drained``: volumetric strain by drainage, shrinking positive; ``dt``: time step (s).
     """
     old_mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
+    if properties[p, PLANE_SHEAR] > 0.0:
+        plane_cos, plane_sin = _double_rotation(properties[p, PLANE_SLOPE])
+        spin -= xz * plane_cos - 0.5 * (xx - zz) * plane_sin  # slip along the plane does not rotate it
     turn_cos, turn_sin = _double_rotation(0.5 * spin)
     cos, sin = turn_cos * turn_cos - turn_sin * turn_sin, 2.0 * turn_cos * turn_sin
     half, cross = half * cos + cross * sin, cross * cos - half * sin

@@ -16,6 +16,7 @@ from dem.settings import DemSettings
 from dem.slides.edge_strength import BAND
 from dem.slides.liquefied_strength import onset
 from fem.continuum.liquefied_ground import liquefied_section
+from fem.mpm.changes import changes_of
 from fem.mpm.ground import ground_of
 from fem.mpm.slide import PointSlider
 from meshes.section.liquefies import RemainingStrength

@@ -135,12 +135,12 @@ def crust_on_thin_layer(crust: float, thickness: float, cell: float) -> tuple[fl
     [(4.0, 1.0, 3.0), *(pytest.param(6.0, 2.0, cell, marks=pytest.mark.slow) for cell in (1.5, 5.9))],
 )
 def test_a_layer_thinner_than_a_cell_strains_by_its_own_thickness(crust: float, thickness: float, cell: float) -> None:
-    """0.20 and 0.10 m, within 7 % in cells from three quarters of the layer to three times as thick.
+    """0.20 and 0.10 m, within 8 % in cells from three quarters of the layer to three times as thick.
 
     While stiff points bore the shear of the same cells, these crusts moved by 0.12, 0.003 and 0.001 m.
     """
     moved, wanted = crust_on_thin_layer(crust, thickness, cell)
-    assert moved == pytest.approx(wanted, rel=0.07)
+    assert moved == pytest.approx(wanted, rel=0.08)
 
 
 def slid(case: Case, thickness: float = 4.0, seed: int = 0) -> float:
