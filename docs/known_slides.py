@@ -59,6 +59,8 @@ ground farthest behind a face, and the measured places are 25 to 180 m from ther
 Sand of discs hardly has a peak strength, and resists a wall that moves into it as ground of ψ = 0 does
 (`tests/verification/dem/test_passive_wall.py`); so do material points. Rubble of six discs is stronger in one packing
 than in another. {{quay}}
+In nature the caissons of Kobe stood on sand in the place of dredged clay, whose pore pressure rose as well (Proc. JSCE
+596, 1998, 131); these sections, which know the ground behind the quay only, have rubble down to the dense sand.
 Neither method has converged there: after liquefaction the factor of safety of the quay is 1.10 (Davis's estimate for
 ψ = 0) to 1.3 (ψ = φ), so that it stands without shaking by points, too, but shear bands in the rubble depend on the
 size of discs and cells. With a smaller share of dilation (0.3), two packings of 7500 discs moved by 1.0 and 0.9 m, of
