@@ -38,8 +38,8 @@ def changes_of(
     engine : engine that moves the points
     remains : share of strength and stiffness that each liquefied stratum retains
     """
-    found = _Changes(ground, engine, remains)
-    return {"before": found.before, "after": found.after, "liquefies": found.liquefies}
+    changes = _Changes(ground, engine, remains)
+    return {"before": changes.before, "after": changes.after, "liquefies": changes.liquefies}
 
 
 def properties_at(before: np.ndarray, after: np.ndarray, share: float) -> np.ndarray:
