@@ -94,14 +94,14 @@ def test_no_stress_exceeds_either_limit_and_nothing_is_gained(
 def test_a_quay_on_firm_ground_stands_without_shaking_beside_liquefied_sand() -> None:
     """Its factor of safety after liquefaction is 1.28 to 1.35 by strict bounds with ψ = φ, 1.10 by Davis's estimate.
 
-    It moved by 1.9 m within 12 s, and on, while firm ground two cells below the liquefied layer was as weak as the
+    It moved by 1.7 m within 12 s, and on, while firm ground two cells below the liquefied layer was as weak as the
     layer in all directions.
     """
     config = read_case(FOLDER / "kobe_lp_tank_w57.toml").config
     assert config is not None
-    config = config.with_settings("slide", mpm_cells=1200)
+    config = config.with_settings("slide", mpm_cells=600)
     slider, _ = at_rest(config)
     programme = programme_of(config, number_of("median", config.cases))
     slide = slider.run(replace(programme, shaking=np.zeros_like, rest_from=5.2, duration=12.0))
-    assert slide.slide_max < 0.45
+    assert slide.slide_max < 0.35
     assert abs(slide.slide[-1] - slide.slide[-5]).max() < 0.1
