@@ -17,6 +17,7 @@ from workflow.results.verdicts import HeadlinePart
 from workflow.texts.report_texts import Texts
 
 UNDER_KH = "rigid block on the slip surface"  # beginning of the name of a block under cycles of Kh
+NEWMARK = "Newmark's block"  # name of this method among those for a rigid block
 
 
 def slide_headline(results: Results, _: Texts) -> HeadlinePart:
@@ -91,7 +92,7 @@ def block_slides(results: Results) -> dict[str, float]:
             continue
         if row.kind == "block" and row.method.startswith(UNDER_KH):
             if not has_record:
-                slides["Newmark's block"] = row.displacement_m
+                slides[NEWMARK] = row.displacement_m
         elif not row.method.endswith(", mean"):
             slides[row.method] = row.displacement_m
     return slides
@@ -99,7 +100,10 @@ def block_slides(results: Results) -> dict[str, float]:
 
 def _block(results: Results, _: Texts) -> HeadlinePart:
     """Return the displacement of a rigid block in the earthquake, if nothing liquefies."""
-    slides = {_.sentence(method): slide for method, slide in block_slides(results).items()}
+    slides = {
+        _("Newmark's block") if method == NEWMARK else _.sentence(method): slide
+        for method, slide in block_slides(results).items()
+    }
     if not slides:
         phrase = _("No layer of the section liquefies, so no slide was computed.")
         return HeadlinePart(name=_("slide after liquefaction"), value="–", interval="", conclusion=phrase)
