@@ -161,6 +161,7 @@ class Renderer:
         supersampling takes four times each way, and 0.2 s for a picture.
         """
         plotter = self._plotter
+        plotter.suppress_rendering = True  # pyvista renders at every change
         plotter.clear()
         plotter.window_size = [SAMPLES * size for size in image_size(window, width, exaggeration)]
         plotter.set_background("white")
@@ -171,6 +172,7 @@ class Renderer:
         plotter.camera.parallel_projection = True
         plotter.camera.parallel_scale = 0.5 * exaggeration * (window.top - window.bottom)
         plotter.camera.clipping_range = (0.1, 10.0)
+        plotter.suppress_rendering = False
         plotter.render()
         return np.asarray(Image.fromarray(plotter.screenshot(return_img=True)).reduce(SAMPLES))
 
