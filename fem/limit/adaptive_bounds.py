@@ -9,9 +9,17 @@ from typing import TypeVar
 import numpy as np
 
 from fem.limit.band_metric import band_metric
-from fem.limit.bound_checks import StressCheck, VelocityCheck, check_stress, check_velocity, corner_rates, dissipation
+from fem.limit.bound_checks import (
+    StressCheck,
+    VelocityCheck,
+    check_stress,
+    check_velocity,
+    corner_rates,
+    dissipation,
+    work,
+)
 from fem.limit.bracket import BoundSide, Bracket, Limits, Mechanism, MeshBounds, StressField
-from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_problem, units_of
+from fem.limit.limit_problem import LimitProblem, RigidPlasticBody, limit_problem, units_of, with_all_loads_live
 from fem.limit.lower_bound import LowerBound, lower_bound
 from fem.limit.upper_bound import UpperBound, upper_bound
 from fem.solvers.blas_threads import one_more_thread
@@ -74,6 +82,10 @@ class BoundSearch:
             above = executor.submit(partial(proven_upper_bound, problem, (1.0 - share) * remaining_work, before=before))
             low, low_notes, stress = proven_lower_bound(problem, share * remaining_work)
             high, high_notes, mechanism = above.result()
+        spent = low.solution.work + high.solution.work
+        if mechanism is None and low.solution.none == "no stress":
+            mechanism, more_work = failing_by_weight(problem, max(remaining_work - spent, 0.0))
+            spent += more_work
         missing: tuple[tuple[BoundSide, bool], ...] = (
             ("lower", stress is None and not (low.solution.none or low.solution.out_of_work)),
             ("upper", mechanism is None and not (high.solution.none or high.solution.out_of_work)),
@@ -84,7 +96,7 @@ class BoundSearch:
             stress.multiplier if stress else None,
             mechanism.multiplier if mechanism else None,
             (*low_notes, *high_notes),
-            low.solution.work + high.solution.work,
+            spent,
             tuple(side for side, failed in missing if failed),
             tuple(side for side, solution in solutions if solution.fallback),
             mesh,
@@ -178,6 +190,25 @@ def proven_upper_bound(
 
 F = TypeVar("F", LowerBound, UpperBound)
 C = TypeVar("C", StressCheck, VelocityCheck)
+
+
+def failing_by_weight(problem: LimitProblem, most_work: float) -> tuple[Mechanism | None, float]:
+    """Return a mechanism that fails under the dead load alone and moves in the direction of the live load, with its
+    upper bound of the multiplier, below 0, and the computing work; None if there is no such mechanism.
+
+    Where the weight fails the ground, as below an embankment, the multiplier has no least upper bound, and the solver
+    finds none. The share of the dead load that the ground resists has one.
+
+    ``problem``: problem of the multiplier; ``most_work``: as in `proven_upper_bound`.
+    """
+    bound, _, mechanism = proven_upper_bound(with_all_loads_live(problem, 0.0), most_work)
+    if mechanism is None or mechanism.multiplier >= 1.0:
+        return None, bound.solution.work
+    _, live = work(problem, bound.velocity)
+    if live <= 0.0:
+        return None, bound.solution.work
+    check = check_velocity(problem, bound.velocity)
+    return Mechanism(problem, check.multiplier, bound.velocity, check), bound.solution.work
 
 
 def _first_checked(

@@ -8,7 +8,7 @@ import pytest
 from fem.continuum.strength import strengths
 from fem.errors import UnstableError
 from fem.limit import adaptive_bounds
-from fem.limit.adaptive_bounds import gap_shares, proven_lower_bound, proven_upper_bound
+from fem.limit.adaptive_bounds import failing_by_weight, gap_shares, proven_lower_bound, proven_upper_bound
 from fem.limit.bound_checks import StressCheck, check_stress, check_velocity, corner_rates
 from fem.limit.bounds import kh_bounds
 from fem.limit.bracket import Bracket
@@ -207,6 +207,26 @@ def test_ground_that_fails_by_itself_is_proven_to():
     bank = Section.parse({"name": "bank", "surface": surface, "base": {"depth": 3.0}, "strata": [soil]})
     with pytest.raises(UnstableError, match="fails under its own weight: no horizontal force could stabilise it"):
         kh_bounds(bank, FemSettings(sides="fixed"), BoundsSettings(max_cells=600))
+
+
+@pytest.mark.parametrize(("cohesion", "fails"), [("10 kPa", True), ("60 kPa", False)])
+def test_a_mechanism_of_the_weight_proves_failure_where_the_solver_finds_no_bound_of_kh(
+    cohesion: str, fails: bool
+) -> None:
+    """Two banks of peat beside a canal had "no lower and no upper bound: the solver failed", with a factor of 0.86."""
+    soil = layer("bank", cohesion=cohesion, friction_angle="0 deg")
+    surface = [[0.0, 6.0], [12.0, 6.0], [13.5, 0.0], [24.0, 0.0]]
+    bank = Section.parse({"name": "bank", "surface": surface, "base": {"depth": 3.0}, "strata": [soil]})
+    mesh = first_mesh(bank, 300, "fixed")
+    problems = []
+    for direction in ("downhill", "uphill"):
+        body = body_of(bank, mesh, FemSettings(sides="fixed", direction=direction))
+        problems.append(limit_problem(mesh, body, units_of(mesh, body)))
+    mechanisms = [failing_by_weight(problem, 60.0)[0] for problem in problems]
+    assert [mechanism is not None for mechanism in mechanisms] == [fails, False]  # it moves to the right
+    if mechanisms[0] is not None:
+        assert -20.0 < mechanisms[0].multiplier < 0.0
+        assert mechanisms[0].check.flow_slack > -1e-6
 
 
 def test_no_bound_is_no_gap():
