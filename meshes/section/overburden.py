@@ -10,6 +10,7 @@ from meshes.section.section import Section
 from meshes.section.water import FRESH
 
 COLUMNS = 200  # along the section
+AT_WATER = 1e-6  # m: distance of a point from the water table at which the point lies on it
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,8 @@ class Overburden:
     effective : vertical effective stress (Pa)
     loads : increments of total and effective stress by surcharges (Pa): by the share of a surcharge that shakes, and by
         the share under which the ground has consolidated
-    below_water : whether the point lies below the water table, or below the piezometric level of its stratum
+    below_water : whether the point lies at or below the water table, or the piezometric level of its stratum: soil at
+        the table is saturated, and relations of triggering are evaluated there (Idriss & Boulanger 2008, appendix A)
     """
 
     stratum: int
@@ -62,6 +64,7 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
         pressure = unit_weight * max(0.0, water - elevation)
     stratum = int(section.stratum_at(np.array([x]), np.array([elevation]))[0])
     level = water_level(section, x, stratum)
+    at_water = level is not None and abs(level - elevation) <= AT_WATER
     below_water = level is not None and level > elevation
     if section.water_pressure.still:  # levels and ratios of the strata and a drawdown are in it
         place, field = np.array([[x, elevation]]), section.water_pressure
@@ -69,7 +72,8 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
         free_water = float(field.ponded(field.table_after, place, place)[0])
         below_water = below_water and pressure > 0.0
     added, drained = loads = _loads(section, x, elevation)
-    return Overburden(stratum, total + added, total + free_water - pressure + drained, below_water, loads)
+    effective = total + free_water - pressure + drained
+    return Overburden(stratum, total + added, effective, below_water or at_water, loads)
 
 
 def _loads(section: Section, x: float, elevation: float) -> tuple[float, float]:
