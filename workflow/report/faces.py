@@ -30,6 +30,7 @@ from workflow.results.slices import CirclePart
 Side = Literal["left", "right"]
 HALF_CREST_POINTS = 21  # points of half a crest, whose mean level settles
 DIGITS_OF_KH = 3
+STANDING_WATER = {"dam", "quay", "building"}  # kinds of structures beside a reservoir or a harbour
 SMALLEST_SLIDE = 0.05  # m: less is written as 0
 
 
@@ -102,7 +103,7 @@ class FaceLine:
 
 def side_words(config: Config, start: float, end: float, towards: Side) -> str:
     """Return the side of a face of a structure between two feet. The side is called riverward or landward if water
-    stands on one side."""
+    stands on one side, and towards the water if it is that of a dam, a quay or a building."""
     points, ground = config.section.water_points(), config.section.ground
     if points is None:
         return towards
@@ -110,7 +111,10 @@ def side_words(config: Config, start: float, end: float, towards: Side) -> str:
     wet = {side for side, x in (("left", under[under <= start]), ("right", under[under >= end])) if len(x)}
     if len(wet) != 1:
         return towards
-    return f"riverward, {towards}" if towards in wet else f"landward, {towards}"
+    if towards not in wet:
+        return f"landward, {towards}"
+    kinds = {item.kind for item in structures_of(config.section) if start <= item.crest.left <= item.crest.right <= end}
+    return f"towards the water, {towards}" if kinds & STANDING_WATER else f"riverward, {towards}"
 
 
 def face_lines(results: Results) -> list[FaceLine]:

@@ -159,6 +159,9 @@ def test_the_side_of_the_river_is_that_of_free_water() -> None:
     config = levee()
     assert side_words(config, 56.0, 86.0, "left") == "riverward, left"
     assert side_words(config, 56.0, 86.0, "right") == "landward, right"
+    quay = levee(structures=[{"name": "quay", "from": 56.0, "to": 86.0, "kind": "quay"}])  # it was "riverward" at sea
+    assert side_words(quay, 56.0, 86.0, "left") == "towards the water, left"
+    assert side_words(quay, 56.0, 86.0, "right") == "landward, right"
     dry = levee(water={"table": [[0, 5.0], [140, 5.0]]})
     assert side_words(dry, 56.0, 86.0, "left") == "left"
 
