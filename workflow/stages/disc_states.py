@@ -1,5 +1,6 @@
 """Computes and stores states of the discs: at the recorded Kh, and after failure."""
 
+import shutil
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -66,15 +67,54 @@ def keep_states(config: Config, store: Store, sets: Sets, executor: Executor) ->
     surface of every set at the upper end of its bracket. ``config``: config of the run; ``store``: store of the folder
     with the results; ``sets``: discs before and after calibration; ``executor``: computes in parallel.
     """
-    recorded = [StateAtKh(which, sets[which], kh, f"{kh:g}", store) for which in sets for kh in config.dem.kh]
-    ends = [
-        StateAtKh(which, start, start.search.kc_upper, FAILING, store)
+    first = {which: next(other for other in sets if is_alike(sets[other], sets[which])) for which in sets}
+    goals = [
+        StateAtKh(which, start, kh, label, store)
         for which, start in sets.items()
-        if start.search.kc_upper is not None and start.search.flexibility_m
+        if first[which] == which
+        for label, kh in _labels(config, start.search).items()
     ]
-    states = executor.compute(_reached, [*recorded, *ends])
-    failing = {state.set: np.array(state.slip_surface).reshape(-1, 2) for state in states[len(recorded) :]}
-    return StoredStates(tuple(states[: len(recorded)]), failing)
+    states = dict(zip(((goal.springs, goal.label) for goal in goals), executor.compute(_reached, goals), strict=True))
+    for which, other in first.items():
+        if other != which:
+            labels = [label for springs, label in states if springs == other]
+            states |= {(which, label): _copied(states[other, label], which, label, store) for label in labels}
+    recorded = [states[which, f"{kh:g}"] for which in sets for kh in config.dem.kh]
+    failing = {
+        which: np.array(states[which, FAILING].slip_surface).reshape(-1, 2)
+        for which in sets
+        if (which, FAILING) in states
+    }
+    return StoredStates(tuple(recorded), failing)
+
+
+def _labels(config: Config, search: Search) -> dict[str, float]:
+    """Return every Kh to which discs are brought, by the label of the state."""
+    labels = {f"{kh:g}": kh for kh in config.dem.kh}
+    if search.kc_upper is not None and search.flexibility_m:
+        labels[FAILING] = search.kc_upper
+    return labels
+
+
+def is_alike(one: "DiscsAtRest", other: "DiscsAtRest") -> bool:
+    """Return whether two sets of discs are the same and fail at the same Kh, as before and after a calibration that
+    leaves the strength as it is."""
+    if one is other:
+        return True
+    if one.dem != other.dem or one.search.trials != other.search.trials or one.search.kc_upper != other.search.kc_upper:
+        return False
+    first, second = vars(one.settled), vars(other.settled)
+    arrays = [name for name, value in first.items() if isinstance(value, np.ndarray)]
+    same_springs = one.settled.springs.layers == other.settled.springs.layers
+    return same_springs and all(np.array_equal(first[name], second[name]) for name in arrays)
+
+
+def _copied(state: RecordedDiscs, which: SetOfSprings, label: str, store: Store) -> RecordedDiscs:
+    """Store a state under the name of another set of discs, which is the same."""
+    file = state_file(which, label)
+    with store.writing(file) as path:
+        shutil.copyfile(store.folder / state.file, path)
+    return state.model_copy(update={"set": which, "file": file})
 
 
 @dataclass(frozen=True)
