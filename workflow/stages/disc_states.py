@@ -96,16 +96,18 @@ def _labels(config: Config, search: Search) -> dict[str, float]:
     return labels
 
 
-def is_alike(one: "DiscsAtRest", other: "DiscsAtRest") -> bool:
+def is_alike(discs: "DiscsAtRest", other: "DiscsAtRest") -> bool:
     """Return whether two sets of discs are the same and fail at the same Kh, as before and after a calibration that
     leaves the strength as it is."""
-    if one is other:
+    if discs is other:
         return True
-    if one.dem != other.dem or one.search.trials != other.search.trials or one.search.kc_upper != other.search.kc_upper:
+    if discs.dem != other.dem or discs.search.trials != other.search.trials:
         return False
-    first, second = vars(one.settled), vars(other.settled)
+    if discs.search.kc_upper != other.search.kc_upper:
+        return False
+    first, second = vars(discs.settled), vars(other.settled)
     arrays = [name for name, value in first.items() if isinstance(value, np.ndarray)]
-    same_springs = one.settled.springs.layers == other.settled.springs.layers
+    same_springs = discs.settled.springs.layers == other.settled.springs.layers
     return same_springs and all(np.array_equal(first[name], second[name]) for name in arrays)
 
 
