@@ -94,7 +94,7 @@ def test_ctrl_c_while_it_computes(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert not (tmp_path / "out/fem/critical.json").exists()
     assert "stopped after" in (tmp_path / "out/log.txt").read_text()
     assert run("run", path, "--out", tmp_path / "out", "--dry-run") == 0
-    assert "the stage was stopped, and continues" in capsys.readouterr().out
+    assert "the stage was stopped, and begins again" in capsys.readouterr().out
 
 
 def test_what_works_on_after_ctrl_c_writes_nothing(tmp_path: Path) -> None:

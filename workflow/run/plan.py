@@ -173,7 +173,7 @@ def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
     if changed:
         return f"inputs changed: {', '.join(changed)}"
     if entry.outcome == "begun":
-        return "the stage was stopped, and continues"
+        return "the stage was stopped, and continues" if stage.leftovers else "the stage was stopped, and begins again"
     if entry.outcome == "part":
         return "some cases are not yet computed"
     if entry.outcome == "done" and not record.left(stage.name):

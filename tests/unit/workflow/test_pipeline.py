@@ -97,6 +97,22 @@ def test_pictures_of_other_inputs_go(toys: Toys, tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.glob("*.png")] == ["fem_kh_0.25.png"]
 
 
+def test_only_a_stage_with_checkpoints_is_said_to_continue(toys: Toys, tmp_path: Path) -> None:
+    """The log said that the finite elements continue, which began again."""
+
+    def stops(_: Job) -> None:
+        raise KeyboardInterrupt
+
+    for leftovers, words in (((), "begins again"), (("dem/*",), "continues")):
+        folder = tmp_path / words
+        toys.change("fem", work=stops, leftovers=leftovers)
+        with pytest.raises(KeyboardInterrupt):
+            toys.go(folder)
+        toys.change("fem", work=leaves("fem.txt"), leftovers=leftovers)
+        toys.go(folder)
+        assert f"fem: begins (the stage was stopped, and {words})" in (folder / "log.txt").read_text(encoding="utf-8")
+
+
 def test_force_from_and_only(toys: Toys, tmp_path: Path) -> None:
     toys.go(tmp_path)
     assert toys.go(tmp_path, toys.choose(force=True)).ran == ALL_OF_THEM
