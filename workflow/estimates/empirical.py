@@ -148,7 +148,7 @@ def _block_under_average(section: Section, settings: Tables, kc: float, slip_sur
     flow = flow_words(section, settings.fem.flow)
     words = (
         f"{column.record} through the layers at x = {column.x:g} m: k_max = {column.k_max(depth):.3f} "
-        f"above {depth:g} m, resisted by kc = {kc:.3f} {flow}; {slides[0]:.2g} and {slides[1]:.2g} m either way"
+        f"above {depth:.3g} m, resisted by kc = {kc:.3f} {flow}; {slides[0]:.2g} and {slides[1]:.2g} m either way"
     )
     validity = f"{BLOCK}; one-dimensional, equivalent linear site response"
     yield Estimate("block", "rigid block under the average acceleration", sum(slides) / 2.0, words, MAKDISI, validity)

@@ -180,6 +180,9 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     messages = [item.description for item in result if "under the average" in item.method]
     assert len(messages) == 1
     assert f"k_max = {k_max:.3f} above 6 m" in messages[0]  # the slip surface of the finite elements serves
+    deeper = estimates(config.section, config, 0.02, surface - np.array([0.0, 0.29034]) * (surface[:, 1:] < 0.0))
+    (text,) = [item.description for item in deeper if "under the average" in item.method]
+    assert " above 6.29 m, " in text  # "above 13.2903 m"
     data["site_response"]["velocities"] = {"clay": 100.0}
     path.write_text(tomli_w.dumps(data))
     assert command_line.run("response", path, "--out", tmp_path / "run") == 2
