@@ -19,6 +19,8 @@ from meshes.slip_line import slip_line
 MOVING_SHARE = 0.1
 # Points in each column: a shear band is seldom thinner than a fiftieth of the height of the ground.
 POINTS_IN_COLUMN = 100
+# A slip surface of fewer columns is found once more in columns that reach this many columns past its ends.
+FEW_COLUMNS, CLOSE_REACH = 5, 3.0
 
 
 def slip_surface(mesh: QuadMesh, state: FieldState, columns: int = 100) -> np.ndarray:
@@ -26,7 +28,19 @@ def slip_surface(mesh: QuadMesh, state: FieldState, columns: int = 100) -> np.nd
     mechanism."""
     if not is_mechanism(state):
         return np.zeros((0, 2))
-    edges = np.linspace(mesh.points[:, 0].min(), mesh.points[:, 0].max(), columns + 1)
+    ends = float(mesh.points[:, 0].min()), float(mesh.points[:, 0].max())
+    line = _slip_line(mesh, state, ends, columns)
+    if 0 < len(line) < FEW_COLUMNS:  # a small failure, looked at closely
+        reach = CLOSE_REACH * (ends[1] - ends[0]) / columns
+        near = max(line[0, 0] - reach, ends[0]), min(line[-1, 0] + reach, ends[1])
+        closer = _slip_line(mesh, state, near, columns)
+        return closer if len(closer) > len(line) else line
+    return line
+
+
+def _slip_line(mesh: QuadMesh, state: FieldState, ends: tuple[float, float], columns: int) -> np.ndarray:
+    """Return the slip line (k, 2) in m in columns between two ends (m)."""
+    edges = np.linspace(*ends, columns + 1)
     x = 0.5 * (edges[1:] + edges[:-1])
     base, ground = (_line(mesh, name, x)[:, None] for name in ("base", "surface"))
     z = base + (ground - base) * (np.arange(POINTS_IN_COLUMN) + 0.5) / POINTS_IN_COLUMN

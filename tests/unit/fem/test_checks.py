@@ -117,6 +117,23 @@ def test_slip_surface_lies_in_the_band_of_strain_and_ends_with_what_moves():
     assert 14.0 < line[-1, 0] < 15.0
 
 
+def test_a_small_failure_has_a_slip_surface_and_not_a_point():
+    """The toe of a dam of 130 m slipped from "x = 92 to 92 m"."""
+    x = np.concatenate([[0.0, 50.0], np.linspace(98.0, 104.0, 13), [150.0, 200.0]])
+    mesh = grid(x, np.linspace(0.0, 10.0, 21))
+    above = (np.abs(mesh.points[:, 0] - 101.0) < 1.2) & (mesh.points[:, 1] > 8.9)
+    cells = len(mesh.cells)
+    state = replace(
+        failing(), displacement=np.outer(above, [1.0, -0.5]), shear_strain=np.full(cells, 0.5),
+        plastic_shear_strain=np.full(cells, 0.499),
+    )  # fmt: skip
+    line = slip_surface(mesh, state)
+    assert len(line) > 10
+    assert 99.0 < line[0, 0] < 100.5
+    assert 101.5 < line[-1, 0] < 103.0
+    assert np.abs(line[:, 1] - 8.7).max() < 0.5
+
+
 def test_without_a_mechanism_there_is_no_slip_surface():
     state = failing()
     faint = replace(state, plastic_shear_strain=0.01 * state.plastic_shear_strain, shear_strain=np.full(200, 6e-3))
