@@ -78,7 +78,8 @@ def update_stress(
     (Pa); ``drained``: volumetric strain by drainage, shrinking positive; ``dt``: time step (s).
     """
     old_mean, half, cross = 0.5 * (stress[p, 0] + stress[p, 1]), 0.5 * (stress[p, 0] - stress[p, 1]), stress[p, 2]
-    if properties[p, PLANE_SHEAR] > 0.0:
+    on_plane, plane_cos, plane_sin = properties[p, PLANE_SHEAR] > 0.0, 1.0, 0.0
+    if on_plane:
         plane_cos, plane_sin = _double_rotation(properties[p, PLANE_SLOPE])
         spin -= xz * plane_cos - 0.5 * (xx - zz) * plane_sin  # slip along the plane does not rotate it
     turn_cos, turn_sin = _double_rotation(0.5 * spin)
@@ -89,8 +90,10 @@ def update_stress(
     late_half, late_cross = state[p, VISCOUS_HALF_DIFFERENCE], state[p, VISCOUS_SHEAR]
     half, cross = half - (late_half * cos + late_cross * sin), cross - (late_cross * cos - late_half * sin)
     mean, opened = _mean_stress(properties, p, old_mean, state[p, OPENED_STRAIN], xx + zz + drained, relaxed)
-    if properties[p, PLANE_SHEAR] > 0.0:
-        half, cross, more = _sheared_on_plane(state, properties, p, mean, half, cross, xx - zz, 2.0 * xz, dt)
+    if on_plane:
+        half, cross, more = _sheared_on_plane(
+            state, properties, p, mean, half, cross, xx - zz, 2.0 * xz, dt, plane_cos, plane_sin
+        )
     elif properties[p, SOFT_RADIUS] > 0.0:
         half, cross, more = _sheared_softly(state, properties, p, mean, half, cross, xx - zz, 2.0 * xz, dt)
     else:
@@ -175,13 +178,13 @@ def _sheared_softly(
 @njit(cache=True, nogil=True, error_model="numpy")
 def _sheared_on_plane(
     state: Floats, properties: Floats, p: int, mean: float, half: float, cross: float, stretch: float, slide: float,
-    dt: float,
+    dt: float, cos: float, sin: float,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Do the same as `_sheared_softly` for ground with a plane of weakness."""
+    """Do the same as `_sheared_softly` for ground with a plane of weakness; ``cos``, ``sin``: of twice the angle of the
+    plane with the horizontal."""
     shear, stiff = properties[p, SHEAR], properties[p, PLANE_SHEAR]
     knee = properties[p, SOFT_RADIUS]
     soft = properties[p, SOFT_SHEAR] if knee > 0.0 else stiff
-    cos, sin = _double_rotation(properties[p, PLANE_SLOPE])
     along, across = cross * cos - half * sin, half * cos + cross * sin
     stretch, slide = stretch * cos + slide * sin, slide * cos - stretch * sin
     lost = _shear_energy(abs(along), stiff, soft, knee) + 0.5 * across * across / shear

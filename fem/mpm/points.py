@@ -123,11 +123,8 @@ class MaterialPoints:
         half, cross = self._without_viscous_part(where)
         cos, sin, on_plane = self._planes(where)
         along = cross * cos - half * sin
-        half = np.where(on_plane, half - (factor - 1.0) * along * sin, factor * half)
-        cross = np.where(on_plane, cross + (factor - 1.0) * along * cos, factor * cross)
-        late = self.state[where, law.VISCOUS_HALF_DIFFERENCE], self.state[where, law.VISCOUS_SHEAR]
-        mean = 0.5 * (self.stress[where, 0] + self.stress[where, 1])
-        self.stress[where] = np.column_stack([mean + half + late[0], mean - half - late[0], late[1] + cross])
+        half, cross = np.where(on_plane, -along * sin, half), np.where(on_plane, along * cos, cross)
+        self.stress[where] += (factor - 1.0) * np.column_stack([half, -half, cross])
 
     def _without_viscous_part(self, where: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
         """Return half the difference of the normal stresses and the shear stress (Pa) without their viscous parts."""

@@ -1,7 +1,6 @@
 """Writes discs and their pore springs (the breakable springs between discs that stand for pore water) as VTK files, in
 the section's frame."""
 
-import shutil
 from pathlib import PurePath
 
 import numpy as np
@@ -81,5 +80,4 @@ def copy_frames(store: Store, of: str, to: str, folder: str = "dem") -> None:
     """
     store.remove(list(frames(store, to, folder).values()))
     for number, file in frames(store, of, folder).items():
-        with store.writing(frame_file(to, number, folder)) as path:
-            shutil.copyfile(store.folder / file, path)
+        store.copy(file, frame_file(to, number, folder))

@@ -5,6 +5,7 @@ import json
 import math
 import os
 import re
+import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -125,6 +126,11 @@ class Store:
     def has(self, name: str) -> bool:
         """Return whether a file of the folder exists."""
         return (self.folder / name).is_file()
+
+    def copy(self, name: str, to: str) -> None:
+        """Copy a file of the folder to another name."""
+        with self.writing(to) as path:
+            shutil.copyfile(self.folder / name, path)
 
     def matching(self, patterns: Sequence[str]) -> list[str]:
         """Return the names of the complete files that match any of some patterns, sorted by the numbers in the

@@ -1,6 +1,5 @@
 """Computes and stores states of the discs: at the recorded Kh, and after failure."""
 
-import shutil
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -114,8 +113,7 @@ def is_alike(discs: "DiscsAtRest", other: "DiscsAtRest") -> bool:
 def _copied(state: RecordedDiscs, which: SetOfSprings, label: str, store: Store) -> RecordedDiscs:
     """Store a state under the name of another set of discs, which is the same."""
     file = state_file(which, label)
-    with store.writing(file) as path:
-        shutil.copyfile(store.folder / state.file, path)
+    store.copy(state.file, file)
     return state.model_copy(update={"set": which, "file": file})
 
 
