@@ -180,8 +180,8 @@ def _sheared_on_plane(
     state: Floats, properties: Floats, p: int, mean: float, half: float, cross: float, stretch: float, slide: float,
     dt: float, cos: float, sin: float,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Do the same as `_sheared_softly` for ground with a plane of weakness; ``cos``, ``sin``: of twice the angle of the
-    plane with the horizontal."""
+    """Do the same as `_sheared_softly` for ground with a plane of weakness; ``cos``, ``sin``: cosine and sine of twice
+    the angle of the plane with the horizontal."""
     shear, stiff = properties[p, SHEAR], properties[p, PLANE_SHEAR]
     knee = properties[p, SOFT_RADIUS]
     soft = properties[p, SOFT_SHEAR] if knee > 0.0 else stiff
