@@ -207,16 +207,17 @@ def cut_strata(
 
     New lines reach over the ``extent`` (x in m) of the given section. The upper part keeps the name, and does not
     liquefy. If zones divide a soil into several strata, and one of them lies above water, a stratum entirely below
-    water gets the name of a part below water. Thin wedges smaller than cells stay with the other part of the stratum
-    (``cut_films`` makes them strata); the pore pressure in them is unchanged. ``layers``: the ground layer by layer.
+    water gets the name of a part below water, and one entirely above water does not liquefy. Thin wedges smaller than
+    cells stay with the other part of the stratum (``cut_films`` makes them strata); the pore pressure in them is
+    unchanged. ``layers``: the ground layer by layer.
     """
     cut: list[Stratum] = []
     cell = _cell(layers)
     divided = [None if level is None else divided_by_water(layers, k, level) for k, level in enumerate(levels)]
     cut_outlines = [None if exact is None else without_pockets(exact, cell) for exact in divided]
-    dry_soils = {
-        whole_soil(s.name) for s, parts in zip(strata, cut_outlines, strict=True) if parts is None or parts.has(0)
-    }
+    soils = list(zip((whole_soil(stratum.name) for stratum in strata), cut_outlines, strict=True))
+    dry_soils = {soil for soil, parts in soils if parts is None or parts.has(0)}
+    wet_soils = {soil for soil, parts in soils if parts is not None and parts.has(1)}
     for stratum, exact, parts in zip(strata, divided, cut_outlines, strict=True):
         if exact is None or parts is None:
             cut.append(stratum)
@@ -224,6 +225,8 @@ def cut_strata(
         wet, dry = parts.has(1), parts.has(0)
         if wet and dry:
             cut.append(stratum.model_copy(update={"bottom": parts.line(*extent), "liquefies_in": Cases()}))
+        elif dry and whole_soil(stratum.name) in wet_soils:
+            stratum = stratum.model_copy(update={"liquefies_in": Cases()})
         if wet:
             below = whole_soil(stratum.name) in dry_soils and not stratum.name.endswith(BELOW_WATER)
             name = stratum.name + BELOW_WATER if below else stratum.name

@@ -32,6 +32,17 @@ def test_a_stratum_that_the_table_crosses_is_moist_above_and_saturated_below() -
     assert cut.layering.areas().sum() == pytest.approx(section().layering.areas().sum(), rel=1e-12)
 
 
+def test_soil_above_the_water_that_a_zone_parts_does_not_liquefy_either() -> None:
+    """Sand above an anchor block liquefied, and the sand beside the block above the same water did not."""
+    block = {**soil("Block", cohesion="3 MPa"), "points": [[8.0, 6.0], [12.0, 6.0], [12.0, 9.0], [8.0, 9.0]]}
+    cut = section(soil("Sand", liquefies_in=[1]), water={"table": 7.0}, zones=[block])
+    sand = [stratum for stratum in cut.strata if stratum.name.startswith("Sand")]
+    assert [(s.name, s.liquefiable) for s in sand] == [
+        ("Sand", False), ("Sand, part 2", False), ("Sand, part 2" + BELOW_WATER, True)
+    ]  # fmt: skip
+    assert not any("lies above the water table" in text for text in cut.notices)
+
+
 def test_what_is_below_water_altogether_is_saturated_and_keeps_its_name() -> None:
     [below] = section(water={"table": 12}).strata
     assert (below.name, below.density_ordinary) == ("Soil", pytest.approx(20e3 / GRAVITY))
