@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from workflow.figures.canvas import CRITICAL, DISCS, Sheet
-from workflow.figures.ground import Overlay, mark_borings, section_sheet
+from workflow.figures.ground import Boring, Overlay, section_sheet
 from workflow.figures.slides import seen_from_above
 from workflow.results.cases import CaseAnswer, equal_cases, smoothed
 from workflow.results.governing import faces_with_bounds, governing_kh, slides_by_weight, value_of_face
@@ -48,7 +48,10 @@ def front(results: Results) -> Sheet | None:
     if not lines and results.fem is None:
         return None
     subject = "failure" if case is None else "failure and slide"
-    return section_sheet(results.config.section, subject, lines, lambda axes: _marks(axes, results), ROOM_ABOVE)
+    borings = list(_tested_borings(results))
+    return section_sheet(
+        results.config.section, subject, lines, lambda axes: _mark_force(axes, results), ROOM_ABOVE, borings
+    )
 
 
 def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
@@ -77,17 +80,16 @@ def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
         yield Overlay(np.array(surface), CRITICAL, (0, (4, 2)), label)
 
 
-def _tested_borings(results: Results) -> Iterator[tuple[str, float, float]]:
+def _tested_borings(results: Results) -> Iterator[Boring]:
     """Yield the name, x (m) and deepest test (m) of every boring by which liquefaction was judged."""
     for boring in results.triggering.borings if results.triggering is not None else ():
         tests = [test for test in results.triggering.tests if test.boring == boring.name] if results.triggering else []
         yield boring.name, tests[0].x_m, max(test.depth_m for test in tests)
 
 
-def _marks(axes: Axes, results: Results) -> None:
-    """Draw the borings to their depth, and an arrow in the direction of the seismic force."""
+def _mark_force(axes: Axes, results: Results) -> None:
+    """Draw an arrow in the direction of the seismic force."""
     section, fem = results.config.section, results.fem
-    mark_borings(axes, section, _tested_borings(results))
     if fem is None:
         return
     left, right = section.extent

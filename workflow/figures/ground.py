@@ -36,7 +36,7 @@ from workflow.figures.canvas import (
 
 HATCH = "...."
 SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
-LEAST_NUMBERED = 0.02  # of the height of a section: a number would not fit into a thinner stratum
+LEAST_NUMBERED = 0.02  # of the height of a section: a thinner part of a soil has no number if another part has it
 LOWERED = (0, (2, 2))  # dashes of the water table after a drawdown
 CRACK_ENDS = (0, (6, 2, 1, 2))  # dashes of the bottom of tension cracks
 WALL = "#7a1fa2"  # colour of cut-off walls
@@ -47,6 +47,7 @@ LABEL_SPACING = 0.015  # of the width: from number to number above the ground
 FOOT_CHARACTERS = 190
 LEAST_LINE = 0.01  # of the width: a shorter line is drawn as a dot
 ARROW = 0.03  # of the width: the largest surcharge
+Boring = tuple[str, float, float]  # name, x (m) and depth (m)
 
 
 def foot(section: Section) -> str:
@@ -70,7 +71,7 @@ class Overlay(NamedTuple):
         return "o" if len(self.points) and np.ptp(self.points, axis=0).max() < LEAST_LINE * width else ""
 
 
-def mark_borings(axes: Axes, section: Section, borings: Iterable[tuple[str, float, float]]) -> None:
+def mark_borings(axes: Axes, section: Section, borings: Iterable[Boring]) -> None:
     """Draw borings, each with its name, x (m) and depth (m), from the ground down."""
     for name, x, depth in borings:
         top = float(np.interp(x, *section.ground.T))
@@ -85,7 +86,7 @@ def mark_borings(axes: Axes, section: Section, borings: Iterable[tuple[str, floa
 def sheet_with_borings(config: Config) -> Sheet:
     """Draw the section with the borings of its table [triggering]."""
     borings = [(boring.name, boring.x, max(boring.depths)) for boring in config.triggering.borings]
-    return section_sheet(config.section, decorate=lambda axes: mark_borings(axes, config.section, borings))
+    return section_sheet(config.section, borings=borings)
 
 
 def section_sheet(
@@ -94,15 +95,18 @@ def section_sheet(
     lines: Sequence[Overlay] = (),
     decorate: Callable[[Axes], None] | None = None,
     above: float = 0.0,
+    borings: Sequence[Boring] = (),
 ) -> Sheet:
-    """Draw the layers in colour, liquefying ones dotted, the water table, and lines over them, in true proportions.
+    """Draw the layers in colour, liquefying ones dotted, the water table, borings, and lines over them, in true
+    proportions.
 
     ``decorate``: function that draws more into each view; ``above``: space above the ground as a share of the height.
-    ``section``: the section; ``title``: title above the picture.
+    ``section``: the section; ``title``: title above the picture; ``borings``: each with its name, x (m) and depth (m).
     """
     outline = section.outline()
     points_per_metre = (RIGHT - LEFT) * WIDTH / DPI * 72.0 / np.ptp(outline[:, 0])
-    room = np.array([0.0, max(above * np.ptp(outline[:, 1]), 2.0 * NUMBER_SIZE / points_per_metre)])
+    names = (NAME_ABOVE if borings else 0.0) + 2.0 * NUMBER_SIZE  # above the ground (points)
+    room = np.array([0.0, max(above * np.ptp(outline[:, 1]), names / points_per_metre)])
     window = Window.around(np.vstack([outline, outline.max(axis=0) + room, room_for_loads(section)]))
     handles = _legend_of(section)
     width = float(np.ptp(outline[:, 0]))
@@ -143,6 +147,7 @@ def section_sheet(
                 "marker": line.marker(width),
             }
             axes.plot(*line.points.T, **style)
+        mark_borings(axes, section, borings)
         if decorate is not None:
             decorate(axes)
     return sheet
@@ -260,14 +265,19 @@ def _number_strata(axes: Axes, section: Section) -> None:
     numbers = soil_numbers([stratum.name for stratum in section.strata])
     points_per_metre = np.ptp(axes.transData.transform([(0.0, 0.0), (0.0, 1.0)])[:, 1]) * 72.0 / DPI
     width, thin = float(layers.width.sum()), 0
+    thickness = 0.5 * (at_left + at_right)
+    places = np.argmax(thickness * np.minimum(layers.width, 0.1 * width)[:, None], axis=0)
+    thickest = thickness[places, np.arange(len(places))]
+    thick = thickest >= LEAST_NUMBERED * np.ptp(section.outline()[:, 1])
+    elsewhere = {numbers[k] for k in np.flatnonzero(thick)}
     style: dict[str, Any] = {"fontsize": NUMBER_SIZE, "color": INK, "ha": "center",
                              "path_effects": [withStroke(linewidth=2.0, foreground="white")]}  # fmt: skip
     for k in range(len(section.strata)):
-        thickness = 0.5 * (at_left[:, k] + at_right[:, k])
-        best = int(np.argmax(thickness * np.minimum(layers.width, 0.1 * width)))
-        if thickness[best] < LEAST_NUMBERED * np.ptp(section.outline()[:, 1]):
+        best = int(places[k])
+        if not thick[k] and (numbers[k] in elsewhere or thickest[k] <= 0.0):
             continue
-        fits = thickness[best] * points_per_metre > 1.3 * NUMBER_SIZE
+        elsewhere.add(numbers[k])
+        fits = thickest[k] * points_per_metre > 1.3 * NUMBER_SIZE
         offset = (
             0.0 if fits else (1 + thin) * LABEL_SPACING * width / layers.width[best]
         )  # clear of the numbers that fit

@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.transforms import Bbox
 
 from meshes.section.surcharge import Surcharge
 from tests.support.sections import slope
 from workflow.config import Config
+from workflow.figures.canvas import Sheet
 from workflow.figures.fem import conditions
 from workflow.figures.ground import WALL, WATER, Overlay, crack_bottoms, pressure_of, section_sheet
 from workflow.report.tables import parameter_rows
@@ -108,3 +110,29 @@ def test_the_slip_surface_of_a_few_cells_is_drawn_as_a_dot() -> None:
     (legend,) = sheet.figure.legends
     shown = {text.get_text(): handle for text, handle in zip(legend.get_texts(), legend.legend_handles, strict=True)}
     assert shown["slip surface"].get_marker() == "o"
+
+
+def texts_in_picture(sheet: Sheet, words: set[str]) -> dict[str, Bbox]:
+    """Return the boxes of texts of the first view, relative to its frame: from 0 to 1 inside of it."""
+    sheet.figure.canvas.draw()
+    axes = sheet.figure.axes[0]
+    frame = axes.transAxes.inverted()
+    return {text.get_text(): frame.transform_bbox(text.get_window_extent())
+            for text in axes.texts if text.get_text() in words}  # fmt: skip
+
+
+def test_names_of_borings_on_flat_ground_are_inside_the_picture() -> None:
+    """The name of a boring lay on the upper edge of the picture of a section 260 m long and 20 m high."""
+    section = Config.parse({**slope(), "surface": [[0, 20], [400, 18]]}).section
+    [box] = texts_in_picture(section_sheet(section, borings=[("C1", 10.0, 8.0)]), {"C1"}).values()
+    assert box.y1 < 1.0
+
+
+def test_a_thin_seam_has_its_number() -> None:
+    """A seam of 0.3 m, along which a slope slid, had no number in the picture."""
+    data = slope()
+    seam = {**data["strata"][0], "name": "seam", "bottom": {"elevation": [[0, 9.7], [100, 4.7]]}}
+    data["strata"] = [
+        {**data["strata"][0], "bottom": {"elevation": [[0, 10], [100, 5]]}}, seam, data["strata"][1]
+    ]  # fmt: skip
+    assert texts_in_picture(section_sheet(Config.parse(data).section), {"1", "2", "3"}).keys() == {"1", "2", "3"}
