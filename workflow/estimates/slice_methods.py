@@ -127,9 +127,10 @@ class _Bases:
     def shear(self, factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the shear forces at the bases times F (N/m), from the balance of vertical forces of each slice, and
         m_α."""
-        m_alpha = self.cos + self.sin * (self.friction / factor[:, None])
-        balance = -self.vertical - self.bond * self.sin / factor[:, None]
-        normal = balance / np.maximum(m_alpha, LEAST_M_ALPHA)
+        with np.errstate(divide="ignore", invalid="ignore"):  # of a factor that falls to 0: NaN
+            m_alpha = self.cos + self.sin * (self.friction / factor[:, None])
+            balance = -self.vertical - self.bond * self.sin / factor[:, None]
+            normal = balance / np.maximum(m_alpha, LEAST_M_ALPHA)
         return self.bond + normal * self.friction, m_alpha
 
 

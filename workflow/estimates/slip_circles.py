@@ -47,6 +47,8 @@ class SlipCircle:
     bishop : factor of safety, or critical Kh, by Bishop's simplified method
     spencer : factor of safety, or critical Kh, by Spencer's method on the same circle; None if forces and moments do
         not balance
+    frictionless : whether no base has friction; normal forces then have no moment about the centre, and strength alone
+        gives the factor by every method that balances moments
     """
 
     towards: Literal["left", "right"]
@@ -56,6 +58,7 @@ class SlipCircle:
     kh: float | None
     bishop: float
     spencer: float | None
+    frictionless: bool = False
 
 
 def critical_circle(
@@ -277,4 +280,5 @@ class _CircleSearch:
             kh=self.kh,
             bishop=bishop,
             spencer=_by_spencer(slices, self.kh),
+            frictionless=not slices.friction.any(),
         )

@@ -20,6 +20,7 @@ from workflow.results.continuum import FactorOfSafety
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, SlicesAnswer
 from workflow.results.stability import LiquefiedCase
+from workflow.texts.report_texts import listed
 
 KH_DIGITS = 3  # of a critical Kh; a factor of safety has fewer
 
@@ -31,10 +32,7 @@ def slices_sentences(answer: SlicesAnswer, rises_by_shaking: bool = False) -> It
     """
     if answer.reason:
         yield f"No slip circle: {answer.reason}."
-    for factors in answer.factors:
-        if factors.circles:
-            when = " before shaking" if rises_by_shaking and factors.kh == 0.0 else ""
-            yield f"Factor of safety at Kh = {factors.kh:g}{when} by slip circles: {_circle_list(factors.circles, 2)}."
+    yield from _factor_sentences(answer, rises_by_shaking)
     if answer.after_shaking is not None and answer.after_shaking.circles:
         circles = _circle_list(answer.after_shaking.circles, 2)
         yield f"Factor of safety at Kh = 0 after shaking, with its excess pore pressure, by slip circles: {circles}."
@@ -67,6 +65,25 @@ def slices_sentences(answer: SlicesAnswer, rises_by_shaking: bool = False) -> It
             "which may slide or tip as a block at a much smaller factor of safety. To do: rely on finite elements and "
             "bounds."
         )
+
+
+def _factor_sentences(answer: SlicesAnswer, rises_by_shaking: bool) -> Iterator[str]:
+    """Yield the circles with the least factors of safety, and the sides where no circle has one."""
+    for factors in answer.factors:
+        if factors.circles:
+            when = " before shaking" if rises_by_shaking and factors.kh == 0.0 else ""
+            yield f"Factor of safety at Kh = {factors.kh:g}{when} by slip circles: {_circle_list(factors.circles, 2)}."
+        if factors.kh == 0.0 and not rises_by_shaking and (sides := _sides_without_strength(answer)):
+            yield (
+                f"Towards the {listed(sides)} no slip circle has a factor of safety at Kh = 0 by Bishop's method: the "
+                "pore pressure leaves next to no strength."
+            )
+
+
+def _sides_without_strength(answer: SlicesAnswer) -> list[str]:
+    """Return the sides towards which circles fail without a seismic force, but none has a factor of safety above 0."""
+    with_factor = {circle.towards for factors in answer.factors if factors.kh == 0.0 for circle in factors.circles}
+    return [circle.towards for circle in answer.critical if circle.bishop < 0.0 and circle.towards not in with_factor]
 
 
 def contradicted_circles(results: Results) -> Iterator[str]:
@@ -130,6 +147,10 @@ def _words(circle: CirclePart, digits: int) -> str:
     words = f"to the {circle.towards} ({ends}) {circle.bishop:.{digits}f} by Bishop's method"
     if circle.spencer is not None:
         words += f", {circle.spencer:.{digits}f} by Spencer's"
+    elif circle.frictionless:
+        words += ", which without friction follows from moments alone (no balance of forces by Spencer's method)"
+    else:
+        words += " (no balance by Spencer's method)"
     smaller = "Kh" if digits == KH_DIGITS else "factor"
     below = f", for failures below the cohesionless face, which fails at a smaller {smaller}"
     return words + (below if circle.strengthened else "")

@@ -188,6 +188,10 @@ def _circle(of: str, circle: CirclePart, section: Section, digits: int, _: Texts
     conditions = _("Bishop, towards the {side}, {depth} m deep", side=_(circle.towards), depth=f"{depth:.1f}")
     if circle.spencer is not None:
         conditions += _("; by Spencer {value}", value=f"{circle.spencer:.{digits}f}")
+    elif circle.frictionless:
+        conditions += _("; without friction it follows from moments alone (no balance of forces by Spencer)")
+    else:
+        conditions += _("; no balance by Spencer")
     if circle.strengthened:
         conditions += _(
             "; the cohesionless face has a cohesion added, because without cohesion it fails at a smaller Kh"

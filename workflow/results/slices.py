@@ -33,6 +33,9 @@ class CirclePart(Part):
             "moments do not balance"
         )
     )
+    frictionless: bool = Field(
+        default=False, description="whether no friction acts on the circle, so that moments alone give its value"
+    )
     strengthened: bool = Field(
         default=False, description="whether cohesionless faces, which fail first, were given a cohesion"
     )

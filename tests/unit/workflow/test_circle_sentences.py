@@ -1,5 +1,6 @@
 """What is said of slip circles."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,8 @@ from meshes.section.section import Section
 from tests.support.answers import bounds, results
 from tests.support.sections import analysed, layer, slope
 from workflow.config import Config
-from workflow.estimates.slip_circles import SlipCircle
+from workflow.estimates.slices import LEFT
+from workflow.estimates.slip_circles import SlipCircle, critical_circle
 from workflow.report.circles import against_elements, of_circles, of_longer_sections
 from workflow.report.slices import contradicted_circles, slices_sentences
 from workflow.results.bounds import DirectionPart, SafetyPart
@@ -40,7 +42,7 @@ def test_only_the_side_that_fails_without_shaking_is_said_to_do_so() -> None:
 
     def circle(towards: str, kh: float) -> CirclePart:
         line = ((28.0, 30.0), (72.0, 12.0))
-        return CirclePart.model_construct(surface_m=line, towards=towards, bishop=kh, spencer=None, strengthened=False)
+        return CirclePart.model_construct(surface_m=line, towards=towards, bishop=kh, spencer=kh, strengthened=False)
 
     answer = SlicesAnswer.model_construct(
         factors=(),
@@ -51,8 +53,50 @@ def test_only_the_side_that_fails_without_shaking_is_said_to_do_so() -> None:
     )
     (sentence,) = slices_sentences(answer)
     right, left = sentence.split("; ")
-    assert right.endswith("-0.066 by Bishop's method (the ground fails without shaking)")
-    assert left.endswith("0.379 by Bishop's method.")
+    assert right.endswith("-0.066 by Spencer's (the ground fails without shaking)")
+    assert left.endswith("0.379 by Spencer's.")
+
+
+def test_a_circle_without_a_balance_by_spencers_method_is_said_to_have_none() -> None:
+    """Clay of 24 kPa, 6.1 m at 45° on rock: constant inclinations of side forces give 1.258 or more by forces, 1.242 by
+    moments. Bishop's number stood alone, without a word."""
+    soil = layer(
+        "Clay", cohesion="24 kPa", friction_angle="0 deg", density_ordinary="2 t/m^3", density_seismic="2 t/m^3"
+    )
+    clay = Section.parse(
+        {"name": "cut", "surface": [[0, 0], [6.1, 6.1], [30, 6.1]], "base": {"elevation": 0}, "strata": [soil]}
+    )
+    circle = critical_circle(clay, LEFT)
+    assert circle is not None
+    assert circle.frictionless
+    assert circle.spencer is None
+    parts = _circle_parts(clay, 0.0, [(clay, circle)])
+    group = FactorCircles(kh=0.0, circles=parts)
+    answer = SlicesAnswer.model_construct(factors=(group,), critical=(), reason="", weak_layers=(), strong_blocks=())
+    (sentence,) = slices_sentences(answer)
+    assert sentence.endswith(
+        "which without friction follows from moments alone (no balance of forces by Spencer's method)."
+    )
+
+
+def test_a_side_whose_circles_have_next_to_no_strength_is_told() -> None:
+    """Pore pressure of 0.9 of the weight: no factor above 0, which was left out, with a warning of NumPy."""
+    soil = layer("Sand", cohesion=0, friction_angle="30 deg", pore_pressure_ratio=0.9)
+    sand = Section.parse(
+        {"name": "ru", "surface": [[0, 10], [20, 10], [40, 20], [60, 20]], "base": {"elevation": 0}, "strata": [soil]}
+    )
+    with warnings.catch_warnings(action="error"):
+        assert critical_circle(sand, LEFT) is None
+        circle = critical_circle(sand, LEFT, None)
+    assert circle is not None
+    critical = _circle_parts(sand, None, [(sand, circle)])
+    assert critical[0].bishop < 0.0
+    answer = SlicesAnswer.model_construct(
+        factors=(FactorCircles(kh=0.0, circles=()),), critical=critical, reason="", weak_layers=(), strong_blocks=()
+    )
+    sentences = list(slices_sentences(answer))
+    assert sentences[0].startswith("Towards the left no slip circle has a factor of safety at Kh = 0")
+    assert not any("no slip circle" in text for text in slices_sentences(answer, rises_by_shaking=True))
 
 
 def test_slip_circles_above_a_strict_upper_bound_are_told(run: Config) -> None:
