@@ -3,11 +3,13 @@
 import csv
 import math
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from meshes.borings.complaints import folded
+from meshes.borings.headings import HEADINGS, compact, guessed_columns
 from meshes.borings.text_file import read_text
 from meshes.errors import InputError
 from meshes.section.quantity import COORDINATE, DENSITY, LENGTH, STRENGTH, Kind
@@ -25,7 +27,20 @@ KINDS: dict[str, Kind] = {
 }  # fmt: skip
 # What a column without a dimension may say of its unit; blows for a foot are those for 30 cm.
 PERCENT = ("", "%", "percent")
-BLOWS = ("", "-", "blows", "bpf", "blows/ft", "blows/foot", "blows/30cm", "blows/300mm", "blows/0.3m", "blows/12in")
+BLOWS = (
+    "",
+    "-",
+    "blows",
+    "bpf",
+    "blows/ft",
+    "blows/foot",
+    "blows/30cm",
+    "blows/300mm",
+    "blows/0.3m",
+    "blows/12in",
+    "回",
+    "schläge",
+)
 PLAIN = {"N": BLOWS, "fines": PERCENT, "plasticity": PERCENT}
 
 
@@ -159,7 +174,7 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
         separator, lines[0] = directive[1], "\n"
     wanted = {_plain(name): key for key, name in columns.items()}
     ours = {_plain(name): name for name in known}
-    first = _heading_line(lines, {*wanted, *ours})
+    first = _heading_line(lines, {*wanted, *ours, *(word for name in known for word in HEADINGS.get(name, ()))})
     heading = re.sub(r'"[^"]*"|\([^)]*\)', "", lines[first]) if lines else ""
     separator = separator or max(SEPARATORS, key=heading.count)
     reader = csv.reader(lines[first:], delimiter=separator)
@@ -173,9 +188,15 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
         key = wanted.get(_plain(cell)) or wanted.get(_plain(name))  # --columns may name the unit, too
         free = _plain(name) in ours and ours[_plain(name)] not in columns
         heads.append((key or (ours[_plain(name)] if free else name), unit))
+    taken = {*columns, *(name for name, _ in heads if name in known)}
+    usual = guessed_columns([name for name, _ in heads], known, taken)
+    heads = [(usual.get(name, name), unit) for name, unit in heads]
     if len(rows) > 1 and _are_units(heads, rows[1][1]):
         heads = [(name, unit or below) for (name, unit), below in zip(heads, rows.pop(1)[1], strict=False)]
     notices = [notice] if notice else []
+    if usual:
+        meanings = ", ".join(f"{name!r} as {key}" for name, key in usual.items())
+        notices.append(f"{path.name}: columns are read by their usual meaning, {meanings}; --columns names others")
     if any(line.strip(" \t\r\n,;") for line in lines[:first]):
         notices.append(f"{path.name}: the heading is read from line {first + 1}; the lines above it are not read")
     return _Sheet(rows, heads, notices)
@@ -185,7 +206,7 @@ def _heading_line(lines: Sequence[str], names: set[str]) -> int:
     """Return the index of the line with the heading. Among the first lines it is the one with most of the ``names``, or
     else the first line."""
     filled = [k for k, line in enumerate(lines) if line.strip(" \t\r\n,;")][:FIRST_LINES]
-    met = {k: sum(not names.isdisjoint({_plain(cell), _plain(_split(cell)[0])})
+    met = {k: sum(not names.isdisjoint({_plain(cell), _plain(_split(cell)[0]), compact(_split(cell)[0])})
                   for cell in (cell.strip(' "\r\n') for cell in re.split(r"[;\t,]", lines[k])))
            for k in filled}  # fmt: skip
     return max(filled, key=lambda k: met[k] if met[k] > 1 else 0, default=0)
@@ -201,7 +222,7 @@ def _are_units(heads: Sequence[tuple[str, str]], row: Sequence[str]) -> bool:
 
 
 def _plain(name: str) -> str:
-    return re.sub(r"[\s_]+", "_", name.strip()).casefold()
+    return re.sub(r"[\s_]+", "_", unicodedata.normalize("NFKC", name).strip()).casefold()
 
 
 def _decimal(cell: str, separator: str) -> str:
@@ -210,7 +231,7 @@ def _decimal(cell: str, separator: str) -> str:
 
 
 def _split(cell: str) -> tuple[str, str]:
-    head = HEADING.match(cell)
+    head = HEADING.match(unicodedata.normalize("NFKC", cell))
     return (head[1], head[2] or "") if head else (cell, "")
 
 

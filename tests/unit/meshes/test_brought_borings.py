@@ -141,3 +141,40 @@ def test_a_reading_that_a_logger_lost_is_no_reading(tmp_path: Path) -> None:
     logs, _ = read(tmp_path, text, "cones.ags")
     assert [(cone.depth, float(cone.fs)) for cone in logs[0].cones] == [(1.0, 20e3), (3.0, 0.0)]
     assert not math.isnan(logs[0].ground_level)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "heading"),
+    [
+        ("utf-8", "Borehole ID,Chainage (m),Ground elevation,Depth from (m),Depth to (m),Soil type,SPT N,FC (%)"),
+        ("cp932", "孔番号,距離（m）,孔口標高（m）,上端深度（m）,下端深度（m）,土質名,Ｎ値（回）,細粒分含有率（％）"),
+        ("utf-8", "Bohrung;Stationierung;Ansatzhöhe;von;bis;Bodenart;Schlagzahl;Feinkorn"),
+        ("cp1252", "Bohrung;x;Geländehöhe [m];von;bis;Schicht;N30;Feinkornanteil [%]"),
+        ("utf-16", "sondeo;x;ground level;desde;hasta;estrato;N;fines"),
+    ],
+)  # fmt: skip
+def test_common_headings_are_understood_and_told(encoding: str, heading: str, tmp_path: Path) -> None:
+    """Every column had to be named with --columns."""
+    separator = ";" if ";" in heading else ","
+    lines = ["B-1,0,12,0,4,A,8,12", "B-1,0,12,4,9,B,12,80", "B-2,40,8,0,3,A,7,10"]
+    path = tmp_path / "logs.csv"
+    path.write_bytes("\n".join([heading, *(line.replace(",", separator) for line in lines)]).encode(encoding))
+    result = read_csv(path)
+    logs, notices = result.logs, result.notices
+    assert [(log.name, log.location[0], log.ground_level) for log in logs] == [("B-1", 0.0, 12.0), ("B-2", 40.0, 8.0)]
+    assert [(layer.name, layer.top, layer.bottom) for layer in logs[0].layers] == [("A", 0.0, 4.0), ("B", 4.0, 9.0)]
+    assert [(test.depth, test.N, test.fines) for test in logs[0].samples] == [(2.0, 8.0, 12.0), (6.5, 12.0, 80.0)]
+    assert any("read by their usual meaning" in text and "as top" in text for text in notices)
+
+
+def test_a_heading_that_may_be_either_of_two_is_not_guessed(tmp_path: Path) -> None:
+    """Two names of the soil, and a level that may be the ground's or the water's."""
+    path = tmp_path / "logs.csv"
+    path.write_text("borehole,x,Level,from,to,Stratum,Geology\nB-1,0,12,0,4,A,C\n")
+    with pytest.raises(InputError) as caught:
+        read_csv(path)
+    assert "column layer: missing" in caught.value.problems
+    assert "column ground_level: missing" in caught.value.problems
+    named = read_csv(path, {"layer": "Geology", "ground_level": "Level"})
+    assert named.logs[0].layers[0].name == "C"
+    assert any(text.endswith("not used: Stratum") for text in named.notices)
