@@ -29,7 +29,7 @@ from workflow.config.contradictions import (
 )
 from workflow.config.renamed import current
 from workflow.config.tables import Tables
-from workflow.earthquake.records_in_use import remarks, unreadable_records
+from workflow.earthquake.records_in_use import other_peak, remarks, unreadable_records
 from workflow.earthquake.settings import CYCLES, EARTHQUAKE
 from workflow.earthquake.triggering.assessment import below_loads
 from workflow.earthquake.triggering.settings import CASE_NAMES, left_to_borings
@@ -141,7 +141,7 @@ class Config(Tables):
         strengths.
         """
         slides = self.section.liquefies
-        notices = [*remarks(self), *self.earthquake.notices(self.slide if slides else None)]
+        notices = [*remarks(self), *other_peak(self), *self.earthquake.notices(self.slide if slides else None)]
         notices += below_loads(self.section, self.triggering)
         if slides and self.slide.cases and self.slide.cases == cases_of_loose_sand(self.section):
             notices.append(

@@ -6,7 +6,8 @@ from typing import Any
 
 from dem.settings import AVERAGE
 from meshes.errors import InputError
-from workflow.earthquake.accelerogram import Accelerogram, read
+from workflow.earthquake.accelerogram import PEAK_TOLERANCE, Accelerogram, read
+from workflow.earthquake.attenuation import GAL
 
 PLACES = (
     ("sliding_block", "accelerogram"), ("slide", "accelerogram"), ("site_response", "record"), ("earthquake", "record"),
@@ -45,6 +46,30 @@ def unreadable_records(tables: Mapping[str, Any]) -> list[str]:
         except InputError as error:
             problems += [f"{table}, {key} = {name}: {text}" for text in error.problems]
     return problems
+
+
+def other_peak(config: Any) -> list[str]:
+    """Return a warning if the peak of the record of sliding blocks is not that of [earthquake]: displacements and
+    liquefaction are then of two motions. Empty if either cannot be determined.
+
+    A peak by magnitude and distance is a median; records within its standard deviation are of the same motion. The
+    record of [slide] shakes the base of the discs, and that of [site_response] the rock: their peaks may differ.
+    """
+    try:
+        motion = config.earthquake.motion()
+        record = next((record for place, record in records(config) if place == "sliding_block, accelerogram"), None)
+    except InputError:  # reported where it is read
+        return []
+    if motion is None or record is None or record.peak == 0.0:
+        return []
+    if (1.0 - PEAK_TOLERANCE) * motion.low <= record.peak <= (1.0 + PEAK_TOLERANCE) * motion.high:
+        return []
+    scale = config.sliding_block.scale * motion.median / record.peak
+    return [
+        f"the peak of the record of [sliding_block] is {record.peak / GAL:.0f} gal, while [earthquake] has "
+        f"{motion.median / GAL:.0f} gal, {motion.relation}: block slides are of one motion, and liquefaction is of "
+        f"another one; sliding_block.scale = {scale:.3g} gives both one peak"
+    ]
 
 
 def remarks(config: Any) -> list[str]:

@@ -287,6 +287,29 @@ def test_relations_of_the_distance_take_it_as_given_beside_a_peak_that_contradic
     assert contradicting.description.endswith("which contradicts the peak acceleration that other methods take")
 
 
+@pytest.mark.parametrize(
+    ("scale", "earthquake", "factor"),
+    [
+        (1.0, {"peak_acceleration": "0.25 g"}, ""),
+        (1.6, {"peak_acceleration": "0.25 g"}, "1 "),
+        (1.0, {"peak_acceleration": "0.4 g"}, "1.6 "),
+        (0.6, {"magnitude": 7.4, "distance": "60 km"}, ""),  # within one standard deviation of 143 gal, 0.581 of 245
+        (1.6, {"magnitude": 7.4, "distance": "60 km"}, "0.581 "),
+    ],
+)
+def test_blocks_under_another_peak_than_that_of_the_earthquake_are_told(
+    scale: float, earthquake: dict[str, Any], factor: str, tmp_path: Path
+) -> None:
+    """F_L was of 0.25 g and the slide of a block of 0.4 g, without a word."""
+    values = motion(1, 2000, 0.01)
+    (tmp_path / "a.AT2").write_text(peer(0.25 * values / np.abs(values).max(), 0.01, "G"))
+    block_table = {"accelerogram": str(tmp_path / "a.AT2"), "scale": scale}
+    config = analysed({**bored(), "earthquake": {"magnitude": 7.4, **earthquake}, "sliding_block": block_table})
+    texts = [text for text in config.notices if "the record of [sliding_block]" in text]
+    assert len(texts) == bool(factor)
+    assert all(f"sliding_block.scale = {factor}gives both one peak" in text for text in texts)
+
+
 def test_the_plan_says_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "bored.toml"
     path.write_text(with_shaking(LEVEE).to_toml())
