@@ -293,8 +293,12 @@ def test_relations_of_the_distance_take_it_as_given_beside_a_peak_that_contradic
         (1.0, {"peak_acceleration": "0.25 g"}, ""),
         (1.6, {"peak_acceleration": "0.25 g"}, "1 "),
         (1.0, {"peak_acceleration": "0.4 g"}, "1.6 "),
-        (0.6, {"magnitude": 7.4, "distance": "60 km"}, ""),  # within one standard deviation of 143 gal, 0.581 of 245
-        (1.6, {"magnitude": 7.4, "distance": "60 km"}, "0.581 "),
+        (
+            0.6,
+            {"magnitude": 7.4, "distance": "60 km"},
+            "",
+        ),  # within one standard deviation of 143 gal, which is 0.582 of 245
+        (1.6, {"magnitude": 7.4, "distance": "60 km"}, "0.582 "),
     ],
 )
 def test_blocks_under_another_peak_than_that_of_the_earthquake_are_told(
