@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from fem.errors import UnstableError
-from fem.settings import FemSettings
+from fem.settings import FemSettings, Sides
 from meshes.errors import InputError
 from meshes.section.cutting import key_in_file
 from meshes.section.polyline import downhill
@@ -39,14 +39,19 @@ def sign_of(section: Section, direction: Direction) -> int:
     return downhill(section.ground) * (1 if direction == "downhill" else -1)
 
 
-def counting_directions(section: Section, sides_reached: Mapping[Direction, Sequence[str]]) -> list[Direction]:
+def counting_directions(
+    section: Section, side_condition: Sides, sides_reached: Mapping[Direction, Sequence[str]]
+) -> list[Direction]:
     """Return the directions of the seismic force, among those analysed, whose failures count for the smaller Kh.
 
-    An uphill failure that reaches a side does not count beside a downhill one: no slope fails there, but ground that
-    only the K0 stress on the side supports. Where both ends of the ground are level with each other, as of a levee or a
+    Through sides that are held horizontally no ground leaves: every failure counts. Between free-field sides an uphill
+    failure that reaches a side does not count beside a downhill one: no slope fails there, but ground that only the K0
+    stress on the side supports. Where both ends of the ground are level with each other, as of a levee or a
     cutting, neither direction is uphill: a failure that reaches a side then does not count beside one that reaches
-    none. ``sides_reached``: the sides that the failure reaches in each direction.
+    none. ``side_condition``: what the sides do; ``sides_reached``: sides that the failure reaches in each direction.
     """
+    if side_condition != "free-field":
+        return list(sides_reached)
     inside = [direction for direction, sides in sides_reached.items() if not sides]
     if len(sides_reached) == 1 or has_level_ends(section):
         return inside or list(sides_reached)

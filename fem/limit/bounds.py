@@ -213,7 +213,7 @@ def kh_bounds(
     seconds = allowed / (2.0 if with_davis else 1.0)
     limits = Limits(settings.gap, settings.max_cells, seconds, sufficient_upper=0.0, smallest_mean=LEAST_KH)
     searches = {direction: ground.search(limits) for direction, ground in grounds.items()}
-    bounds = search_all(section, tuple(searches.values()), limits, observer)
+    bounds = search_all(section, fem.sides, tuple(searches.values()), limits, observer)
     strong = {direction: (ground, searches[direction]) for direction, ground in grounds.items()}
     # A shallow failure where water emerges from a face governs before the faces themselves; a rough bound may show it.
     wet = [
@@ -224,7 +224,7 @@ def kh_bounds(
     others = {way: ground for way, ground in grounds.items() if way not in wet}
     dropped = _drop_needless_strength(others, searches, limits, bounds.upper)
     grounds |= others
-    bounds = search_all(section, tuple(searches.values()), limits, observer)
+    bounds = search_all(section, fem.sides, tuple(searches.values()), limits, observer)
     for way in others:
         upper = searches[way].bracket.upper
         if _fails_shallow(section, fem, upper, *strong[way]):
@@ -232,12 +232,12 @@ def kh_bounds(
             grounds[way], searches[way] = replace(strong[way][0], as_given=upper), strong[way][1]
             wet.append(way)
     if wet:
-        bounds = search_all(section, tuple(searches.values()), limits, observer)
+        bounds = search_all(section, fem.sides, tuple(searches.values()), limits, observer)
     substitute, spent = None, dropped + sum(search.work for search in searches.values())
     if with_davis and bounds.upper >= 0.0:
         left = replace(limits, seconds=allowed - spent)
         weaker = [ground.search(left, after=searches[direction]) for direction, ground in grounds.items()]
-        substitute = search_all(section, weaker, left, observer)
+        substitute = search_all(section, fem.sides, weaker, left, observer)
         spent += sum(search.work for search in weaker)
     faces = dict.fromkeys(face for ground in grounds.values() for face in ground.shallow_failures)
     govern = tuple(face for face in faces if face.kh < bounds.upper)

@@ -16,6 +16,7 @@ from fem.continuum.loads import Direction, counting_directions
 from fem.limit.adaptive_bounds import BoundSearch
 from fem.limit.bracket import Bracket, Limits, Mechanism
 from fem.limit.limit_problem import RigidPlasticBody
+from fem.settings import Sides
 from meshes.section.section import Section
 from meshes.triangles import TriMesh
 
@@ -93,13 +94,13 @@ def sides_left_through(mechanism: Mechanism) -> tuple[SectionSide, ...]:
     )
 
 
-def smaller_of(section: Section, directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
+def smaller_of(section: Section, side_condition: Sides, directions: Iterable[DirectionBounds]) -> SmallerKhBounds:
     """Return the bounds of the smallest critical Kh of a section over the directions that `counting_of` selects.
 
     Computing work and meshes are those of the direction with the smallest upper bound.
     """
     order = sorted(directions, key=lambda bounds: (bounds.upper, bounds.lower))
-    counting = counting_of(section, order)
+    counting = counting_of(section, side_condition, order)
     weakest = min(counting, key=lambda bounds: bounds.lower)
     first = counting[0]
     rest = tuple(bounds for bounds in order if bounds is not first)
@@ -114,26 +115,32 @@ def smaller_of(section: Section, directions: Iterable[DirectionBounds]) -> Small
     )
 
 
-def counting_of(section: Section, directions: Sequence[DirectionBounds]) -> list[DirectionBounds]:
+def counting_of(
+    section: Section, side_condition: Sides, directions: Sequence[DirectionBounds]
+) -> list[DirectionBounds]:
     """Return the directions whose bounds count for the smaller Kh of a section."""
-    counting = counting_directions(section, {bounds.direction: bounds.leaves for bounds in directions})
+    counting = counting_directions(section, side_condition, {bounds.direction: bounds.leaves for bounds in directions})
     return [bounds for bounds in directions if bounds.direction in counting]
 
 
 def search_all(
-    section: Section, searches: Sequence[DirectionSearch], limits: Limits, observer: KhObserver | None = None
+    section: Section,
+    side_condition: Sides,
+    searches: Sequence[DirectionSearch],
+    limits: Limits,
+    observer: KhObserver | None = None,
 ) -> SmallerKhBounds:
     """Find the bounds of the smallest Kh of a section over all ``searches``, which share the work of ``limits``."""
     while True:
         for search in searches:
             if not search.bracket.meshes:
                 search.advance(_work_of_others(search, searches))
-        smaller = smaller_of(section, [search.bounds for search in searches])
+        smaller = smaller_of(section, side_condition, [search.bounds for search in searches])
         if observer:
             observer(smaller)
         if limits.open(smaller.lower, smaller.upper) <= 1.0:
             return replace(smaller, end_reason="gap", open_at=None)
-        counting = {bounds.direction for bounds in counting_of(section, smaller.directions)}
+        counting = {bounds.direction for bounds in counting_of(section, side_condition, smaller.directions)}
         open_searches = [
             search
             for search in searches

@@ -152,7 +152,7 @@ class AdaptiveSearch:
             raise
         downhill_result = downhill.result()
         counting = counting_directions(
-            self.section, {"downhill": downhill_result.at_sides, "uphill": uphill_result.at_sides}
+            self.section, settings.sides, {"downhill": downhill_result.at_sides, "uphill": uphill_result.at_sides}
         )
         if "downhill" not in counting:
             # Its meshes ended where the other direction was taken to govern.

@@ -185,7 +185,7 @@ def critical_coefficient(
     largest_kh = min(settings.kh_limit, OTHER_DIRECTION_RATIO * max(first.kc, settings.first_step))
     second = critical_in(settings=settings.changed(direction="uphill", kh_limit=largest_kh))
     sides = (touched_sides(mesh, result.mechanism) for result in (first, second))
-    counting = counting_directions(section, dict(zip(get_args(Direction), sides, strict=True)))
+    counting = counting_directions(section, settings.sides, dict(zip(get_args(Direction), sides, strict=True)))
     if "downhill" not in counting or ("uphill" in counting and second.kc < first.kc):
         return replace(second, opposite=first)
     return replace(first, opposite=second)

@@ -70,7 +70,7 @@ def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, s
 def _low(value: float, shown: Callable[[float], str]) -> str:
     """Return Davis's estimate in words. If the ground with the reduced strength of Davis fails under its weight, the
     words give no Kh."""
-    return shown(value) if value > 0.0 else "0, it fails under its own weight"
+    return shown(value) if value > 0.0 else "below 0, it fails under its own weight"
 
 
 def critical_with_flow(fem: FemAnswer, shown: Callable[[float], str], governing: GoverningKh | None = None) -> str:

@@ -25,6 +25,7 @@ from workflow.figures.front import front
 from workflow.report.console import fem_sentences
 from workflow.report.faces import MethodValues
 from workflow.report.first_page import headlines
+from workflow.report.flow_rule import critical_with_flow
 from workflow.report.stability import stability_rows
 from workflow.report.summary import summary
 from workflow.report.verdicts import interval_words, verdicts
@@ -374,6 +375,7 @@ def test_no_critical_kh_of_zero_stands_for_ground_that_fails_with_reduced_streng
     known = results(run, fem=answer)
     values = [row.value for row in stability_rows(known, Texts()) if row.conditions.endswith("Davis reduced strength")]
     assert values == ["< 0"]
+    assert critical_with_flow(answer, "{:.3f}".format).endswith("no bound: below 0, it fails under its own weight")
     critical = headlines(known, Texts())[0]
     assert critical.conclusion.endswith("for soil that dilates less, the section fails without shaking.")
     assert MethodValues(elements=0.005, davis=0.0).pair("elements", 3) == ("0.005", "< 0")

@@ -1,6 +1,7 @@
 """Bounds with the seismic force to either side: the smaller Kh counts, and is told with its direction."""
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -101,11 +102,29 @@ def test_of_a_cutting_neither_direction_is_uphill():
     slope = section_of([[0.0, 8.0], [20.0, 8.0], [36.0, 0.0], [60.0, 0.0]])
     for section, level in ((cutting, True), (slope, False)):
         down, up = "downhill", "uphill"
-        assert counting_directions(section, {down: (), up: ()}) == [down, up]
-        assert counting_directions(section, {down: (), up: ("left",)}) == [down]
-        assert counting_directions(section, {down: ("left",), up: ()}) == ([up] if level else [down, up])
-        assert counting_directions(section, {down: ("left",), up: ("right",)}) == ([down, up] if level else [down])
-        assert counting_directions(section, {up: ("right",)}) == [up]
+        count = partial(counting_directions, section, "free-field")
+        assert count({down: (), up: ()}) == [down, up]
+        assert count({down: (), up: ("left",)}) == [down]
+        assert count({down: ("left",), up: ()}) == ([up] if level else [down, up])
+        assert count({down: ("left",), up: ("right",)}) == ([down, up] if level else [down])
+        assert count({up: ("right",)}) == [up]
+        assert counting_directions(section, "smooth", {down: (), up: ("left",)}) == [down, up]
+
+
+def test_a_failure_that_reaches_a_side_counts_where_no_ground_leaves_through_it():
+    """An embankment failed towards its nearer smooth side at 0.283, and to the other side at 0.326, which was the answer;
+    a section 60 m longer has 0.281. Here: 0.139 to 0.155, and 0.33 to 0.43 to the other side."""
+    surface = [[14.0, 2.0], [24.0, 2.0], [34.0, 7.0], [38.0, 7.0], [50.0, 2.0], [80.0, 2.0]]
+    fill = layer("fill", bottom={"elevation": [[24.0, 2.0], [50.0, 2.0]]}, cohesion="5 kPa", friction_angle="28 deg")
+    clay = layer("clay", cohesion="60 kPa", friction_angle="0 deg")
+    weak = layer("weak clay", cohesion="18 kPa", friction_angle="0 deg")
+    weak["points"] = [[14.0, 1.0], [36.0, 1.0], [36.0, -3.0], [14.0, -3.0]]
+    data = {"name": "bank", "surface": surface, "base": {"elevation": -6.0}, "strata": [fill, clay], "zones": [weak]}
+    few = BoundsSettings(gap=0.1, max_cells=1000, davis=False)
+    bounds = kh_bounds(Section.parse(data), FemSettings(sides="smooth"), few)
+    first, other = bounds.directions
+    assert (first.towards, first.leaves, other.towards, other.leaves) == ("left", ("left",), "right", ())
+    assert bounds.upper == first.upper < other.lower
 
 
 def test_a_cutting_and_its_mirror_image_have_the_same_bounds():
