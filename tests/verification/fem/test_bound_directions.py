@@ -112,7 +112,7 @@ def test_of_a_cutting_neither_direction_is_uphill():
 
 
 def test_a_failure_that_reaches_a_side_counts_where_no_ground_leaves_through_it():
-    """An embankment failed towards its nearer smooth side at 0.283, and to the other side at 0.326, which was the answer;
+    """An embankment failed towards its nearer smooth side at 0.283, and to the other side at 0.326, which was told;
     a section 60 m longer has 0.281. Here: 0.139 to 0.155, and 0.33 to 0.43 to the other side."""
     surface = [[14.0, 2.0], [24.0, 2.0], [34.0, 7.0], [38.0, 7.0], [50.0, 2.0], [80.0, 2.0]]
     fill = layer("fill", bottom={"elevation": [[24.0, 2.0], [50.0, 2.0]]}, cohesion="5 kPa", friction_angle="28 deg")
