@@ -35,7 +35,7 @@ from meshes.section.structure import Structure, structure_problems
 from meshes.section.surcharge import Surcharge, SurfaceLoads
 from meshes.section.toml_file import read_toml
 from meshes.section.uplift import Uplift, uplift
-from meshes.section.vertical_flow import LinearHead, with_ends
+from meshes.section.vertical_flow import heads_of, with_ends
 from meshes.section.water import Water
 from meshes.section.water_pressure import WaterPressure
 from meshes.section.water_problems import cutoff_problems, surcharge_problems, water_problems
@@ -254,7 +254,7 @@ class Section(Model):
         water = self.water or Water()
         before = None if water.table is None else self.elevations_of(water.table)
         after = before if water.after_drawdown is None else self.elevations_of(water.after_drawdown)
-        heads = [LinearHead.of(s.vertical_flow, self.elevations_of) for s in self.strata]
+        heads = heads_of(self.strata, water.table, water.after_drawdown, self.elevations_of)
         levels = [before if s.piezometric_level is None else self.elevations_of(s.piezometric_level)
                   for s in self.strata]  # fmt: skip
         levels = [level if head is None else head.water_level for head, level in zip(heads, levels, strict=True)]

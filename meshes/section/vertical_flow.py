@@ -47,6 +47,12 @@ class VerticalFlow(Model):
         missing = {key: line for key, line in lines.items() if getattr(self, key) is None}
         return self.model_copy(update=missing)
 
+    def after_drawdown(self, table: Line | None, lowered: Line | None) -> Self:
+        """Return the steady flow after a drawdown of the water ``table``: its upper level is the ``lowered`` table if
+        it was the table; a level of its own stays."""
+        follows = lowered is not None and self.upper_level == table
+        return self.model_copy(update={"upper_level": lowered}) if follows else self
+
     def as_elevations(self, ground: np.ndarray) -> Self:
         """Return a copy whose lines are elevations in place of depths below the ``ground`` (n, 2)."""
         lines = {key: getattr(self, key) for key in LINES}
@@ -79,6 +85,21 @@ def _edge(layers: Layering, k: int) -> Line:
     z = np.column_stack([layers.left[:, k], layers.right[:, k]])
     points = np.column_stack([np.repeat(layers.x, 2)[1:-1], z.ravel()])
     return Line(elevation=without_repeats(points).tolist())
+
+
+def heads_of(
+    strata: Sequence[Soil], table: Line | None, lowered: Line | None, elevations_of: Callable[[Line], np.ndarray]
+) -> "list[LinearHead | None]":
+    """Return for each stratum the levels of its vertical flow, after a drawdown of the ``table`` to ``lowered`` if the
+    stratum drains; None without such flow. ``elevations_of`` gives a line as (n, 2) from side to side (m)."""
+    flows: list[VerticalFlow | None] = [getattr(stratum, "vertical_flow", None) for stratum in strata]
+    return [
+        LinearHead.of(
+            flow.after_drawdown(table, lowered) if flow is not None and getattr(stratum, "drains", False) else flow,
+            elevations_of,
+        )
+        for stratum, flow in zip(strata, flows, strict=True)
+    ]
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,7 +37,8 @@ class WaterPressure:
         a drawdown
     normal : whether the head is measured perpendicular to the flow: times cos² of the slope of the level
     moves : whether the inertia of water on the ground acts on the ground when it shakes
-    heads (k,) : for each stratum the piezometric level of the vertical flow through it; None without such flow
+    heads (k,) : for each stratum the piezometric level of the vertical flow through it, after a drawdown if the stratum
+        drains; None without such flow
     flow : steady seepage whose pore pressure replaces the hydrostatic pressure below levels
     after_shaking : whether the excess pore pressure by shaking is part of the pore pressure at rest
     """
@@ -102,14 +103,17 @@ class WaterPressure:
         if self.flow is not None:
             return self.unit_weight * self.flow.pressure_head(points, near)
         if (head := self.heads[k]) is not None:
-            return self.unit_weight * np.maximum(head.at(points, near) - points[:, 1], 0.0)
-        if level is None:
+            pressure = self.unit_weight * np.maximum(head.at(points, near) - points[:, 1], 0.0)
+        elif level is None:
             return np.zeros(len(points))
-        pressure = self.hydrostatic(level, points, near)
-        if level is self.table_before and self.table_after is not self.table_before and self.table_after is not None:
-            if self.strata[k].drains:
+        else:
+            pressure = self.hydrostatic(level, points, near)
+        drawn_down = self.table_after is not None and self.table_after is not self.table_before
+        if drawn_down and (head is not None or level is self.table_before):
+            if not self.strata[k].drains:
+                return np.maximum(pressure - self._taken_off(points, near), 0.0)
+            if head is None and self.table_after is not None:
                 return self.hydrostatic(self.table_after, points, near)
-            return np.maximum(pressure - self._taken_off(points, near), 0.0)
         return pressure
 
     def excess(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:

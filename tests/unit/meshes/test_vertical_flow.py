@@ -94,6 +94,27 @@ def test_the_ground_blows_out_above_the_critical_gradient() -> None:
         assert (ground(strata=[clay, soil("Sand", pore_pressure_ratio=0.0)]).uplift is not None) == lifted
 
 
+@pytest.mark.parametrize("drains", [False, True])
+@pytest.mark.parametrize("upper", [None, 2.0])
+def test_a_drawdown_takes_the_load_off_clay_and_lowers_the_level_of_ground_that_drains(
+    drains: bool, upper: float | None
+) -> None:
+    """From 1 m above the ground to 2 m below it: clay loses the γ_w of 1 m everywhere; a steady flow begins at -2 m, so
+    that h is 6 m higher over 6 m of depth. The pressure stayed as it was."""
+    flow = {"lower_level": 4.0} if upper is None else {"lower_level": 4.0, "upper_level": upper}
+    clay = soil("Clay", bottom={"elevation": -6.0}, vertical_flow=flow, drains=drains)
+    lowered = ground(strata=[clay, soil("Sand", piezometric_level=4.0)], water={"table": 1.0, "after_drawdown": -2.0})
+    points, depth = [(5, -0.5), (5, -3), (5, -5.5)], np.array([0.5, 3, 5.5])
+    start = 1.0 if upper is None else upper
+    head = start + (4.0 - start) / 6.0 * depth + depth - 1.0
+    if drains and upper is None:
+        head = -2.0 + depth + depth
+    elif drains:
+        head = head + 1.0
+    np.testing.assert_allclose(at_rest(lowered, *points), WATER * np.maximum(head, 0.0), rtol=1e-9)
+    assert not lowered.water_pressure.on_ground(np.array([[5.0, 0.0]]), np.array([[5.0, 0.0]])).any()
+
+
 def test_discs_points_and_slices_take_its_pressure() -> None:
     """-du/dz is γ_w (1 + 3 / 6) upwards."""
     polder = ground()
