@@ -109,6 +109,8 @@ def _all_rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
 
 def _continuum(summary: Summary) -> str:
     fem = summary.fem
+    if summary.fails_at_rest:
+        return "below 0 (fails without shaking)"
     if fem is None:
         return "–"
     return (
@@ -117,6 +119,8 @@ def _continuum(summary: Summary) -> str:
 
 
 def _safety(summary: Summary) -> str:
+    if summary.failure is not None:
+        return f"{summary.failure.factor:.2f}"
     factors = summary.fem.safety_factors if summary.fem is not None else ()
     return next((f"{factor.factor:.2f}" for factor in factors if factor.kh == 0.0), "–")
 

@@ -74,11 +74,21 @@ def _factors(results: Results, kh: float) -> Iterator[Interval]:
         if kh == 0.0:
             yield from _by_elements(results, of, face, "factor of safety")
     fem = results.fem
+    if kh == 0.0:
+        yield from _factor_of_failure(results)
     for group in fem.safety_factors if fem is not None else ():
         if group.kh == kh and _is_of_section(results, group.slip_surface):
             least = governing_factor(results, group)
             most = max(group.factor, group.upper) if least == group.factor else least
             yield "the section by finite elements", least, most, ""
+
+
+def _factor_of_failure(results: Results) -> Iterator[Interval]:
+    """Yield the factor of safety of ground that fails by its weight, which has no other result of finite elements."""
+    if (failure := results.failure) is not None and _is_of_section(results, failure.slip_surface):
+        upper = results.upper_factor_at_rest
+        least = failure.factor if upper is None else min(failure.factor, upper)
+        yield "the section by finite elements", least, least, ""
 
 
 def _critical(results: Results) -> Iterator[Interval]:
@@ -90,6 +100,8 @@ def _critical(results: Results) -> Iterator[Interval]:
     if results.fails_at_rest and bounds is not None:
         by_number = bounds.upper is not None and -1.0 < bounds.upper < 0.0  # a number below -1 has no meaning
         yield BY_BOUNDS, -OPEN_END, bounds.upper if by_number else 0.0, ""
+    elif (failure := results.failure) is not None and _is_of_section(results, failure.slip_surface):
+        yield "the section by finite elements", -OPEN_END, 0.0, ""
     if governing is None or fem is None:
         return
     if (strict := governing.opposite_bounds) is not None:

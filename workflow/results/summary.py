@@ -61,6 +61,15 @@ class FemSummary(Part):
     element: Element
 
 
+class FailureSummary(Part):
+    """Holds the factor of safety at Kh = 0 of ground that fails by its weight, and by the other flow rule."""
+
+    factor: float
+    flow: Flow
+    davis: float | None = Field(description="Davis's estimate (low, no bound) if the factor is with ψ = φ")
+    associated: float | None = Field(description="factor of safety with ψ = φ, if the factor is Davis's estimate")
+
+
 class VariantSummary(Part):
     """Holds the critical Kh of the continuum with one assumption changed, and the critical Kh without the change if
     both were computed on another mesh.
@@ -209,6 +218,12 @@ class Summary(Answer):
     section: SectionLabel
     mesh: MeshCount | None
     fem: FemSummary | None
+    fails_at_rest: bool = Field(
+        default=False, description="whether the section fails without a seismic force, so that it has no critical Kh"
+    )
+    failure: FailureSummary | None = Field(
+        default=None, description="factor of safety of ground that fails by its weight, in place of fem"
+    )
     fem_variants: dict[str, VariantSummary] | None = None
     bounds: BoundsSummary | None = None
     slices: tuple[CircleSummary, ...] | None = None

@@ -1,23 +1,28 @@
 """Crests after slides, faces of structures and criteria in the report, of slides made by hand."""
 
 import tomllib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.support import TOP, dem_fixture
-from tests.support.answers import fem, results
+from tests.support.answers import bounds, fem, results
 from tests.support.sections import analysed, slope
 from workflow.config import Config
+from workflow.criteria.settings import CriteriaSettings
+from workflow.report import side_by_side
 from workflow.report.console import slide_sentences
 from workflow.report.crests import crest_parts
 from workflow.report.first_page import headlines
 from workflow.report.slide_headline import block_slides
 from workflow.report.structures import face_rows, structure_sentences
-from workflow.report.verdicts import verdict_paragraph, verdicts
+from workflow.report.summary import summary
+from workflow.report.verdicts import interval_words, verdict_paragraph, verdicts
 from workflow.results.answer import SectionLabel, line
 from workflow.results.cases import CaseAnswer, CasesAnswer
+from workflow.results.continuum import FailureAnswer
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue
 from workflow.results.slices import CirclePart, FacePart, FactorCircles, SlicesAnswer
 from workflow.texts.report_texts import Texts
@@ -290,3 +295,25 @@ def test_the_displacement_of_a_slope_without_structures_is_that_of_its_block_and
         assert part.verdict == verdict
     moved = results(config, cases=slid(sunk(config, 0.5, far=0.8)))
     assert [(part.subject, part.high) for part in verdicts(moved)][-1] == ("the section, discs, case 1, median", 0.8)
+
+
+@pytest.mark.parametrize("proven", [False, True])
+def test_ground_that_fails_by_its_weight_is_held_against_the_criteria_and_compared(proven: bool) -> None:
+    """Both criteria were "not decided: it was not computed", and `noshiro compare` had dashes."""
+    run = analysed(slope())
+    failure = FailureAnswer(
+        section=SectionLabel.of(run.section), factor=0.86, flow="associated", davis=0.64, associated=None,
+        slip_surface=((20.0, 15.0), (40.0, 10.0)),
+    )  # fmt: skip
+    limits = {"critical_kh": {"limit": 0.1}, "factor_of_safety": {"limit": 1.2, "kh": 0.0}}
+    run = run.model_copy(update={"criteria": CriteriaSettings.model_validate(limits)})
+    strict = bounds(run, -0.13, -0.0275).model_copy(update={"verdict": "unstable"}) if proven else None
+    answers = results(run, failure=failure, bounds=strict)
+    parts = verdicts(answers)
+    assert [(part.criterion, part.verdict, interval_words(part)) for part in parts] == [
+        ("factor of safety", "not satisfied", "0.86"),
+        ("critical Kh", "not satisfied", f"at most {'-0.028' if proven else '0.000'}"),
+    ]
+    rows = dict(side_by_side.rows([side_by_side.ComparedRun(Path("a"), run, summary(answers, 0.0))]))
+    assert rows["critical Kh, finite elements"] == ["below 0 (fails without shaking)"]
+    assert rows["factor of safety at Kh = 0"] == ["0.86"]
