@@ -9,6 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from fem.continuum.strength import with_davis_strength
 from fem.limit.bounds import kh_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.quantity import GRAVITY
@@ -234,6 +235,18 @@ def test_a_levee_and_its_low_water_bank_are_told_apart() -> None:
     assert levee.slides_with(circle.surface)
     assert circle.bishop == pytest.approx(0.146, abs=0.003)
     assert face_circle(section, levee, LEFT, circle, None, 0.0, 0.0) is circle
+
+
+def test_the_levee_with_the_strength_of_davis() -> None:
+    """Bishop's factor is 1.43 by hand, and kc 0.098 (0.0961 here): tan φ* = sin φ and c* = c cos φ for ψ = 0."""
+    data = tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8"))
+    section = Section.parse({key: value for key, value in data.items() if key in Section.model_fields})
+    weak, (levee,) = with_davis_strength(section), structures_of(section)
+    for kh, by_hand, error in ((0.0, 1.43, 0.005), (None, 0.098, 0.02)):
+        circle = face_circle(weak, levee, LEFT, None, kh, 0.0, 0.0)
+        assert circle is not None
+        assert levee.slides_with(circle.surface)
+        assert circle.bishop == pytest.approx(by_hand, rel=error)
 
 
 def _bank(sand: str) -> Section:
