@@ -47,7 +47,7 @@ def pairs_near(
     near: Near, known: tuple[np.ndarray, ...], pore_lengths: np.ndarray, in_ranges: Ranges
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the first and second disc of every pair of discs that are ``near``, and its number among the ``known``
-    pairs, with ``pore_lengths`` of their pore springs (m)."""
+    pairs, with ``pore_lengths`` of their pore springs (m); ``in_ranges`` divides the work among threads."""
     grid = cell_grid(near)
     pairs = in_ranges(lambda begin, end: find_pairs(begin, end, near, grid, known, pore_lengths), len(near.x))
     first, second, old = pairs[0] if len(pairs) == 1 else map(np.concatenate, zip(*pairs, strict=True))

@@ -215,8 +215,8 @@ def _grown_discs(
 
 
 def brought_back(x: np.ndarray, z: np.ndarray, left: float, period: Period) -> tuple[np.ndarray, np.ndarray]:
-    """Return the images of positions (m) in the period that begins at `left` (m); the positions themselves if the
-    period is infinite."""
+    """Return the images of the positions `x`, `z` (m) in the period that begins at `left` (m); the positions themselves
+    if the period is infinite."""
     if period.length == NO_PERIOD.length:
         return x, z
     times = np.floor((x - left) / period.length)

@@ -4,7 +4,8 @@ An exported function names each of its parameters under Parameters, and has Retu
 exported class names its attributes or parameters, or has a description for every field if it holds settings (numpydoc).
 The docstring of every function and class begins with a verb, such as "Return" or "Holds": it does not begin as a noun
 phrase or as a question. The docstring of an error is a sentence on what happened. The docstring of a module begins with
-a verb in the third person, such as "Computes".
+a verb in the third person, such as "Computes". A public function with four or more parameters names each of them in its
+docstring; the parameters of commands are described by their help.
 """
 
 import ast
@@ -26,6 +27,10 @@ NO_VERB = re.compile(
 )
 # First word of the docstring of a module: a verb in the third person, not a plural noun ("Kernels", "Points of").
 THIRD_PERSON = re.compile(r"Warns of|(?!Kernels\b)[A-Z][a-z]*s (?!(of|for)\b)")
+
+MANY_PARAMETERS = 4  # so many need names in the docstring
+# Modules whose functions are commands: the help of each option describes it.
+COMMANDS = {f"workflow/cli/{name}.py" for name in ("commands", "section", "study")}
 
 
 def exported(package: str) -> Iterator[tuple[str, object]]:
@@ -81,6 +86,26 @@ def without_verb(source: str) -> Iterator[tuple[int, str]]:
                 yield node.body[0].lineno, text.partition("\n")[0]
 
 
+def functions(tree: ast.AST) -> Iterator[ast.FunctionDef]:
+    """Yield the public functions of a module and the public methods of its public classes."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
+            if isinstance(node, ast.ClassDef):
+                yield from functions(node)
+            else:
+                yield node
+
+
+def unnamed(source: str) -> Iterator[tuple[int, str]]:
+    """Yield line and name of every parameter of a public function with many parameters that its docstring lacks."""
+    for node in functions(ast.parse(source)):
+        arguments = (*node.args.posonlyargs, *node.args.args, node.args.vararg, *node.args.kwonlyargs, node.args.kwarg)
+        names = [argument.arg for argument in arguments if argument and argument.arg not in ("self", "cls")]
+        text = ast.get_docstring(node) or ""
+        if len(names) >= MANY_PARAMETERS:
+            yield from ((node.lineno, name) for name in names if not re.search(rf"\b{name}\b", text))
+
+
 def main() -> int:
     """Print the faults; return 1 if there are any."""
     messages = [
@@ -94,6 +119,13 @@ def main() -> int:
         for package in ALL_PACKAGES
         for path in sorted((TOP / package).rglob("*.py"))
         for line, text in without_verb(path.read_text(encoding="utf-8"))
+    ]
+    messages += [
+        f"{path.relative_to(TOP)}:{line}: parameter {name} is not in the docstring"
+        for package in ALL_PACKAGES
+        for path in sorted((TOP / package).rglob("*.py"))
+        if str(path.relative_to(TOP)) not in COMMANDS
+        for line, name in unnamed(path.read_text(encoding="utf-8"))
     ]
     print("\n".join(messages) or "docstrings: every exported name is documented")
     return 1 if messages else 0

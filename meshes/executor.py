@@ -74,8 +74,9 @@ class Executor(futures.Executor):
     ) -> list[Result]:
         """Compute the results for all inputs, in the order of the inputs; raise the first error of a task.
 
-        ``heard`` is called in this thread with every message of a task and the place of the task's input, ``done`` with
-        every result. ``inputs``: one input for each task.
+        ``work`` computes the result of one input, and reports to its second argument. ``heard`` is called in this
+        thread with every message of a task and the place of the task's input, ``done`` with every result. ``inputs``:
+        one input for each task.
         """
         results = []
         for place, task_input in enumerate(inputs):

@@ -51,8 +51,8 @@ def stepped(
     tips of each soil.
 
     Tips are cut nearer to their ends if they contain too much of their stratum, or if the stratum is nowhere as thick
-    as ``least``. ``strengths``: cohesion (Pa) of every stratum, and the growth of its strength with effective stress
-    (-), (strata, 2); without them no tip is made thicker.
+    as ``least``. ``names``: names of the strata, for the sentences; ``strengths``: cohesion (Pa) of every stratum, and
+    the growth of its strength with effective stress (-), (strata, 2); without them no tip is made thicker.
     """
     all_notices: list[TipChange | str] = []
     while len(all_notices) < MOST_STEPS:  # what is cut off one stratum may be a tip of its neighbour

@@ -10,7 +10,7 @@ import math
 from dem.kernels.device_function import device_function
 
 # s: dashpot over stiffness of bonds below their strain potential. With this dashpot ground comes to rest where it would
-# if its stiffness were lost slowly, and does not swing for minutes; in sand hysteresis dissipates this energy.
+# if its stiffness were lost slowly, and does not oscillate for minutes; in sand hysteresis dissipates this energy.
 SOFT_CREEP_TIME = 5.0
 SMALLEST_DISPLACEMENT = 1e-12  # of the displacement at the limit
 

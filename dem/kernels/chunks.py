@@ -99,8 +99,8 @@ def all_lanes(
 def lanes_by_law(
     chunk: int, state: State, buffer: np.ndarray, slip_time: float, law: Law, with_losses: bool
 ) -> tuple[bool, float, float, float, float]:
-    """Compute the contacts of one chunk by the parts of the law that its discs have; arguments and result as in
-    `all_lanes`."""
+    """Compute the contacts of one chunk by the parts of the law that its discs have; state, buffer, slip_time,
+    with_losses and result as in `all_lanes`."""
     if law.soil and law.pores:
         return all_lanes(chunk, state, buffer, slip_time, law, True, True, with_losses)
     if law.soil:

@@ -13,8 +13,8 @@ from dem.kernels.liquefied_laws import bond_kernel, dashpot_share, stand_in_shar
 from dem.kernels.losses import both
 from dem.kernels.prefetch import wide_vectors
 
-# s: dashpot over stiffness of the spring in series with the second dashpot of a bond: ground at rest swings at 5 to 20
-# rad/s.
+# s: dashpot over stiffness of the spring in series with the second dashpot of a bond: ground at rest oscillates at 5 to
+# 20 rad/s.
 MAXWELL_TIME = 0.1
 MAXWELL_STIFFNESS_RATIO = 0.5  # stiffness of this spring over that of the bond
 EXTRA_STRENGTH = 0.4  # of the strength, of a bond that has not slipped yet; at least 1/0.77 - 1
@@ -82,9 +82,9 @@ def press_lanes(
     compiler vectorises the loop only without calls, and with one sum for each energy.
 
     Returns energies (J) since the last evaluation: dissipation of bonds by slip and by dashpots, and the work of the
-    pressures that stand in for partners that have liquefied less; zeros without `with_losses`. damping_time: dashpot
-    over stiffness of a bond (s); relaxation: share of the force of the spring in series with the second dashpot that
-    remains at the next evaluation.
+    pressures that stand in for partners that have liquefied less; zeros without `with_losses`. wet: arrays of the
+    liquefied ground; damping_time: dashpot over stiffness of a bond (s); relaxation: share of the force of the spring
+    in series with the second dashpot that remains at the next evaluation.
     """
     wide_vectors()
     w, memory, reach = wet.working, wet.memory, wet.reach
@@ -163,7 +163,7 @@ def press_lanes(
 
 @device_function(nogil=True, _nrt=False)
 def press_pairs(block: int, wet: bond.Liquefied, damping_time: float, relaxation: float) -> None:
-    """Compute the forces of the pairs of a block; arguments as in `press_lanes`."""
+    """Compute the forces of the pairs of a block; wet, damping_time, relaxation: as in `press_lanes`."""
     press_lanes(block, wet, damping_time, relaxation, False)
 
 
@@ -171,7 +171,8 @@ def press_pairs(block: int, wet: bond.Liquefied, damping_time: float, relaxation
 def press_pairs_with_losses(
     block: int, wet: bond.Liquefied, damping_time: float, relaxation: float
 ) -> tuple[float, float, float]:
-    """Compute the forces and the energies of the pairs of a block; arguments and result as in `press_lanes`."""
+    """Compute the forces and the energies of the pairs of a block; wet, damping_time, relaxation and result: as in
+    `press_lanes`."""
     return press_lanes(block, wet, damping_time, relaxation, True)
 
 

@@ -21,9 +21,9 @@ with the moments M_i = sum_j r t_ij / 2 of the forces t_ij of the bonds across. 
 are in balance, and the shear stress is symmetric. The M_i are those of the evaluation before: the difference of work is
 booked as a loss. The w and S_i belong to the present positions: with the S_i of the evaluation before, a disc that
 comes within reach would get a force as many times too large as its w has grown since then.
-   Without this the ground would resist rotation at the rate omega with the power pi/2 s omega per area: a slope of clay
-on a weak seam moved 1.0 m for 1.7 m, since the wedge behind its crest did not fall. Bonds of two strata slip about the
-rotation of the weaker disc alone, and count in its sums alone.
+   Without these additional forces the ground would resist a rotation at the rate omega with the power pi/2 s omega per
+area: a slope of clay on a weak seam moved 1.0 m instead of 1.7 m, since the wedge behind its crest did not fall.
+   Bonds of two strata slip about the rotation of the weaker disc alone, and count in its sums alone.
    Ground with a strain potential is soft at first: the force-displacement law is a straight line up to the potential,
    with a dashpot in parallel, and a steep one from there to the limit (`kernels.bond_law`). A part of a bond between
    liquefied and other ground lies in the other ground, which does not strain: the displacements of such a bond are

@@ -249,7 +249,7 @@ def find_pairs(
 def pairs_within(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, period: Period
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Find all pairs (i, j), i < j, nearer than the sum of their radii and a margin (m), not both fixed.
+    """Find all pairs (i, j), i < j, nearer than the sum of their radii and the margin skin (m), not both fixed.
 
     x, z, radius: places and radii (m); fixed: whether a disc is held; period: length after which periodic ground
     repeats itself.

@@ -35,7 +35,8 @@ def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, floa
 def deepest_in_pairs(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, i: np.ndarray, j: np.ndarray, period: Period
 ) -> float:
-    """Return the largest overlap of pairs of discs (m); 0 if none overlap."""
+    """Return the largest overlap of pairs of discs (m); 0 if none overlap. x, z, radius: places and radii (m); i, j:
+    pairs that may overlap; period: length after which periodic ground repeats itself."""
     deepest = 0.0
     for c in range(len(i)):
         a, b = i[c], j[c]

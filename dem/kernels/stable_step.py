@@ -123,7 +123,7 @@ def bound(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> floa
 @device_function(nogil=True)
 def largest_eigenvalue(blocks: np.ndarray, at: np.uint64, invmass: float, rim: float) -> float:
     """Return the largest eigenvalue (1/s2) of the block that begins at `at`, over mass, in closed form (Smith 1961,
-    Commun. ACM 4, 168); arguments as in `bound`."""
+    Commun. ACM 4, 168); blocks, invmass, rim: as in `bound`."""
     cross = np.sqrt(invmass * rim)
     xx, zz, rr = blocks[at] * invmass, blocks[at + ONE] * invmass, blocks[at + FIVE] * rim
     xz, xr, zr = blocks[at + TWO] * invmass, blocks[at + THREE] * cross, blocks[at + FOUR] * cross
@@ -224,8 +224,8 @@ def _stable(square: float, rate: float) -> float:
 
 @device_function(nogil=True)
 def weigh(blocks: np.ndarray, weights: np.ndarray, disc: int, invmass: float, rim: float) -> None:
-    """Multiply the weight of a disc by the bound from its block of stiffness, and empty its blocks; invmass, rim: see
-    `bound`."""
+    """Multiply the weight of a disc in `weights` by the bound from its block of stiffness, and empty its blocks;
+    invmass, rim: see `bound`."""
     at = blocks_of(disc)
     weights[disc] *= bound(blocks, at, invmass, rim)
     for k in range(BLOCK_DOUBLES):

@@ -149,7 +149,8 @@ def load(
 
     Biaxial: compression along z under constant lateral stress. Simple shear: no strain along x, constant vertical
     stress. A test ends well past its peak, or with `to_the_end` at the largest strain; if it cannot continue, `stopped`
-    has the reason. kind: kind of the test; stiffness: plane elastic constants of the confined patch.
+    has the reason. kind: kind of the test; pressure: confining stress (Pa); stiffness: plane elastic constants of the
+    confined patch.
     """
     per_second = rate / patch.time_unit
     lengths = 1.0 + np.arange(INTERVALS) / GROWTH

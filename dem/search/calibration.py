@@ -272,8 +272,8 @@ def best(
 
 def calibrated(calibrator: Calibrator, continuum: Continuum, one_at_a_time: bool, first: float = 1.0) -> Calibration:
     """Return the factor with which the discs reach the nearest critical Kh within the bracket of the continuum.
-    ``one_at_a_time``: whether all sensitivities are computed before the calibration; ``first``: factor that is tried
-    first, such as the factor of another packing."""
+    ``calibrator`` searches the critical Kh at a factor; ``one_at_a_time``: whether all sensitivities are computed
+    before the calibration; ``first``: factor that is tried first, such as the factor of another packing."""
     table = sensitivities(calibrator) if one_at_a_time else []
     base = calibrator.search(calibrator.settings.parameter.replace("auto", "strength"), first)
     target = continuum.kc if base.kc is None else continuum.nearest(middle(base))

@@ -226,7 +226,7 @@ def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) 
 def _overfilled_box(section: Section, settings: DemSettings, radius: float, periodic: bool) -> Ground:
     """Return a random packing that reaches above the surface, with strata stretched in proportion."""
     outline = section.outline()
-    lift = SINKING * float(np.ptp(outline[:, 1])) + MARGIN * radius
+    overfill = SINKING * float(np.ptp(outline[:, 1])) + MARGIN * radius
     surface = section.ground
     on_top = np.abs(outline[:, 1] - np.interp(outline[:, 0], *surface.T)) < 1e-6
     on_top |= (np.abs(outline[:, None] - surface).max(axis=2) < 1e-6).any(axis=1)  # both corners of a vertical step
@@ -235,12 +235,13 @@ def _overfilled_box(section: Section, settings: DemSettings, radius: float, peri
 
     def stratum_at(x: np.ndarray, z: np.ndarray) -> np.ndarray:
         low, high = np.interp(x, *base.T), np.interp(x, *surface.T)
-        share = np.clip((z - low) / (high + lift - low), 0.0, 1.0)  # what lies in the rim is held, and of no stratum
+        # discs in the rim are fixed, and of no stratum
+        share = np.clip((z - low) / (high + overfill - low), 0.0, 1.0)
         return in_stratum(section, x, low + share * (high - low))
 
     up = np.array([0.0, 1.0])
-    lower, upper = base - DEEP_RIM * radius * up, surface + lift * up
-    box = _raised_outline(outline, on_top, lift, RIM * radius)
+    lower, upper = base - DEEP_RIM * radius * up, surface + overfill * up
+    box = _raised_outline(outline, on_top, overfill, RIM * radius)
     spread, seed = settings.spread, settings.seed
 
     def packed(porosity: float) -> Packing:
@@ -255,14 +256,14 @@ def _overfilled_box(section: Section, settings: DemSettings, radius: float, peri
     return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
 
 
-def _raised_outline(outline: np.ndarray, on_top: np.ndarray, lift: float, rim: float) -> np.ndarray:
+def _raised_outline(outline: np.ndarray, on_top: np.ndarray, overfill: float, rim: float) -> np.ndarray:
     """Return the outline of a box that extends above the surface, and beyond base and sides of the section (m).
 
-    on_top: mask (n,) of the corners that are on the surface; lift, rim: heights above the surface, and distances beyond
-    base and sides (m).
+    on_top: mask (n,) of the corners that are on the surface; overfill, rim: heights above the surface, and distances
+    beyond base and sides (m).
     """
     left, right = float(outline[:, 0].min()), float(outline[:, 0].max())
-    raised = outline + np.where(on_top, lift, -rim)[:, None] * np.array([0.0, 1.0])
+    raised = outline + np.where(on_top, overfill, -rim)[:, None] * np.array([0.0, 1.0])
     raised[:, 0] += rim * ((outline[:, 0] > right - 1e-6) * 1.0 - (outline[:, 0] < left + 1e-6))
     return raised
 

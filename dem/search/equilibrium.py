@@ -35,7 +35,7 @@ class NotSettledError(DemError):
 
 
 @dataclass(frozen=True)
-class Rest:
+class RestState:
     """Holds measures of the distance to rest at one time.
 
     Attributes
@@ -76,7 +76,7 @@ class Trial:
     kh : the seismic coefficient
     verdict : "stands", "fails" or "undecided"
     reason : reason of the verdict in words
-    unbalanced_ratio, kinetic_ratio : measures of rest at the last record, see `Rest`
+    unbalanced_ratio, kinetic_ratio : measures of rest at the last record, see `RestState`
     displacement_m, elastic_displacement_m : mean displacement downhill of the discs, and mean displacement downhill of
         elastic ground under the same Kh (m)
     seconds : model time of the trial (s)
@@ -233,7 +233,7 @@ def advance_damped(model: DiscModel, seconds: float, last: float, threads: int =
     with ShortRuns(model, STEP_SHARE, threads) as pulses:
         for _ in range(count):
             pulses.on(seconds / count)
-            energy = moving_energy(model)
+            energy = kinetic_energy(model)
             most = max(most, energy)
             if energy < last:
                 pulses.whole()
@@ -249,7 +249,7 @@ def stop(model: DiscModel) -> None:
     model.set_velocity(0.0, 0.0, where=~model.fixed)
 
 
-def moving_energy(model: DiscModel) -> float:
+def kinetic_energy(model: DiscModel) -> float:
     """Return the kinetic energy of the discs (J per metre)."""
     turning = np.divide(model.vr**2, model.inertia_ratio, out=np.zeros(len(model)), where=model.inertia_ratio > 0.0)
     return float(0.5 * np.sum((model.mass * (model.vx**2 + model.vz**2 + turning))[~model.fixed]))
@@ -285,19 +285,19 @@ def try_kh(
     risen = start + cycle * max(0.5, abs(kh - from_kh) / KH_PER_PERIOD)
     model.acceleration = ground.shaking(from_kh, kh, start, risen)
     elastic = flexibility * abs(kh)
-    seen: list[Rest] = []
+    seen: list[RestState] = []
     last = 0.0
     while model.time < risen + settings.patience * cycle:
         try:
             if model.time < risen:
                 step_on(model, CHECK_INTERVAL * cycle, threads)
-                most = moving_energy(model)
+                most = kinetic_energy(model)
             else:
                 last, most = advance_damped(model, CHECK_INTERVAL * cycle, last, threads)
         except DemError as error:
             return _trial(kh, "undecided", f"{type(error).__name__}: {error}", seen, elastic, model.time - start)
         ratios = unbalanced_ratio(model), kinetic_ratio(model, most)
-        rest_state = Rest(model.time - start, *ratios, displacement(model, before, ground))
+        rest_state = RestState(model.time - start, *ratios, displacement(model, before, ground))
         seen.append(rest_state)
         moving = rest_state.unbalanced_ratio > settings.unbalanced and rest_state.kinetic_ratio > settings.kinetic
         resting = rest_state.unbalanced_ratio <= settings.unbalanced and rest_state.kinetic_ratio <= settings.kinetic
@@ -320,6 +320,8 @@ def try_kh(
     return _trial(kh, "undecided", reason, seen, elastic, model.time - start)
 
 
-def _trial(kh: float, verdict: TrialVerdict, reason: str, seen: list[Rest], elastic: float, seconds: float) -> Trial:
-    last = seen[-1] if seen else Rest(0.0, float("inf"), float("inf"), 0.0)
+def _trial(
+    kh: float, verdict: TrialVerdict, reason: str, seen: list[RestState], elastic: float, seconds: float
+) -> Trial:
+    last = seen[-1] if seen else RestState(0.0, float("inf"), float("inf"), 0.0)
     return Trial(kh, verdict, reason, last.unbalanced_ratio, last.kinetic_ratio, last.displacement, elastic, seconds)

@@ -367,8 +367,8 @@ def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, setting
 
 
 def strip_bottom(layers: Layering, start: float, end: float, k: int, depth: float) -> list[list[float]]:
-    """Return the bottom of a strip down to a ``depth`` (m) from ``start`` to ``end`` (m) in stratum k: points [x,
-    elevation] (m); none where the stratum is absent.
+    """Return the bottom of a strip down to a ``depth`` (m) from ``start`` to ``end`` (m) in stratum k of ``layers``:
+    points [x, elevation] (m); none where the stratum is absent.
     """
     x = np.unique(np.concatenate([[start, end], layers.x]))
     x = x[(x >= start) & (x <= end)]

@@ -30,7 +30,8 @@ def strain_rates(
 def add_forces(
     starts: np.ndarray, columns: np.ndarray, values: np.ndarray, stress: np.ndarray, force: np.ndarray
 ) -> None:
-    """Add the forces of a ``stress`` (k, 3) at the corners to ``force`` (n,); other arguments as in `strain_rates`."""
+    """Add the forces of a ``stress`` (k, 3) at the corners to ``force`` (n,); ``starts``, ``columns``, ``values``: as
+    in `strain_rates`."""
     for k in range(len(starts) - 1):
         a, b, c = stress[k, 0], stress[k, 1], stress[k, 2]
         for place in range(starts[k], starts[k + 1]):

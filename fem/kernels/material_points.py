@@ -270,7 +270,7 @@ def advance(
     ``accelerations`` (steps,): accelerations by shaking (m/s²); ``steps``: how many. ``base``: as in `move_base`;
     ``uplift``, ``support``, ``damping``, ``velocity``, ``gained``: as in `move_grid`; ``keep``, ``properties``,
     ``sums``: as in `gather`; ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``,
-    ``cell``, ``slope``, ``periodic``, ``dt``, ``gravity_x``, ``gravity_z``, ``grid``: as in `scatter`.
+    ``cell``, ``slope``, ``periodic``, ``dt``, ``gravity_x``, ``gravity_z``, ``grid``, ``spans``: as in `scatter`.
     """
     heavy = properties[:, WEIGHT_RATIO].copy()
     for step in range(steps):

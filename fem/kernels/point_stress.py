@@ -102,7 +102,7 @@ def update_stress(
     stress[p, 0], stress[p, 1], stress[p, 2] = mean + half, mean - half, cross
     lost += 0.5 * (mean * (xx + zz) + half * (xx - zz)) + cross * xz
     lost *= state[p, VOLUME]
-    # a crack bears no stress, and its volume is none of the ground
+    # a crack carries no stress, and its volume is none of the ground
     state[p, VOLUME] *= 1.0 + xx + zz - (opened - state[p, OPENED_STRAIN])
     state[p, OPENED_STRAIN] = opened
     return lost

@@ -150,8 +150,8 @@ def proven_lower_bound(
 def proven_upper_bound(
     problem: LimitProblem, most_work: float = math.inf, start: Warm | None = None, before: UpperBound | None = None
 ) -> tuple[UpperBound, list[str], Mechanism | None]:
-    """Find a strict upper bound. Returns the mechanism of the solver, the reason if there is no bound, and, if the
-    mechanism passes the check, the mechanism with its bound.
+    """Find a strict upper bound of the load in a ``problem``. Returns the mechanism of the solver, the reason if there
+    is no bound, and, if the mechanism passes the check, the mechanism with its bound.
 
     After ``most_work`` (seconds on the reference machine of ``cone_program``) the solver returns its last iterate.
     ``start`` is the iterate at which it begins.
@@ -300,8 +300,8 @@ def singular_points(problem: LimitProblem, low: LowerBound) -> np.ndarray:
 
 
 def finer_mesh(problem: LimitProblem, low: LowerBound, high: UpperBound, growth: float) -> TriMesh:
-    """Return the mesh of a problem with about ``growth`` times as many cells, refined where its bounds differ, into
-    triangles that are long along the shear bands."""
+    """Return the mesh of a problem with about ``growth`` times as many cells, refined where the bounds ``low`` and
+    ``high`` differ, into triangles that are long along the shear bands."""
     indicator = refinement_indicator(problem, low, high)
     mesh, parent = fan_out(problem.mesh_in_metres, singular_points(problem, low), NARROW_ANGLE)
     metric = band_metric(problem, high)[parent]

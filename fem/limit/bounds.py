@@ -133,7 +133,8 @@ class DirectionGround:
 
     @classmethod
     def of(cls, section: Section, fem: FemSettings, max_cells: int, seconds: float = math.inf) -> "DirectionGround":
-        """Return the ground that is analysed for the direction of the settings.
+        """Return the ground that is analysed for the direction of the settings ``fem``, with a mesh of at most
+        ``max_cells`` triangles; ``seconds``: computing work of the bound on the coarse mesh, at most.
 
         The critical Kh of each face is compared with an upper bound on one coarse mesh of the section with all its
         faces strengthened. The upper bound of the coarse mesh is larger than that of a fine mesh, so that a few faces

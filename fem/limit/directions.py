@@ -130,7 +130,11 @@ def search_all(
     limits: Limits,
     observer: KhObserver | None = None,
 ) -> SmallerKhBounds:
-    """Find the bounds of the smallest Kh of a section over all ``searches``, which share the work of ``limits``."""
+    """Find the bounds of the smallest Kh of a section over all ``searches``, which share the work of ``limits``.
+
+    ``side_condition``: condition on the sides, by which a direction counts or not; ``observer`` is called with the
+    bounds found so far.
+    """
     while True:
         for search in searches:
             if not search.bracket.meshes:

@@ -168,11 +168,12 @@ def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, grou
 def loaded_ground(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any = None, faces: list[ShallowFailure] | None = None
 ) -> LoadedGround:
-    """Return the ground with ``faces`` strengthened, and the limit load of the seismic force if it is unique; else
-    return the ground at rest. Without ``faces``, all cohesionless faces are strengthened if any of them fails at a
-    smaller Kh than the ground below, as in the bounds. All of them are strengthened, since where a layer thins out at a
-    face, cells of the mesh there may belong to the neighbouring layer. If there is no limit load, the faces that fail
-    under their weight are strengthened.
+    """Return the ground of a ``section`` with ``faces`` strengthened, and the limit load of the seismic force if it is
+    unique; else return the ground at rest. Without ``faces``, all cohesionless faces are strengthened if any of them
+    fails at a smaller Kh than the ground below, as in the bounds. All of them are strengthened, since where a layer
+    thins out at a face, cells of the mesh there may belong to the neighbouring layer. If there is no limit load, the
+    faces that fail under their weight are strengthened. ``settings``: settings of the finite elements; ``comm``: MPI
+    communicator.
     """
     first = 0.0  # Kh at which the first face fails
     if faces is None:

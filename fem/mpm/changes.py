@@ -14,8 +14,8 @@ from meshes.section.liquefies import RemainingStrength
 from meshes.section.strain_potential import LARGEST_SHARE, REGAINING_STRAIN, stress_at_potential
 
 # s: viscosity over stiffness of liquefied ground below its strain potential. With this viscosity ground comes to rest
-# where it would if its stiffness were lost slowly, and does not swing for minutes; in sand hysteresis dissipates this
-# energy.
+# where it would if its stiffness were lost slowly, and does not oscillate for minutes; in sand hysteresis dissipates
+# this energy.
 CREEP_TIME = 5.0
 # Properties that change as ground liquefies, and their columns, and that of the force at free-field sides, in what is
 # remembered of them.

@@ -35,7 +35,7 @@ RIGID_COHESION = 1e15  # Pa: cohesion of that ground
 STEEPEST_ROW = 0.3  # slope up to which rows of nodes follow layers
 THINNEST_LAYER = 0.25  # of the spacing of points: a layer that is thinner in a column has none there
 # m/s: stiffer ground is given the stiffness with which compression waves travel so fast, since the time step is as long
-# as waves allow. With 250 m/s ground that is shaken above a weak layer swings, and slides up to half as far again.
+# as waves allow. With 250 m/s ground that is shaken above a weak layer oscillates, and slides up to half as far again.
 FASTEST_WAVE = 500.0
 # Above it a nearly incompressible skeleton makes waves fast and pressures rough, and slides no different.
 LARGEST_POISSON = 0.45

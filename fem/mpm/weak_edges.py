@@ -9,8 +9,8 @@ below it, have the strength of the layer at its edge, and below the layer
 
 with the mass above M (kg/m²), and s_e and M_e at the edge. The shear stress by Kh and the slope is proportional to M,
 so that these spans yield at the Kh at which a rigid block slips on the edge, wherever the edge lies on the grid. They
-do so along the edge only (`fem.kernels.point_stress`): firm ground below a layer bears what lies above and beside it. A
-quay whose ground was weak in all directions up to two cells below the layer behind it sank and turned over without
+do so along the edge only (`fem.kernels.point_stress`): firm ground below a layer carries what lies above and beside it.
+A quay whose ground was weak in all directions up to two cells below the layer behind it sank and overturned without
 shaking, at a factor of safety of 1.3.
 
 Sand that strains by its strain potential γ_max before it regains strength would strain over all spans of its hat

@@ -159,9 +159,9 @@ def fixed_components(settings: FemSettings) -> dict[str, str]:
 def under_weight(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any = None, faces: Sequence[ShallowFailure] = ()
 ) -> tuple[PlaneStrain, np.ndarray]:
-    """Return the elements of the section without stress, with the displacements that are fixed under gravity, and the
-    nodal forces (N/m) of the weight. Below ``faces``, and below the ends of loads on bare sand, the ground is
-    strengthened."""
+    """Return the elements of the section on a ``mesh`` without stress, with the displacements that are fixed under
+    gravity, and the nodal forces (N/m) of the weight. Below ``faces``, and below the ends of loads on bare sand, the
+    ground is strengthened. ``settings``: settings of the finite elements; ``comm``: MPI communicator."""
     api.require()
     strata = soils(section)
     element, strong = element_for(section, settings), strengthened(section, faces, settings) if faces else section

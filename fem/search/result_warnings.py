@@ -103,6 +103,6 @@ def of_others(kc: float, others: Iterable[ComparedKh]) -> Iterator[ResultWarning
             )
 
 
-def is_doubtful(warnings: Iterable[ResultWarning]) -> bool:
+def contradict_answer(warnings: Iterable[ResultWarning]) -> bool:
     """Return whether any of the warnings contradicts the answer."""
     return any(warning.contradiction for warning in warnings)

@@ -208,6 +208,7 @@ def solve(
     Forces are multiplied by ``magnified``, since the tolerances of Clarabel are relative to one where forces are
     smaller than one. After ``most_work`` (seconds on the reference machine) both methods end with their last iterate.
     The built-in method begins at a ``start`` that suits the program, which changes only its computing time.
+    ``accuracy``: tolerances and regularisation, for bounds or for elements.
     """
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)

@@ -192,7 +192,11 @@ class InteriorPointMethod:
         self, ry: np.ndarray, rz: np.ndarray, s: np.ndarray, z: np.ndarray, mean: float, tolerance: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[float, float]]:
         """Return the changes of y, z and s, and the step lengths of (y, s) and z. Raises ArithmeticError without a
-        solution."""
+        solution.
+
+        ``ry``, ``rz``: residuals of equilibrium and of the strain rates; ``s``, ``z``: slacks and stresses of the
+        iterate; ``mean``: mean of their products; ``tolerance``: relative residual that the direction may have.
+        """
         if not scalings(self.cone(s), self.cone(z), self.axis, self.size, self.square):
             raise _BreakdownError
         single_s, single_z = s[self.first_single_row :], z[self.first_single_row :]
@@ -245,7 +249,8 @@ class InteriorPointMethod:
         return best.dy, best.dz, best.ds, (steps[0], steps[1])
 
     def is_exact(self, ry: np.ndarray, rz: np.ndarray, trial: "_Trial", within: float) -> bool:
-        """Return whether a direction was refined well enough; if not, change the compliance δ."""
+        """Return whether the direction ``trial`` solves its equations with the right-hand sides ``ry``, ``rz`` well
+        enough; if the relative residual is above ``within``, change the compliance δ."""
         ey, ez = (float(np.abs(error).max()) for error in self.errors(ry, rz, trial.dy, trial.dz))
         beyond = max(ey, ez) / (1e-12 + within * max(np.abs(ry).max(), np.abs(rz).max()))
         grows = ey > max(np.abs(ry).max(), EQUILIBRIUM_RESIDUAL)
@@ -259,7 +264,8 @@ class InteriorPointMethod:
         return ry - self.matrix.transposed_times(dz), rz - self.matrix.times(dy) + self.squared(dz)
 
     def centring(self, s: np.ndarray, z: np.ndarray, trial: "_Trial", aim: float) -> np.ndarray:
-        """Return Gondzio's corrector, which centres the products that a longer step would move far from the mean."""
+        """Return Gondzio's corrector, which centres the products of ``s`` and ``z`` that a longer step along ``trial``
+        would move far from their target mean ``aim``."""
         s_next = s + min(1.0, trial.primal + LENGTH_GAIN) * trial.ds
         z_next = z + min(1.0, trial.dual + LENGTH_GAIN) * trial.dz
         residual = np.zeros(len(s))
@@ -319,7 +325,8 @@ class InteriorPointMethod:
     def refined(
         self, ry: np.ndarray, rz: np.ndarray, start: tuple[np.ndarray, np.ndarray], within: float, most: int
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Refine a solution until its residual is ``within`` of the right-hand side, or no longer falls.
+        """Refine the solution ``start`` until its residual is ``within`` of the right-hand sides ``ry``, ``rz``, or no
+        longer falls, in ``most`` corrections at most.
 
         Each correction minimises the residual over all corrections so far (Eisenstat, Elman & Schultz 1983). Simple
         iterative refinement would converge slowly, because the factors contain a compliance δ of clay and rounding.

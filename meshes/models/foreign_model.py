@@ -116,7 +116,7 @@ def chosen_part(names: Sequence[str], wanted: str | None, path: Path, kind: str,
     """Return the number of the part of a model that is read, the first one by default, and a notice on other parts.
 
     ``names``: names of the parts; ``wanted``: name of the part, or None; ``kind``, ``kinds``: what a part is called,
-    such as "a scenario" and "scenarios". Raises InputError if there is no such part.
+    such as "a scenario" and "scenarios"; ``path``: the file, for messages. Raises InputError if there is no such part.
     """
     if wanted is not None and wanted not in names:
         raise InputError("--part", [f'"{wanted}": expected {kind} of {path}, one of {", ".join(names)}'])

@@ -66,6 +66,9 @@ def continuation(surface: np.ndarray, distance: float, slope: Slope) -> Continua
 
 
 def continuation_words(length: float, slope: Slope, left: float, right: float) -> str:
-    """Return words on the ground beyond the ends (m) of a section; ``length`` (m) is the length on either side."""
+    """Return words on the ground beyond the ends ``left`` and ``right`` (m) of a section.
+
+    ``length``: length of this ground on either side (m); ``slope``: whether it is level or continues the slope there.
+    """
     how = "level" if slope == "level" else "with the slope of the ground there"
     return f"beyond: ground, layers and water continue for {length:g} m past x = {left:g} and {right:g} m, {how}"

@@ -7,7 +7,7 @@ POP. σ'v is the vertical effective stress before shaking to which the ground ha
 above, of the water on it and of the consolidated share of surcharges, not spread with depth, less the pore pressure. If
 the table [consolidation] gives another state, σ'p follows from the stress σ'vc of that state, OCR σ'vc or σ'vc + POP,
 and is at least σ'v. Points are (n, 2), x and elevation in m. Each has its stratum, and a neighbouring point ``near``
-it, which tells on which side of a step of the ground or of a surcharge the point lies. Cohesions are in Pa.
+it, which decides on which side of a step of the ground or of a surcharge the point lies. Cohesions are in Pa.
 """
 
 from collections.abc import Callable
@@ -86,7 +86,7 @@ class CohesionField:
 
     def consolidation_stress(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, k: int) -> np.ndarray:
         """Return the vertical effective stress σ'vc (n,) in Pa to which OCR and POP of stratum ``k`` refer, by the
-        table [consolidation] if there is one. Other arguments: as in ``effective_stress``."""
+        table [consolidation] if there is one. ``points``, ``near``, ``stratum``: as in ``effective_stress``."""
         if self.state is None:
             return self.effective_stress(points, near, stratum, self.consolidated[k])
         return self.state.at(

@@ -72,7 +72,7 @@ class ConsolidatedState:
     def at(
         self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, top: np.ndarray | None, load: np.ndarray
     ) -> np.ndarray:
-        """Return the vertical effective stress (n,) in Pa, never negative. Arguments: as in
-        ``WaterPressure.vertical_effective``."""
+        """Return the vertical effective stress (n,) in Pa, never negative. ``points``, ``near``, ``stratum``, ``top``,
+        ``load``: as in ``WaterPressure.vertical_effective``."""
         surface = top if self.surface is None else self.surface if top is None else lower_line(top, self.surface)
         return self.water.vertical_effective(points, near, stratum, surface, load)

@@ -13,8 +13,8 @@ import numpy as np
 
 from meshes.section.polyline import Line, crossings, limits, without_repeats
 
-# Points closer than this are one point: a centimetre, which no survey and no log of a boring tells, or in a small model
-# a two-thousandth of its height. Left apart they would make cells that are thousands of times as long as wide.
+# Points closer than this are one point: a centimetre, which no survey and no log of a boring resolves, or in a small
+# model a two-thousandth of its height. Left apart they would make cells that are thousands of times as long as wide.
 CENTIMETRE, SHARE_OF_HEIGHT = 0.01, 1.0 / 2000.0
 WIDEST = 5e3  # m of a section of a slope: a wider one is mostly one in feet or millimetres
 # What differs by less than this share of the width is rounding.

@@ -64,7 +64,8 @@ class VerticalFlow(Model):
 
 def with_ends(surface: Points, base: Line, strata: Sequence[Soil], table: Line | None) -> tuple[Soil, ...]:
     """Return the strata, from the top down, whose vertical flow has all of its lines: the top and the bottom of the
-    stratum, and the water ``table``, where the file gives none."""
+    stratum, and the water ``table``, where the file gives none. ``surface``: points of the ground (m); ``base``: lower
+    boundary of the lowest of the ``strata``."""
     flows = [getattr(stratum, "vertical_flow", None) for stratum in strata]
     if not any(flows):
         return tuple(strata)
@@ -90,8 +91,9 @@ def _edge(layers: Layering, k: int) -> Line:
 def heads_of(
     strata: Sequence[Soil], table: Line | None, lowered: Line | None, elevations_of: Callable[[Line], np.ndarray]
 ) -> "list[LinearHead | None]":
-    """Return for each stratum the levels of its vertical flow, after a drawdown of the ``table`` to ``lowered`` if the
-    stratum drains; None without such flow. ``elevations_of`` gives a line as (n, 2) from side to side (m)."""
+    """Return for each of the ``strata`` the levels of its vertical flow, after a drawdown of the ``table`` to
+    ``lowered`` if the stratum drains; None without such flow. ``elevations_of`` gives a line as (n, 2) from side to
+    side (m)."""
     flows: list[VerticalFlow | None] = [getattr(stratum, "vertical_flow", None) for stratum in strata]
     return [
         LinearHead.of(
@@ -124,7 +126,7 @@ class LinearHead:
         return None if flow is None else cls(*(elevations_of(getattr(flow, key)) for key in LINES))
 
     def at(self, points: np.ndarray, near: np.ndarray) -> np.ndarray:
-        """Return the piezometric level (n,) in m at points (n, 2). A point ``near`` (n, 2) each point tells on which
+        """Return the piezometric level (n,) in m at points (n, 2). A point ``near`` (n, 2) each point decides on which
         side of a step of a line the point lies."""
         upper, lower, top, bottom = (level_at(line, points[:, 0], near[:, 0]) for line in self._lines)
         share = np.clip((top - points[:, 1]) / np.maximum(top - bottom, THINNEST), 0.0, 1.0)

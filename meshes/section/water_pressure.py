@@ -4,7 +4,7 @@ Total stress is σ = σ' - u (tension positive, u a pressure). So the total weig
 together) act on the skeleton, and on the ground surface u less the pressure of the water on the ground. Points are (n,
 2), x and elevation in m; pressures are in Pa. The fields are linear between breakpoints within a stratum, and may jump
 from one stratum to the next. So a point is given with its stratum, and with another point ``near`` it, such as the
-middle of its cell, which tells on which side of a jump it lies.
+middle of its cell, which decides on which side of a jump it lies.
 """
 
 from dataclasses import dataclass

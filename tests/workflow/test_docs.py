@@ -269,6 +269,12 @@ def test_names_without_a_noun_are_refused() -> None:
     assert {(line, name) for line, name, _ in names.faults(source)} == {(1, "STILL"), (3, "told"), (6, "least")}
 
 
+def test_parameters_that_a_docstring_lacks_are_refused() -> None:
+    """That no docstring lacks one is a check of `make lint`."""
+    source = 'def add(a, b, c, d):\n    """Add a, b and c."""\n\n\ndef add_few(a, b, c):\n    """Add."""\n'
+    assert list(program("docstrings").unnamed(source)) == [(1, "d")]
+
+
 def test_readmes_of_packages_are_a_page() -> None:
     for package in PACKAGES:
         text = (TOP / package / "README.md").read_text(encoding="utf-8")

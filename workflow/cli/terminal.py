@@ -172,8 +172,8 @@ def announce(job: Job, choice: Choice, verbosity: Verbosity) -> None:
 
 
 def execute(job: Job, choice: Choice, verbosity: Verbosity, warnings: Sequence[str] = (), pdf: bool = False) -> None:
-    """Run the chosen stages, print their results, and write the report as PDF if requested. JSON output contains the
-    ``warnings``.
+    """Run the stages of a ``job`` by ``choice``, print their results, and write the report as PDF if ``pdf``. JSON
+    output contains the ``warnings``. ``verbosity``: how much is printed.
 
     Raises the errors of `pipeline.execute` and `write_pdf`.
     """

@@ -34,8 +34,9 @@ def boore(magnitude: float, distance: float, velocity: float, slip: Slip) -> Pea
     F_E = e + e4 (M - 5.5) + e5 (M - 5.5)² up to M 5.5, e + e6 (M - 5.5) above; F_P = (c1 + c2 (M - 4.5)) ln R + c3 (R -
     1), R² = R_JB² + 4.5² in km; F_S = c ln(V/760) + f2 ln((A_r + f3)/f3) with A_r the acceleration at V = 760 m/s and
     f2 = f4 (exp(f5 (min(V, 760) - 360)) - exp(400 f5)). ``distance`` is R_JB, to the fault's projection on the ground,
-    ``velocity`` V the mean V_s of the uppermost 30 m (m/s). A is the mean of both horizontal components (RotD50).
-    Raises InputError outside M 3-8.5 (normal faults: 7), R_JB up to 400 km, V 150-1500 m/s.
+    ``velocity`` V the mean V_s of the uppermost 30 m (m/s), ``slip`` the mechanism of the fault. A is the mean of both
+    horizontal components (RotD50). Raises InputError outside M 3-8.5 (normal faults: 7), R_JB up to 400 km, V 150-1500
+    m/s.
     """
     kilometres = distance / 1000.0
     check_range(

@@ -17,8 +17,8 @@ FACE_THICKNESS = 0.1
 
 
 def is_of_face(structure: CrestedStructure, towards: int, surface: Surface, sides: Sequence[int] = ()) -> bool:
-    """Return whether a part of the crest slides in a failure towards a side; ``surface``: points (m) of the slip
-    surface, from left to right; ``sides``: as in `zones_against`."""
+    """Return whether a part of the crest of a ``structure`` slides in a failure ``towards`` a side; ``surface``: points
+    (m) of the slip surface, from left to right; ``sides``: as in `zones_against`."""
     points = [(float(x), float(z)) for x, z in surface]
     return bool(points) and structure.slides_with(points) and towards in (sides or _slides(points))
 

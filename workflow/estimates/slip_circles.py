@@ -163,7 +163,7 @@ class _CircleSearch:
     crack: TensionCrack
 
     def run(self) -> SlipCircle | None:
-        """Return the circle with the least value; None if none slides."""
+        """Return the circle with the smallest critical Kh or factor of safety; None if no circle has one."""
         best = self._best(self._grid(), SLICES, COARSE_CIRCLES)
         left, right = self.section.extent
         step = np.array(

@@ -83,8 +83,8 @@ def _runs(names: list[str]) -> list[tuple[int, int]]:
 
 
 def strength_as(section: Section, x: float, z: float, stratum: int, soil: int) -> float:
-    """Return the shear strength (Pa) on a level plane at x, z (m) in ``stratum``, if this stratum had the strength
-    of ``soil``.
+    """Return the shear strength (Pa) on a level plane at x, z (m) in ``stratum`` of a ``section``, if this stratum had
+    the strength of ``soil``.
     """
     point, field = np.array([[x, z]]), section.cohesion_field
     stress = float(field.effective_stress(point, point, np.array([stratum]))[0])

@@ -183,7 +183,7 @@ def render(
     width: int = round((RIGHT - LEFT) * WIDTH),
     exaggeration: int = 1,
 ) -> np.ndarray:
-    """Render a single image, see `Renderer.image`."""
+    """Render a single image; ``window``, ``draw``, ``width``, ``exaggeration``: as in `Renderer.image`."""
     with Renderer() as renderer:
         return renderer.image(window, draw, width, exaggeration)
 

@@ -70,7 +70,8 @@ def discs(model: Circles, which: np.ndarray, height: float = 0.0) -> pv.PolyData
 
 
 def draw_strata(plotter: pv.Plotter, model: Circles, stratum: np.ndarray, colours: Sequence[str]) -> None:
-    """Draw discs in the colours of their strata, and boundary discs (stratum -1) dark."""
+    """Draw the discs of a ``model`` into a ``plotter`` in the colours of their strata, and boundary discs (stratum -1)
+    dark."""
     for k, colour in enumerate([BOUNDARY, *colours], start=-1):
         mesh = discs(model, stratum == k)
         if mesh.n_points:

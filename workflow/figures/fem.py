@@ -148,7 +148,8 @@ def views_of(mesh: QuadMesh, state: FieldState, renderer: Renderer) -> Views:
 
 
 def state_sheet(config: Config, results: FemResults, state: FieldState, views: Views) -> Sheet:
-    """Draw a state in its ``views``."""
+    """Draw a ``state`` of the finite elements in its ``views``; ``results``: results of the finite elements, with the
+    slip surface; ``config``: inputs, with the section."""
     window, slip = views.window, results.slip_surface(state)
     label = state.label
     if results.answer.end_reason == "limit load":

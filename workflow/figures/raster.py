@@ -45,9 +45,10 @@ def painted(window: Window, paint: Callable[[Axes], object], exaggeration: int =
 def fill_cells(
     axes: Axes, points: np.ndarray, cells: np.ndarray, colours: Sequence[str], classes: np.ndarray, **edges: Any
 ) -> None:
-    """Fill cells (m, corners) of ``points`` (n, 2) in m, each in the colour of its class (m,).
+    """Fill cells (m, corners) of ``points`` (n, 2) in m, each in the one of ``colours`` that belongs to its class.
 
-    ``edges``: edgecolors and linewidths (points) of the cells; without them no edges are drawn.
+    ``axes``: the diagram; ``classes`` (m,): class of each cell; ``edges``: edgecolors and linewidths (points) of the
+    cells; without them no edges are drawn.
     """
     colour = to_rgba_array(list(colours))[classes]
     lines = edges or {"edgecolors": "face", "linewidths": 0.0}
@@ -57,7 +58,10 @@ def fill_cells(
 def shade_cells(
     axes: Axes, points: np.ndarray, cells: np.ndarray, values: np.ndarray, colours: str, limits: tuple[float, float]
 ) -> None:
-    """Colour cells (m, corners) of ``points`` (n, 2) in m by ``values`` (n,) at the points, linear between them."""
+    """Colour cells (m, corners) of ``points`` (n, 2) in m by ``values`` (n,) at the points, linear between them.
+
+    ``axes``: the diagram; ``colours``: name of the colour map; ``limits``: values at its two ends.
+    """
     triangles = np.concatenate([cells[:, [0, k, k + 1]] for k in range(1, cells.shape[1] - 1)])
     low, high = limits
     axes.tripcolor(
@@ -66,7 +70,8 @@ def shade_cells(
 
 
 def draw_border(axes: Axes, points: np.ndarray, cells: np.ndarray, width: float = BORDER) -> None:
-    """Draw the edges of cells (m, corners) that have a cell on one side only; ``width`` in points."""
+    """Draw into ``axes`` the edges of cells (m, corners) of ``points`` (n, 2) in m that have a cell on one side only;
+    ``width`` in points."""
     edges = np.sort(np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     edges, count = np.unique(edges, axis=0, return_counts=True)
     axes.add_collection(LineCollection(points[edges[count == 1]], colors=INK, linewidths=width), autolim=False)

@@ -9,7 +9,8 @@ from workflow.results.continuum import FemAnswer, ShallowFailurePart
 
 
 def edge_sentence(stratum: str, start: float, end: float, kh: float) -> str:
-    """Return the edge of a layer without cohesion, from ``start`` to ``end`` (m), that fails locally at ``kh``."""
+    """Return a sentence on the edge of a ``stratum`` without cohesion, from ``start`` to ``end`` (m), that fails
+    locally at ``kh``."""
     width = f"{end - start:.2g} m wide where it comes out of the ground at x = {start:g} m"
     local = f"The edge of {shown_name(stratum)}, {width}, has no cohesion and fails locally {failing_at(kh)}"
     return f"{local}: this is no slope failure."

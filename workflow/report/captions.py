@@ -145,7 +145,8 @@ class Picture:
 
 
 def collect(names: Sequence[str], folder: Path, width: int, texts: Texts | None = None) -> list[Picture]:
-    """Return the pictures with these names in a folder, at most ``width`` pixels wide, in the report's order."""
+    """Return the pictures with these names in a folder, at most ``width`` pixels wide, in the report's order; captions
+    in the language of ``texts``."""
     captions = list(_captioned(names, folder, texts or Texts()))
     with ThreadPoolExecutor() as threads:  # Pillow lets go of Python's lock
         return list(threads.map(lambda each: _picture(folder / each[0], each[0], each[1], each[2], width), captions))

@@ -80,7 +80,8 @@ def fem_sentences(
 ) -> Iterator[str]:
     """Yield sentences on the critical Kh with its interval, and the factors of safety, from fem/critical.json.
 
-    With ``every`` also details: the end of the path, the sequence of meshes, and the use of Davis's estimate. If there
+    ``answer``: the result of the finite elements; ``section``: the ground, for names of its strata. With ``every`` also
+    details: the end of the path, the sequence of meshes, and the use of Davis's estimate. If there
     is no limit load, the reason is always stated. Strict bounds among the ``results`` are part of the interval.
     """
     error = accuracy(results, answer) if results is not None else of_meshes(answer)
@@ -134,8 +135,8 @@ def safety_sentence(
 ) -> str:
     """Return a factor of safety and the extent of its slip surface; with ``every`` also details of its computation.
 
-    ``strict``: strict bounds of the factor, which limit the error by the mesh; ``governing``: the factor that counts,
-    by default that of the finite elements.
+    ``answer``: result of the finite elements that computed it; ``strict``: strict bounds of the factor, which limit the
+    error by the mesh; ``governing``: the factor that counts, by default that of the finite elements.
     """
     most = f", on this mesh at most {factor.upper:.3f}" if factor.upper > factor.factor else ""
     mesh_error = (
@@ -348,8 +349,9 @@ def sentences(
     results: Results | None = None,
     reported: Sequence[str] = (),
 ) -> Iterator[str]:
-    """Yield the result of one stage in sentences, with ``every`` also details of the finite elements. The result is
-    compared with the ``results`` of the other stages; facts of the stages that are ``reported`` already are left out.
+    """Yield the result of the stage ``name`` in the run folder ``store`` in sentences, with ``every`` also details of
+    the finite elements. The result is compared with the ``results`` of the other stages; facts of the stages that are
+    ``reported`` already are left out. ``config``: inputs of the run.
     """
     fem = results.fem if results is not None and "fem" in reported else None
     of_stage: dict[str, Callable[[], Iterator[str]]] = {

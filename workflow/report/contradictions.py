@@ -155,7 +155,7 @@ def of_order(
 ) -> Iterator[str]:
     """Warn of cases that have less strength than other cases and yet slide less (m), by discs or material points.
 
-    ``strata``: names of the strata that liquefy in each case.
+    ``slides``: slide of each case (m); ``strata``: names of the strata that liquefy in each case; ``by``: the method.
     """
     packings = "" if by != "discs" else ", or the random packing of the discs,"
     remedy = "finer cells (slide.mpm_cells)" if by != "discs" else "more packings (slide.seeds)"

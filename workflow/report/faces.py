@@ -102,8 +102,9 @@ class FaceLine:
 
 
 def side_words(config: Config, start: float, end: float, towards: Side) -> str:
-    """Return the side of a face of a structure between two feet. The side is called riverward or landward if water
-    stands on one side, and towards the water if it is that of a dam, a quay or a building."""
+    """Return the side of a face of a structure in the section of ``config`` between its feet at ``start`` and ``end``
+    (m). The side is called riverward or landward if water stands on one side, and towards the water if it is that of a
+    dam, a quay or a building."""
     points, ground = config.section.water_points(), config.section.ground
     if points is None:
         return towards

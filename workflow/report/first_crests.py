@@ -29,7 +29,11 @@ def with_crests(
     quantity: Quantity,
     _: Texts,
 ) -> HeadlinePart:
-    """Return a headline with the smallest value of the faces of structures, if no crest moves in its failure."""
+    """Return a headline with the smallest value of the faces of structures, if no crest moves in its failure.
+
+    ``surface``: slip surface of the failure (m); ``quantity``: critical Kh or factor of safety; ``_``: texts in the
+    language of the report; ``results``: all results of the run.
+    """
     names = spared_structures(results, surface)
     if not names or headline.value == NO_VALUE:
         return headline

@@ -14,8 +14,8 @@ def interval_text(error: Accuracy | None, _: Texts, unknown: str = "") -> str:
 
 
 def from_to(low: str, high: str, method: str, _: Texts, strict: tuple[str, str] | None = None) -> str:
-    """Return an interval and its method; if both ends have the same digits, the digit that the error is below. The
-    ``strict`` bounds alone are added if their digits differ."""
+    """Return an interval from ``low`` to ``high`` and its ``method`` as a text by ``_``; if both ends have the same
+    digits, the digit that the error is below. The ``strict`` bounds alone are added if their digits differ."""
     alone = ""
     if strict is not None and strict != (low, high):
         alone = _("; strict bounds alone {low} to {high}", low=strict[0], high=strict[1])

@@ -44,7 +44,8 @@ class Film:
 
     @classmethod
     def of(cls, kind: str, title: str, table: dict[str, Any], numbers: Sequence[np.ndarray]) -> "Film":
-        """Return a film made of a table and of arrays of whole numbers, one after the other."""
+        """Return a film of a ``kind`` with a ``title``, made of a ``table`` and of arrays of whole ``numbers``, one
+        after the other."""
         flat = np.concatenate([np.asarray(array, np.int64).ravel() for array in numbers]).astype("<i4")
         packed = base64.b64encode(zlib.compress(flat.tobytes(), 9)).decode()
         text = json.dumps({"title": title, **table, "packed": packed}, ensure_ascii=False, allow_nan=False)

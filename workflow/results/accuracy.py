@@ -90,7 +90,8 @@ def falls_below(value: float, lower: float) -> bool:
 def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety, flow: Flow) -> SafetyPart | None:
     """Return the strict bounds of a factor of safety, for the same Kh, sides and flow rule; None without any bound.
 
-    ``factor`` is a factor of safety of the finite elements ``fem``; ``flow`` is its flow rule. A lower bound of ground
+    ``factor`` is a factor of safety of the finite elements ``fem``; ``flow`` is its flow rule; ``results`` hold the
+    bounds. A lower bound of ground
     with strengthened faces does not count for finite elements without: shallow ground may fail before.
     """
     bounds = results.bounds
@@ -161,9 +162,9 @@ def _halved(results: Results) -> float | None:
 def strict_kh(
     results: Results, fem: FemAnswer, flow: Flow, direction: Direction
 ) -> tuple[float | None, float | None] | None:
-    """Return the strict lower and upper bound of a critical Kh for the same sides as in the finite elements ``fem``,
-    by flow rule and direction of the seismic force; None without any bound. Either bound may be missing. An upper bound
-    with ψ = φ holds for every ψ ≤ φ (Radenkovic 1961).
+    """Return the strict lower and upper bound of a critical Kh in ``results`` for the same sides as in the finite
+    elements ``fem``, by flow rule and direction of the seismic force; None without any bound. Either bound may be
+    missing. An upper bound with ψ = φ holds for every ψ ≤ φ (Radenkovic 1961).
     """
     bounds = results.bounds
     if bounds is None or bounds.sides != fem.settings.sides:

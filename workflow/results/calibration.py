@@ -156,8 +156,8 @@ class CalibrationAnswer(Answer):
     @classmethod
     def of(cls, base: "Search", calibration: "Calibration | None", tolerance: float, **more: Any) -> Self:
         """Return the results of a calibration, with sensitivities sorted by parameter and factor. Without a
-        calibration, return the results of uncalibrated discs, with the critical Kh of the search ``base``. ``more`` are
-        further fields.
+        calibration, return the results of uncalibrated discs, with the critical Kh of the search ``base``.
+        ``tolerance`` is the largest difference from the target; ``more`` are further fields.
         """
         if calibration is None:
             return cls.taken(

@@ -220,7 +220,7 @@ class Run:
         """Record how a stage has ended, and its files."""
         stage, store = decision.stage, self.job.store
         seconds = time.perf_counter() - started.start
-        # What it did not write may be of other inputs, but for a stage that goes on and has cleaned up before.
+        # What it did not write may be of other inputs, but for a stage that continues and has cleaned up before.
         results = (
             store.matching(stage.results) if stage.leftovers else store.written(stage.results, started.files_before)
         )

@@ -229,8 +229,9 @@ def _calibrated(config: Config, store: Store, threads: int, tell: Tell, executor
 def calibration_answer(
     config: Config, searched: DiscSearches, continuum: Continuum | None, **more: Any
 ) -> CalibrationAnswer:
-    """Return the calibration as an answer. For soil discs the answer includes their uncalibrated critical Kh compared
-    with that of the ``continuum``. ``more`` are tests of the layers.
+    """Return the calibration with its searches ``searched`` as an answer. For soil discs the answer includes their
+    uncalibrated critical Kh compared with that of the ``continuum``. ``more`` are tests of the layers;
+    ``config``: inputs of the run.
     """
     kc = searched.base.kc
     if continuum is not None and kc is not None and searched.calibration is not None:

@@ -46,7 +46,8 @@ class CasePictures:
 def case_pictures(
     config: Config, store: Store, springs: str, cases: Mapping[int, CaseAnswer | PointCase]
 ) -> list[CasePictures]:
-    """Return the pictures of all cases of a set of springs. Cases with equal answers share their states."""
+    """Return the pictures of all ``cases`` of a set of ``springs`` from the run folder ``store``. Cases with equal
+    answers share their states. ``config``: inputs of the run."""
     first = first_equal({n: cases[n].model_dump_json(exclude={"stiffness"}) for n in sorted(cases)})
     groups: dict[int, dict[int, CaseAnswer | PointCase]] = {}
     for number, same in first.items():

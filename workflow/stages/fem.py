@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.continuum.strength import Flow
 from fem.errors import UnstableError
-from fem.search.result_warnings import is_doubtful
+from fem.search.result_warnings import contradict_answer
 from meshes.errors import NoAnswerError
 from meshes.section.section import Section
 from workflow.config import Config
@@ -126,7 +126,7 @@ def answer_of(config: Config, assessment: "Assessment") -> FemAnswer:
         section=SectionLabel.of(config.section),
         kc_lower=result.lower,
         kc_upper=result.upper,
-        judgement="doubtful" if is_doubtful(assessment.warnings) else "sound",
+        judgement="doubtful" if contradict_answer(assessment.warnings) else "sound",
         warnings=tuple(assessment.warnings),
         towards="right" if result.sign > 0 else "left",
         at_sides=_at_sides(AdaptiveResult(result, mesh)),

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from fem.mpm import PointGround, PointSlide, PointSlider, SlideProgramme
 
 FOLDER = "mpm"  # of its files
-SMALLEST_DOUBTED_SLIDE = 0.05  # m: the energies of a smaller slide are those of a ground that swings
+SMALLEST_DOUBTED_SLIDE = 0.05  # m: the energies of a smaller slide are those of ground that oscillates
 THIN_CRUST = 0.9  # of a cell: a slide below a thinner crust was off by a factor of up to 2
 CELLS_STEP = 100  # to a multiple of which the cells that a crust wants are rounded up
 COARSE_RATIO = 2  # times larger cells, with which the errors by their size and by the decay of velocities are found

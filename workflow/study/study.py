@@ -88,7 +88,7 @@ def computed(
     drawn = samples(config.uncertain, config.study, config.reach)
     inputs = [_input(config, sample) for sample in drawn]
     sound = [(place, sample) for place, sample in enumerate(inputs) if isinstance(sample, Config)]
-    # sample by sample, so that what is done tells how long the rest takes, however long one of the parts does
+    # sample by sample: the time of finished samples predicts the time of the rest, whichever part takes longest
     wanted = [(place, part) for place, _ in sound for part in parts]
     tasks = [task_of(sample, part, store) for _, sample in sound for part in parts]
     results: dict[int, list[tuple[StudyPart, TaskOutcome[Numbers]]]] = {place: [] for place in range(len(drawn))}

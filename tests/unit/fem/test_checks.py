@@ -8,7 +8,7 @@ import pytest
 from fem.continuum.fields import FieldState, is_mechanism, touched_sides
 from fem.search.checks import of_cells, of_dilation, of_verdict, touches_base, warnings_of
 from fem.search.critical import CriticalResult
-from fem.search.result_warnings import ComparedKh, is_doubtful, of_bounds, of_others
+from fem.search.result_warnings import ComparedKh, contradict_answer, of_bounds, of_others
 from fem.search.slip_surface import slip_surface
 from meshes.quality import corner_angles
 from tests.support.fem_problems import grid
@@ -49,7 +49,7 @@ def test_undecided_path_is_doubtful_and_says_why():
     (warning,) = of_verdict("undecided", "no step", "refine")
     assert "no step" in warning.observation
     assert warning.remedy == "refine"
-    assert is_doubtful([warning])
+    assert contradict_answer([warning])
 
 
 def test_less_dilation_cannot_bear_more():

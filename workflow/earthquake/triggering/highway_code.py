@@ -104,7 +104,7 @@ def assess_1990(point: BlowCount, shaking: SurfaceMotion) -> Resistance:
 def assess_later(
     point: BlowCount, shaking: SurfaceMotion, form: Literal["2012", "2017"], motion: MotionType
 ) -> Resistance:
-    """Return F_L at a test by the edition of 2012 or 2017: c_W R_L over L.
+    """Return F_L at a test by the edition of 2012 or 2017, its ``form``: c_W R_L over L.
 
     ``point``: blow count; ``shaking``: acceleration and magnitude; ``motion``: type 1 or 2 of the code.
     """
