@@ -191,12 +191,9 @@ class InteriorPointMethod:
     def direction(
         self, ry: np.ndarray, rz: np.ndarray, s: np.ndarray, z: np.ndarray, mean: float, tolerance: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[float, float]]:
-        """Return the changes of y, z and s, and the step lengths of (y, s) and z. Raises ArithmeticError without a
-        solution.
-
-        ``ry``, ``rz``: residuals of equilibrium and of the strain rates; ``s``, ``z``: slacks and stresses of the
-        iterate; ``mean``: mean of their products; ``tolerance``: relative residual that the direction may have.
-        """
+        """Return the changes of y, z and s, and the step lengths of (y, s) and z, from the residuals ``ry``, ``rz`` of
+        the two equations and the ``mean`` of the products of ``s`` and ``z``; ``tolerance``: relative residual that the
+        direction may have. Raises ArithmeticError without a solution."""
         if not scalings(self.cone(s), self.cone(z), self.axis, self.size, self.square):
             raise _BreakdownError
         single_s, single_z = s[self.first_single_row :], z[self.first_single_row :]
