@@ -19,9 +19,9 @@ def _of_liquefied_soil(strength: Quantity) -> Quantity:
     least, most = RESIDUAL_STRENGTH_RANGE
     if strength == 0.0 or least <= strength <= most:
         return strength
-    factor = 1e3 if strength < least else 1e-3
     number = str(strength.written).split()[0]
-    meant = f' (did you mean "{number} kPa"?)' if least <= factor * strength <= most else ""
+    units = [unit for unit, size in (("kPa", 1e3), ("Pa", 1.0)) if least <= size * float(number) <= most]
+    meant = f' (did you mean "{number} {units[0]}"?)' if units else ""
     raise ValueError(
         f"{strength / 1e3:.6g} kPa is no residual strength of soil{meant}; expected 0, or {least / 1e3:g} to "
         f"{most / 1e3:g} kPa"

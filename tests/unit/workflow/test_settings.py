@@ -152,6 +152,7 @@ def test_a_kh_that_is_kept_twice_or_points_uphill_is_refused(table: str, kh: lis
     [
         ({"residual_strength": "-3 kPa"}, ["residual_strength = '-3 kPa': out of range; expected a stress of"]),
         ({"residual_strength": 12}, ['= 12: 0.012 kPa is no residual strength of soil (did you mean "12 kPa"?)']),
+        ({"residual_strength": "12000 kPa"}, ['(did you mean "12000 Pa"?)']),
         ({"residual_strength": "12 MPa"}, ['did you mean "12 kPa"?); expected 0, or 0.05 to 1000 kPa']),
         ({"residual": 12}, ["residual = 12: expected at most 1"]),
         (
