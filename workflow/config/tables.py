@@ -65,7 +65,7 @@ class ReportSettings(Model):
     )
 
 
-Variant = Literal["mesh", "element", "step", "dilation", "sides"]
+Variant = Literal["mesh", "element", "step", "dilation", "sides", "tension"]
 
 
 class VariantSettings(Model):
@@ -73,10 +73,10 @@ class VariantSettings(Model):
     assumption changed."""
 
     which: tuple[Variant, ...] = Field(
-        default=("element", "step", "dilation", "sides"),
+        default=("element", "step", "dilation", "sides", "tension"),
         description="assumptions that are changed, one at a time, to show their influence on the critical Kh: "
-        '"mesh" (four '
-        'times the cells), "element", "step", "dilation", "sides"',
+        '"mesh" (four times the cells), "element", "step", "dilation", "sides", "tension" (no tensile strength, as '
+        "with open cracks)",
     )
 
 

@@ -24,7 +24,7 @@ from workflow.results.material_points import PointCase
 from workflow.results.results import Results
 from workflow.texts.report_texts import listed
 
-ASSUMED = ("dilation", "sides")  # variants that show the effect of an assumption
+ASSUMED = ("dilation", "sides", "tension")  # variants that show the effect of an assumption
 MESH_ERROR_RATIO = 1.02  # times the limit for ψ = φ, which the elements may exceed for their mesh
 DISAGREEMENT_RATIO = 3.0  # times: beyond this, methods do not say the same
 # A slide that moves less in its last 10 s counts as at rest, though its discs may not: in m, and of all its way.

@@ -14,6 +14,7 @@ from workflow.results.discs import DiscsAnswer
 from workflow.results.results import Results
 from workflow.texts.report_texts import listed
 
+TENSION = "Ground with a cohesion resists tension, up to c / tan φ without a tension cut-off. Open cracks resist none."
 ROUNDED_SHARE = 0.005  # a share of Kh that is none in whole per cent
 
 
@@ -98,6 +99,7 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
     )
     yield "Dilation", _dilation(fem), "dilation"
     yield "Side condition", SIDES[results.config.fem.sides], "sides"
+    yield "Tensile strength", TENSION, "tension"
 
 
 def _bracket(fem: FemAnswer) -> str:

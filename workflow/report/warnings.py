@@ -22,6 +22,7 @@ from workflow.texts.report_texts import listed
 CALIBRATION_RATIO = 2.0  # times, or divided by it: a factor on the discs beyond this is reported
 SURFACE_DISTANCE = 0.25  # of the height of the section: slip surfaces farther apart than this are reported
 SIDE_EFFECT_RATIO = 1.15  # times, or divided by it: other sides that change the critical Kh by more decide it
+TENSION_EFFECT_RATIO = 0.9  # of the critical Kh: a smaller one without tensile strength is reported
 LEVEL_GROUND_SHARE = 0.97  # of the Kh of level ground: a larger critical Kh is its failure, up to errors of meshes
 LIMIT_DISTANCE = 0.1  # of the critical Kh after liquefaction: a Kh of a slide that is nearer to it is reported
 UNRESOLVED_RATIO = 2.0  # times, or divided by it: a slide whose numerical error alone may be larger is reported
@@ -62,7 +63,9 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
     if results.response is not None and results.response.warning:
         yield 2, f"in the response of the layers to {results.response.record} {results.response.warning}"
     if fem is not None:
-        yield from sides_warning(fem, results.config.section, results.variants.variants if results.variants else ())
+        variants = results.variants.variants if results.variants else ()
+        yield from sides_warning(fem, results.config.section, variants)
+        yield from tension_warning(fem, variants)
     if results.config.section.reconstruction:
         yield 2, "the ground is a reconstruction: confirm the depths of the layers by borings"
     for text in assumed_input(results):
@@ -211,6 +214,20 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
                 f"governs: {remedy}"
             ),
         )
+
+
+def tension_warning(fem: FemAnswer, variants: Sequence[Variant]) -> Iterator[tuple[Weight, str]]:
+    """Yield a warning if the critical Kh of ground that resists tension is much larger than without tension."""
+    change = next((variant for variant in variants if variant.name == "tension"), None)
+    cracked = change.of(fem.kc) if change is not None else None
+    if cracked is None or cracked > TENSION_EFFECT_RATIO * fem.kc or not fem.kc > 0.0:
+        return
+    yield (
+        2,
+        f"the ground resists tension, and without tensile strength, as with open cracks, the critical Kh is "
+        f"{coefficient(cracked)}, {100.0 * (1.0 - cracked / fem.kc):.0f} % smaller: give a [tension_crack], or "
+        'tension = "0 kPa" for strata that may crack',
+    )
 
 
 def _level_ground_governs(fem: FemAnswer, section: Section) -> str:

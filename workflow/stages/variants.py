@@ -3,12 +3,14 @@
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from fem.continuum.strength import Flow, flow_of, is_dilating_fully
-from fem.settings import WITHOUT_EFFECT
+from fem.errors import UnstableError
+from fem.settings import WITHOUT_EFFECT, PathVerdict
 from meshes.errors import NoAnswerError
 from meshes.executor import Tell
+from meshes.section.section import Section
 from workflow.config import Config
 from workflow.results.continuum import FemAnswer, Variant, VariantsAnswer
 from workflow.results.finished_parts import FinishedParts
@@ -192,30 +194,39 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
         own_flow = flow_of(config.section.strata, fem.flow)
         flow: Flow = "davis" if own_flow == "non-associated" else "non-associated"
         return name, f"{FLOWS[flow]} instead of {FLOWS[own_flow]}", config.with_settings("fem", flow=flow)
+    if name == "tension" and (cracked := without_tension(config.section)) is not None:
+        return name, "no tensile strength, as with open cracks", config.model_copy(update={"section": cracked})
     return None
 
 
+def without_tension(section: Section) -> Section | None:
+    """Return the section with a tension cut-off of 0 in all strata with a cohesion; None if that changes nothing."""
+    strata = [s.model_copy(update={"tension": 0.0}) if s.has_cohesion else s for s in section.strata]
+    changes = any(s.has_cohesion and s.tension != 0.0 for s in section.strata)
+    return section.with_strata(strata) if changes else None
+
+
 def variant(change: Change, tell: Tell) -> Variant:
-    """Return the critical Kh with one changed assumption, or None with the reason."""
+    """Return the critical Kh with one changed assumption, 0 if the ground then fails under its weight; None with the
+    reason if there is no answer."""
     start = time.perf_counter()
+    kc: float | None = None
+    kc_upper: float | None = None
+    verdict: PathVerdict | Literal["no answer"] = "no answer"
     try:
         result = _limit_load(change, tell)
+    except UnstableError as error:
+        kc, kc_upper, verdict, reason = 0.0, 0.0, "plateau", str(error)
     except NoAnswerError as error:
-        return Variant(
-            name=change.name, change=change.description, kc=None, kc_upper=None, verdict="no answer", reason=str(error),
-            seconds=round(time.perf_counter() - start, 2), kc_without=change.kc_without,
-        )  # fmt: skip
-    stands = result.verdict in ("plateau", "peak")
+        reason = str(error)
+    else:
+        verdict, reason = result.verdict, result.reason
+        if verdict in ("plateau", "peak"):
+            kc, kc_upper = result.kc, result.upper
     return Variant(
-        name=change.name,
-        change=change.description,
-        kc=result.kc if stands else None,
-        kc_upper=result.upper if stands else None,
-        verdict=result.verdict,
-        reason=result.reason,
-        seconds=round(time.perf_counter() - start, 2),
-        kc_without=change.kc_without,
-    )
+        name=change.name, change=change.description, kc=kc, kc_upper=kc_upper, verdict=verdict, reason=reason,
+        seconds=round(time.perf_counter() - start, 2), kc_without=change.kc_without,
+    )  # fmt: skip
 
 
 def _limit_load(change: Change, tell: Tell) -> "LimitLoadResult | CriticalResult":

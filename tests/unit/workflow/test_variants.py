@@ -4,10 +4,12 @@ from typing import cast
 
 import pytest
 
+from meshes.gmsh_model import generate
 from meshes.quad_mesh import QuadMesh
 from tests.support.answers import fem, variant
 from tests.support.sections import slope
 from workflow.config import Config
+from workflow.report.warnings import tension_warning
 from workflow.results import stored_mesh
 from workflow.results.continuum import MeshCount, MeshStep
 from workflow.run.progress import silent
@@ -22,6 +24,7 @@ from workflow.stages.variants import (
     on_a_mesh,
     with_its_element,
 )
+from workflow.stages.variants import variant as variant_of
 
 
 @pytest.mark.parametrize(
@@ -138,3 +141,49 @@ def test_a_change_on_another_mesh_counts_by_its_ratio() -> None:
     assert here.of(0.24) == 0.30
     assert here.model_copy(update={"kc_without": 0.25}).of(0.24) == pytest.approx(0.24 * 0.30 / 0.25)
     assert variant("element", "quadratic element", None).of(0.24) is None
+
+
+def test_ground_without_tensile_strength_has_no_more_than_with_it() -> None:
+    """A vertical cut of clay stands up to γH/c = 3.78, without tensile strength up to 2 (Drucker & Prager 1952)."""
+    height, gamma = 5.0, 18e3
+    soil = {
+        "name": "Clay", "youngs_modulus": "20 MPa", "poissons_ratio": 0.45, "density": "1.835 t/m^3",
+        "friction_angle": 0,
+    }  # fmt: skip
+    for ratio, stands in ((1.9, True), (2.9, False)):
+        cut = {
+            "name": "cut", "surface": [[0.0, height], [8.0, height], [8.0, 0.0], [16.0, 0.0]],
+            "base": {"elevation": -4.0}, "strata": [{**soil, "cohesion": f"{gamma * height / ratio / 1e3:.4f} kPa"}],
+            "mesh": {"size": 0.5}, "unusual": True,
+        }  # fmt: skip
+        run = Config.parse(cut)
+        change = changed(run, "tension", "reduced")
+        assert change is not None
+        mesh = generate(run.section, run.mesh)
+        whole, cracked = (
+            variant_of(Change("tension", "", config, mesh, False), lambda _: None).kc for config in (run, change[2])
+        )
+        assert whole is not None
+        assert whole > 0.0
+        assert cracked is not None
+        assert (0.0 < cracked < whole) if stands else cracked == 0.0
+
+
+def test_ground_that_resists_no_tension_has_no_variant_without_it() -> None:
+    data = slope()
+    for stratum in data["strata"]:
+        stratum["tension"] = "0 kPa"
+    assert changed(Config.parse(data), "tension", "reduced") is None
+    for stratum in data["strata"]:
+        stratum["cohesion"] = 0.0
+        del stratum["tension"]
+    assert changed(Config.parse(data), "tension", "reduced") is None
+
+
+@pytest.mark.parametrize(("kc", "reported"), [(0.92, False), (0.85, True), (0.0, True), (None, False)])
+def test_a_critical_kh_that_needs_tension_is_reported(kc: float | None, reported: bool) -> None:
+    answer = fem(Config.parse(slope()))
+    cracked = None if kc is None else kc * answer.kc
+    texts = [text for _, text in tension_warning(answer, [variant("tension", "no tensile strength", cracked)])]
+    assert bool(texts) == reported
+    assert all(f"{100.0 * (1.0 - (kc or 0.0)):.0f} % smaller" in text for text in texts)
