@@ -11,14 +11,18 @@ from typing import Literal
 import numpy as np
 
 from meshes.section.section import Section
+from meshes.section.simplified import needed
 from meshes.section.tension_crack import TensionCrack
 from workflow.estimates.slice_methods import bishop_critical_kh, bishop_factor, spencer_critical_kh, spencer_factor
 from workflow.estimates.slices import LEFT, RIGHT, Slices, divide, loaded_by_crack
 
 GROUND_POINTS, CIRCLES_PER_PAIR = 41, 16  # points of the ground, and circles through a pair of them, on the first grid
+# The corners of the ground are points of the first grid, too. Of a surveyed ground with hundreds of points it has only
+# those that the shape needs, and more of its circles are refined, since their ends are between the others.
+MOST_CORNERS, SMALLEST_BEND = 80, 1e-4  # the latter as a share of the height of the section
 SLICES, FINE_SLICES = 40, 200  # of a circle on the first grids, and on the last ones
 # Circles that are refined, and how often, with either number of slices.
-COARSE_CIRCLES, COARSE_ROUNDS = 6, 3
+COARSE_CIRCLES, COARSE_CIRCLES_OF_MANY_CORNERS, COARSE_ROUNDS = 6, 30, 3
 FINE_CIRCLES, FINE_ROUNDS = 2, 4
 STEP_REDUCTION = 0.45  # ratio of consecutive steps
 CIRCLES_AT_A_TIME = 4000  # circles at a time, on the first grid
@@ -152,6 +156,16 @@ def _to_the_ground(section: Section, line: np.ndarray, towards: int) -> np.ndarr
     return np.vstack([[ends[0], heights[0]], line[inside], [ends[1], heights[1]]])
 
 
+def _corners(section: Section) -> np.ndarray:
+    """Return the corners (n, 2) of the ground between which it is nearly straight; all corners if these are few."""
+    ground, height = section.ground, float(np.ptp(section.outline()[:, 1]))
+    corners, bend = ground, SMALLEST_BEND * height
+    while len(corners) > MOST_CORNERS and bend < height:
+        corners = ground[needed(ground, bend)]
+        bend *= 1.5
+    return corners
+
+
 @dataclass(frozen=True, eq=False)
 class _CircleSearch:
     section: Section
@@ -164,13 +178,15 @@ class _CircleSearch:
 
     def run(self) -> SlipCircle | None:
         """Return the circle with the smallest critical Kh or factor of safety; None if no circle has one."""
-        best = self._best(self._grid(), SLICES, COARSE_CIRCLES)
+        many = len(self.section.ground) > MOST_CORNERS
+        most_coarse = COARSE_CIRCLES_OF_MANY_CORNERS if many else COARSE_CIRCLES
+        best = self._best(self._grid(), SLICES, most_coarse)
         left, right = self.section.extent
         step = np.array(
             [(right - left) / (GROUND_POINTS - 1), (right - left) / (GROUND_POINTS - 1), 1.0 / CIRCLES_PER_PAIR]
         )
         offsets = np.stack(np.meshgrid(*[[-1.0, -0.5, 0.0, 0.5, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-        coarse, fine = (SLICES, COARSE_CIRCLES), (FINE_SLICES, FINE_CIRCLES)
+        coarse, fine = (SLICES, most_coarse), (FINE_SLICES, FINE_CIRCLES)
         for number, most in [coarse] * COARSE_ROUNDS + [fine] * FINE_ROUNDS:
             if not len(best):
                 return None
@@ -181,8 +197,7 @@ class _CircleSearch:
 
     def _grid(self) -> np.ndarray:
         ends = np.linspace(*self.section.extent, GROUND_POINTS)
-        ground = self.section.ground[:, 0]
-        ends = np.unique(np.concatenate([ends, ground]))
+        ends = np.unique(np.concatenate([ends, _corners(self.section)[:, 0]]))
         bulges = (np.arange(CIRCLES_PER_PAIR) + 0.5) / CIRCLES_PER_PAIR
         first, last, bulge = np.meshgrid(ends, ends, bulges, indexing="ij")
         ordered = first < last
