@@ -22,7 +22,7 @@ class PointSoil:
     density : total density, which resists acceleration (kg/m³)
     youngs_modulus, poissons_ratio : elastic constants in plane strain (Pa, -)
     cohesion, friction : Mohr-Coulomb strength (Pa, rad); plastic flow is without dilation
-    tension : largest mean tensile stress (Pa); with inf only the apex of the cone, c cot φ, limits the tension
+    tension : largest tensile stress (Pa), a principal stress; with inf only the apex of the cone, c cot φ, limits it
     weight_ratio : density on which gravity acts over ``density`` (-); below 1 if the density for gravity includes
         buoyancy
     """
@@ -108,7 +108,7 @@ class MaterialPoints:
         tension: float | np.ndarray = np.inf,
         where: np.ndarray | slice = slice(None),
     ) -> None:
-        """Set the strength of the points ``where``: cohesion (Pa), friction angle (rad), largest mean tension (Pa)."""
+        """Set the strength of the points ``where``: cohesion (Pa), friction angle (rad), largest tension (Pa)."""
         c, phi, limit = (np.asarray(value, dtype=float) for value in (cohesion, friction, tension))
         with np.errstate(divide="ignore", invalid="ignore"):
             apex = np.where(np.tan(phi) > 0.0, c / np.tan(phi), UNLIMITED_TENSION)
