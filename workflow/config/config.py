@@ -243,7 +243,9 @@ class Config(Tables):
                 "fem": fem,
                 "slide": slide,
                 "mesh": settings.mesh.at_most(settings.fem.max_cells),
-                "criteria": settings.criteria.resolved(_peak(settings)),
+                "criteria": settings.criteria.resolved(
+                    _peak(settings), undrained=any(stratum.friction_angle == 0.0 for stratum in section.strata)
+                ),
             }
             config = cls(section=section, **used)
         except ValidationError as error:

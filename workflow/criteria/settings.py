@@ -9,40 +9,57 @@ from pydantic import Field
 from meshes.section.model import Model
 from meshes.section.quantity import Coordinate, Height, Length
 
-Preset = Literal["hynes_griffin_franklin_1984", "nchrp_611"]
+Preset = Literal["hynes_griffin_franklin_1984", "nchrp_611", "eurocode_8_5", "river_levee_mlit"]
 
 
 @dataclass(frozen=True)
 class PublishedCriterion:
-    """Holds a published criterion: the required factor of safety under a share of the peak acceleration, and the
-    largest displacement of ground with this factor.
+    """Holds a published criterion: the required factor of safety under a share of the peak acceleration, the largest
+    displacement of ground with this factor, and the freeboard that has to remain.
 
     Attributes
     ----------
-    factor : least factor of safety
-    share : Kh over the peak acceleration of the ground, both as multiples of g
-    displacement : largest displacement (m) of ground with this factor
     source : the publication, and its range of validity
+    factor : least factor of safety; None if the publication requires none
+    factor_undrained : least factor of safety of ground with undrained strengths; None if it is the same
+    share : Kh over the peak acceleration of the ground, both as multiples of g
+    displacement : largest displacement (m) of ground with this factor; None if the publication states none
+    freeboard : least height (m) of the crest above the water after the earthquake; None without this limit
     """
 
-    factor: float
-    share: float
-    displacement: float
     source: str
+    factor: float | None = None
+    factor_undrained: float | None = None
+    share: float = 0.5
+    displacement: float | None = None
+    freeboard: float | None = None
 
 
 PRESETS: Mapping[Preset, PublishedCriterion] = {
     # 350 records and more: a factor above 1 under half of the peak acceleration keeps earth dams to about 1 m.
     "hynes_griffin_franklin_1984": PublishedCriterion(
-        1.0, 0.5, 1.0,
         "M. E. Hynes-Griffin & A. G. Franklin, US Army Waterways Experiment Station, MP GL-84-13 (1984); earth dams "
         "that do not liquefy, with strengths reduced for excess pore pressure",
+        factor=1.0, share=0.5, displacement=1.0,
     ),
     # C/D ratio of 1.1 under half of the site-adjusted peak acceleration: less than 1 to 2 inches.
     "nchrp_611": PublishedCriterion(
-        1.1, 0.5, 0.05,
         "D. G. Anderson et al., NCHRP Report 611 (2008), chapter 8; slopes that do not liquefy, peak acceleration of "
         "the site",
+        factor=1.1, share=0.5, displacement=0.05,
+    ),
+    # F_H = 0.5 α S W, where α S is the peak acceleration of the ground over g. Strengths are divided by recommended
+    # partial factors: 1.25 of tan φ' and c', 1.4 of c_u, which a country may change. Mixed ground needs between both.
+    "eurocode_8_5": PublishedCriterion(
+        "EN 1998-5:2004, 4.1.3.3 and 3.1 (3) with the recommended partial factors; F_V = 0.33 or 0.5 F_H either way is "
+        "fem.vertical; soils that do not liquefy or soften",
+        factor=1.25, factor_undrained=1.4, share=0.5,
+    ),
+    # The crest after the earthquake is not below the water outside that the check assumes.
+    "river_levee_mlit": PublishedCriterion(
+        "MLIT, guidelines for the seismic performance of river structures (2012), part II, levees: height of the crest "
+        "after the earthquake, and the water outside that is considered in the check",
+        freeboard=0.0,
     ),
 }  # fmt: skip
 
@@ -90,8 +107,9 @@ class CriteriaSettings(Model):
     preset: Preset | None = Field(
         default=None,
         description='a published criterion: "hynes_griffin_franklin_1984" (factor 1 at half of the peak acceleration, '
-        'for up to 1 m) or "nchrp_611" (factor 1.1 at half of it, for up to 2 inches); limits given in addition '
-        "take precedence",
+        'for up to 1 m), "nchrp_611" (factor 1.1 at half of it, for up to 2 inches), "eurocode_8_5" (factor 1.25, or '
+        '1.4 with undrained strengths, at half of it) or "river_levee_mlit" (crest not below the water); limits given '
+        "in addition take precedence",
     )
     factor_of_safety: FactorCriterion | None = Field(
         default=None, description="the least factor of safety, { limit = 1.2, kh = 0.1, source = ... }"
@@ -107,21 +125,27 @@ class CriteriaSettings(Model):
         default=None, description='the least freeboard after the earthquake, { limit = "0.5 m", water = 12.5 }'
     )
 
-    def resolved(self, peak: float | None) -> Self:
+    def resolved(self, peak: float | None, undrained: bool = False) -> Self:
         """Return the limits of the settings, completed by the limits of the preset. The factor of the preset applies to
-        a ``peak`` acceleration of the ground (over gravity)."""
+        a ``peak`` acceleration of the ground (over gravity), and depends on whether strengths are ``undrained``."""
         if self.preset is None:
             return self
         preset, factor = PRESETS[self.preset], self.factor_of_safety
-        if factor is None and peak is not None:
-            factor = FactorCriterion(limit=preset.factor, kh=round(preset.share * peak, 4), source=preset.source)
-        displacement = self.displacement or LengthCriterion(limit=preset.displacement, source=preset.source)
-        return self.model_copy(update={"factor_of_safety": factor, "displacement": displacement})
+        limit = preset.factor_undrained or preset.factor if undrained else preset.factor
+        displacement, height = self.displacement, self.freeboard
+        if factor is None and limit is not None and peak is not None:
+            factor = FactorCriterion(limit=limit, kh=round(preset.share * peak, 4), source=preset.source)
+        if displacement is None and preset.displacement is not None:
+            displacement = LengthCriterion(limit=preset.displacement, source=preset.source)
+        if height is None and preset.freeboard is not None:
+            height = FreeboardCriterion(limit=preset.freeboard, source=preset.source)
+        return self.model_copy(update={"factor_of_safety": factor, "displacement": displacement, "freeboard": height})
 
     @property
     def lacks_peak(self) -> bool:
         """Return whether a preset could not be resolved because there is no peak acceleration."""
-        return self.preset is not None and self.factor_of_safety is None
+        needs_factor = self.preset is not None and PRESETS[self.preset].factor is not None
+        return needs_factor and self.factor_of_safety is None
 
 
 CriterionVerdict = Literal["satisfied", "not satisfied", "not decided"]

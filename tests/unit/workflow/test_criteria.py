@@ -8,7 +8,7 @@ from meshes.errors import InputError
 from meshes.section.structure import Structure, structure_problems
 from tests.support import TOP
 from workflow.config import Config
-from workflow.criteria.settings import CriteriaSettings, FactorCriterion, common_verdict, judge
+from workflow.criteria.settings import CriteriaSettings, FactorCriterion, FreeboardCriterion, common_verdict, judge
 
 
 @pytest.mark.parametrize(
@@ -54,6 +54,28 @@ def test_published_criteria_follow_the_peak_acceleration() -> None:
     )  # its displacement needs no peak
     assert messages.factor_of_safety == criterion
     assert messages.displacement is not None
+
+
+@pytest.mark.parametrize(("undrained", "factor"), [(False, 1.25), (True, 1.4)])
+def test_eurocode_divides_strengths_by_its_partial_factors_at_half_of_the_peak(undrained: bool, factor: float) -> None:
+    """EN 1998-5:2004, 4.1.3.3 (5): F_H = 0.5 α S W; 3.1 (3): 1.25 for tan φ', 1.4 for c_u. It limits nothing else."""
+    limits = CriteriaSettings(preset="eurocode_8_5").resolved(0.3, undrained)
+    assert limits.factor_of_safety is not None
+    assert (limits.factor_of_safety.limit, limits.factor_of_safety.kh) == (factor, 0.15)
+    assert limits.factor_of_safety.source.startswith("EN 1998-5:2004")
+    assert (limits.displacement, limits.freeboard) == (None, None)
+    assert CriteriaSettings(preset="eurocode_8_5").lacks_peak
+
+
+def test_the_crest_of_a_river_levee_stays_above_the_water_outside() -> None:
+    limits = CriteriaSettings(preset="river_levee_mlit")
+    assert not limits.lacks_peak  # it needs a slide, and no acceleration
+    limits = limits.resolved(None)
+    assert limits.freeboard is not None
+    assert (float(limits.freeboard.limit), limits.freeboard.water) == (0.0, None)
+    assert (limits.factor_of_safety, limits.displacement) == (None, None)
+    higher = FreeboardCriterion.model_validate({"limit": "0.5 m", "water": 12.5})
+    assert CriteriaSettings(preset="river_levee_mlit", freeboard=higher).resolved(None).freeboard == higher
 
 
 def test_structures_that_do_not_fit() -> None:
@@ -116,6 +138,12 @@ def test_a_preset_needs_a_peak_acceleration() -> None:
     assert config.criteria.factor_of_safety is not None
     assert config.criteria.factor_of_safety.kh == pytest.approx(0.15)
     assert Config.parse(tomllib.loads(config.to_toml())).criteria == config.criteria
+    european = {**section, "criteria": {"preset": "eurocode_8_5"}, "earthquake": {"peak_acceleration": "0.3 g"}}
+    for angle, limit in (("10 deg", 1.25), (0, 1.4)):
+        european["strata"][0]["friction_angle"] = angle
+        factor = Config.parse(european).criteria.factor_of_safety
+        assert factor is not None
+        assert factor.limit == limit
 
 
 @pytest.mark.parametrize(
