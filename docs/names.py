@@ -1,5 +1,5 @@
-"""Refuses identifiers that hold no noun of the field, in the packages, the documentation and the tests:
-`python docs/names.py`.
+"""Refuses identifiers that hold no noun of the field, in the packages, the documentation and the tests, and modules of
+the packages that are too long: `python docs/names.py`.
 
 A name says what it holds: `fixed` components, not `held`; `messages`, not `told`; `REST_DISPLACEMENT`, not `STILL`.
 Fields of pydantic models are left out, since they are keys of files; so are the names of tests, which are sentences.
@@ -12,7 +12,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parent.parent
-FOLDERS = ("meshes", "fem", "dem", "workflow", "docs", "tests")
+PACKAGES = ("meshes", "fem", "dem", "workflow")
+FOLDERS = (*PACKAGES, "docs", "tests")
+MOST_LINES = 400  # of a module
 
 # Words that are refused anywhere in an identifier, and what to write instead.
 PARTS = {
@@ -110,8 +112,15 @@ def faults(source: str) -> Iterator[tuple[int, str, str]]:
 
 
 def messages() -> list[str]:
-    """Yield one line for every refused identifier."""
-    return [
+    """Return one line for every refused identifier and every module that is too long."""
+    modules = [path for package in PACKAGES for path in sorted((TOP / package).rglob("*.py"))]
+    lengths = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in modules}
+    long = [
+        f"{path.relative_to(TOP)}: {count} lines, at most {MOST_LINES} are allowed"
+        for path, count in lengths.items()
+        if count > MOST_LINES
+    ]
+    return long + [
         f'{path.relative_to(TOP)}:{line}: identifier "{name}": {better}'
         for folder in FOLDERS
         for path in sorted((TOP / folder).rglob("*.py"))

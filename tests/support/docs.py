@@ -29,7 +29,8 @@ def program(name: str) -> ModuleType:
 def pages() -> list[Path]:
     """Return README, READMEs of the packages and of the tests, and every page of the documentation."""
     written = [path for path in DOCS.rglob("*.md") if "build" not in path.relative_to(DOCS).parts]
-    return [TOP / "README.md", *sorted(TOP.glob("*/README.md")), *sorted(set(written) - set(TOP.glob("*/README.md")))]
+    readmes = [TOP / folder / "README.md" for folder in (*PACKAGES, "tests")]
+    return [TOP / "README.md", *readmes, *sorted(written)]
 
 
 def blocks(language: str, text: str) -> list[str]:

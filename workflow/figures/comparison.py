@@ -140,7 +140,7 @@ def _brackets(results: Results) -> str:
     after = results.dem.after if results.dem is not None else None
     if after is not None and after.kc is not None:
         alike = results.dem_counterpart
-        most = "" if alike is None or alike.kc_upper < alike.kc + VISIBLE_INTERVAL else f" to {alike.kc_upper:.3f}"
+        most = "" if alike is None or alike.kc_upper <= alike.kc else f" to {alike.kc_upper:.3f}"
         target_words = f" for {alike.kc:.3f}{most} of the FEM (dashed)" if alike is not None else ""
         phrases.append(f"discs {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f}){target_words}")
     return f"critical Kh: {'; '.join(phrases)}" if phrases else ""
