@@ -333,7 +333,7 @@ def calibrate(
     verdict: CalibrationVerdict = (
         "calibrated" if _meets_target(tried[value], target, settings.tolerance) else "out of reach"
     )
-    reason = f"critical Kh {middle(tried[value]):.4f} for a target of {target:.4f}"
+    reason = f"critical Kh {middle(tried[value]):.3f} for a target of {target:.3f}"
     if verdict != "calibrated":
         reason = _out_of_reach(settings, parameter, tried, value, target)
     return Calibration(

@@ -27,7 +27,6 @@ PICTURES = (FRONT, CURVES, SURFACES, CALIBRATION, BLOCK, DISPLACEMENTS)
 SOLID, DASHED, DOTTED = (0, ()), (0, (5, 2)), (0, (1, 2))
 PALE = "#7d8890"
 LEGEND_ROWS = 7  # of the load curves: every entry in a row of its own, since some labels are half as wide as the sheet
-VISIBLE_INTERVAL = 0.005  # of Kh: less is no interval
 
 
 def draw_all(results: Results) -> list[str]:
@@ -140,8 +139,8 @@ def _brackets(results: Results) -> str:
     after = results.dem.after if results.dem is not None else None
     if after is not None and after.kc is not None:
         alike = results.dem_counterpart
-        most = "" if alike is None or alike.kc_upper <= alike.kc else f" to {alike.kc_upper:.3f}"
-        target_words = f" for {alike.kc:.3f}{most} of the FEM (dashed)" if alike is not None else ""
+        ends = dict.fromkeys(f"{end:.3f}" for end in ((alike.kc, alike.kc_upper) if alike is not None else ()))
+        target_words = f" for {' to '.join(ends)} of the FEM (dashed)" if ends else ""
         phrases.append(f"discs {after.kc:.3f} ({after.kc_lower:.3f} to {after.kc_upper:.3f}){target_words}")
     return f"critical Kh: {'; '.join(phrases)}" if phrases else ""
 

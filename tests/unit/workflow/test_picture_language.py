@@ -23,6 +23,7 @@ from workflow.texts.picture_texts import language_of, translated
         "free-field sides, ψ = φ, reduced element, seismic force downslope and upslope; the smaller\nKh counts. "
         "Dot: the ground fails first in a few cells.",
         "critical Kh: FEM 0.237; discs 0.343 (0.342 to 0.344) for 0.339 of the FEM (dashed)",
+        "critical Kh: FEM 0.237; discs 0.342 (0.339 to 0.346) for 0.339 to 0.343 of the FEM (dashed)",
         "After 37.7 s: the right side of the box stopped the slide: in a longer section it would continue. Liquefied "
         "layers keep their stiffness and a residual strength of their own.",
         "case 2, low strength, calibrated discs: largest slide 38 m",
