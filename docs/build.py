@@ -17,7 +17,7 @@ HERE = Path(__file__).resolve().parent
 TOP = HERE.parent
 sys.path.insert(0, str(TOP))
 
-from docs.generated import closed_forms, commands, keys, python_interface, s13, speed  # noqa: E402
+from docs.generated import closed_forms, commands, dates, keys, python_interface, s13, speed  # noqa: E402
 
 PAGES, SITE = HERE / "build" / "pages", HERE / "build" / "site"
 COLLECTIONS = {"slopes": TOP / "tests/verification/published", "slides": TOP / "tests/verification/slides"}
@@ -79,7 +79,8 @@ def gather() -> None:
                 modules.add(module_of(leads_to))
         for made, title in TITLES.items():  # pages name them and do not link to them: only the site has such files
             text = text.replace(f"`{made}`", f"[{title}]({os.path.relpath(made, os.path.dirname(page) or '.')})")
-        write(page, text)
+        computed = dates(text)
+        write(page, text + (f"\nNumbers of this page:\n{computed}\n" if computed else ""))
     for page, make in GENERATED.items():
         write(page, make())
     for module in sorted(modules):

@@ -1,5 +1,6 @@
 """Generates the pages that follow from the program: from its models, commands, docstrings and numbers."""
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,7 +12,7 @@ from docs.section_keys import markdown as keys
 from meshes.exports import homes
 from workflow.cli import app
 
-__all__ = ["closed_forms", "commands", "keys", "numbers", "python_interface", "s13", "speed"]
+__all__ = ["closed_forms", "commands", "dates", "keys", "numbers", "python_interface", "s13", "speed"]
 
 HERE = Path(__file__).resolve().parent
 TOP = HERE.parent
@@ -85,6 +86,13 @@ def made(name: str) -> str:
     values = numbers()[name]
     by = f" by commit {values['commit']}" if values["commit"] else ""
     return f"Generated {values['date']}{by}. Again: `{values['command']}`."
+
+
+def dates(text: str) -> str:
+    """Return a line on each table of numbers that a page names at its end, with date and command; empty without any."""
+    mark = re.search(r"<!-- numbers:(.*?)-->", text, flags=re.DOTALL)
+    names = re.findall(r"([\w./#-]+) \(", mark[1]) if mark else []
+    return "".join(f"\n- {made(name)}" for name in dict.fromkeys(names) if name in numbers())
 
 
 def closed_forms() -> str:

@@ -269,6 +269,15 @@ def test_names_without_a_noun_are_refused() -> None:
     assert {(line, name) for line, name, _ in names.faults(source)} == {(1, "STILL"), (3, "told"), (6, "least")}
 
 
+def test_a_page_names_date_and_command_of_its_numbers() -> None:
+    generated = program("generated")
+    page = (DOCS / "validation/moss_landing.md").read_text(encoding="utf-8")
+    date = generated.numbers()["moss_landing"]["date"]
+    assert generated.dates(page).startswith(f"\n- Generated {date}")
+    assert generated.dates(page).endswith("Again: `python -m tests.benchmarks moss_landing`.")
+    assert generated.dates("No numbers.") == ""
+
+
 def test_parameters_that_a_docstring_lacks_are_refused() -> None:
     """That no docstring lacks one is a check of `make lint`."""
     source = 'def add(a, b, c, d):\n    """Add a, b and c."""\n\n\ndef add_few(a, b, c):\n    """Add."""\n'
