@@ -21,6 +21,8 @@ from workflow.results.verdicts import CrestPart
 from workflow.texts.report_texts import Texts
 
 Settlements = tuple[float, float, float]  # by the slide: its value, and the interval over packings
+BESIDE_WATER = ("building", "bank", "quay")  # kinds of structures whose free water stands beside them
+LEAST_DEPTH = 1e-6  # m, of free water
 
 
 def crest_parts(
@@ -62,7 +64,7 @@ def _part(
     drained = reconsolidation_below(config, structure.crest, case)
     added = 0.0 if config.cases[case - 1].volumetric_strain > 0.0 else drained or 0.0
     value, low, high = (settlement + added for settlement in slide)
-    water = water_at_crest(config, structure.crest)
+    water = water_at_crest(config, structure)
     heights = [
         None if water is None else freeboard(structure.crest.elevation, settlement, water)
         for settlement in (value, high, low)
@@ -108,16 +110,33 @@ def _strains_of_borings(config: Config) -> dict[int, float]:
         return {}
 
 
-def water_at_crest(config: Config, crest: Crest) -> float | None:
+def water_at_crest(config: Config, structure: CrestedStructure) -> float | None:
     """Return the elevation (m) of the water that a structure retains: the elevation in the criteria or, without one,
-    the higher water level at the feet of the structure; None where all water lies in the ground."""
-    if not holds_water(config):
-        return None
+    the higher level of the water that stands on the ground at its feet.
+
+    Where none does, it is the higher water level in the ground at the feet of a levee or another structure that retains
+    water, whose foreshore may be dry, and None of a building, bank or quay. It is also None where all water lies in the
+    ground.
+    """
     limit = config.criteria.freeboard
     if limit is not None and limit.water is not None:
         return float(limit.water)
     points = config.section.water_points()
-    return None if points is None else float(np.interp([crest.start, crest.end], *points.T).max())
+    if points is None or not holds_water(config):
+        return None
+    feet = np.array([structure.crest.start, structure.crest.end])
+    levels = np.interp(feet, *points.T)
+    free = levels > ground_at(config.section.ground, feet) + LEAST_DEPTH
+    if free.any():
+        return float(levels[free].max())
+    return float(levels.max()) if structure.kind not in BESIDE_WATER else None
+
+
+def ground_at(ground: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the elevation (m) of the ``ground`` (n, 2) at ``x``, at a vertical step that of its foot."""
+    steps = [ground[np.abs(ground[:, 0] - place) < 1e-9, 1] for place in x]
+    between = np.interp(x, *ground.T)
+    return np.array([z.min(initial=level) for z, level in zip(steps, between, strict=True)])
 
 
 def holds_water(config: Config) -> bool:
@@ -125,7 +144,7 @@ def holds_water(config: Config) -> bool:
     if config.criteria.freeboard is not None:
         return True
     points, ground = config.section.water_points(), config.section.ground
-    return points is not None and bool((np.interp(ground[:, 0], *points.T) > ground[:, 1] + 1e-6).any())
+    return points is not None and bool((np.interp(ground[:, 0], *points.T) > ground[:, 1] + LEAST_DEPTH).any())
 
 
 def crest_sentences(parts: Iterator[CrestPart]) -> Iterator[str]:

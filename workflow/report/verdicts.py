@@ -1,5 +1,6 @@
 """States verdicts on the criteria: satisfied, not satisfied, or not decided."""
 
+import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -14,6 +15,7 @@ from workflow.report.structures import FaceRow, face_rows
 from workflow.report.summary_text import at_rest
 from workflow.results.answer import Line
 from workflow.results.governing import faces_with_bounds, governing_face_value, governing_factor, governing_kh
+from workflow.results.lengths import metres
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, FacePart, SlicesAnswer
 from workflow.results.verdicts import Criterion, VerdictPart
@@ -261,14 +263,14 @@ def _freeboards(results: Results) -> Iterator[Interval]:
                 part.freeboard_high_m,
                 _unrest_reason(part.at_rest),
             )
-    crests = {structure.name: structure.crest for structure in structures_of(results.config.section)}
+    structures = {structure.name: structure for structure in structures_of(results.config.section)}
     for row in _blocks(results):
-        crest = crests[row.face.structure]
-        water = water_at_crest(results.config, crest)
+        structure = structures[row.face.structure]
+        water = water_at_crest(results.config, structure)
         if water is None or row.block is None:
             yield f"{row.name}, {BLOCK}", None, None, "no water level is known at the crest"
         else:
-            least, most = (freeboard(crest.elevation, fall, water) for fall in (row.block.high, 0.0))
+            least, most = (freeboard(structure.crest.elevation, fall, water) for fall in (row.block.high, 0.0))
             yield f"{row.name}, {BLOCK}", least, most, ""
     yield from _not_computed(results)
     yield from _without_crest(results)
@@ -309,7 +311,7 @@ def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None, liqu
         parts_of_criterion = [part for part in parts if part.criterion == criterion]
         verdict = common_verdict(tuple(part.verdict for part in parts_of_criterion))
         deciding = [part for part in parts_of_criterion if part.verdict == verdict]
-        worst = deciding[:3] if verdict != "satisfied" else []
+        worst = sorted(deciding, key=_excess, reverse=True)[:3] if verdict != "satisfied" else []
         reasons = [f"{_.sentence(part.subject)}: {_.sentence(part.reason) or interval_words(part)}" for part in worst]
         reason_words = f" ({_.listed(reasons)})" if reasons else ""
         limit = _number(criterion, parts_of_criterion[0].limit)
@@ -338,10 +340,28 @@ def _kh_words(part: VerdictPart, _: Texts) -> str:
 
 def interval_words(part: VerdictPart) -> str:
     """Return the interval of the quantity with its unit, or a dash."""
-    ends = [_number(part.criterion, end) for end in (part.low, part.high) if end is not None]
+    ends = [_shown(part, end) for end in (part.low, part.high) if end is not None]
     if len(ends) == 1:
         return f"{'at least' if part.high is None else 'at most'} {ends[0]}"
-    return "–" if not ends else ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
+    return "–" if not ends else ends[0] if ends[0] == ends[1] else f"{ends[0].removesuffix(' m')} to {ends[1]}"
+
+
+def _shown(part: VerdictPart, value: float) -> str:
+    """Return the end of an interval with its unit, lengths in the digits of tables unless these digits place the end on
+    the other side of the limit."""
+    if part.criterion in ("factor of safety", "critical Kh"):
+        return _number(part.criterion, value)
+    short = metres(value)
+    return short if (float(short.removesuffix(" m")) > part.limit) == (value > part.limit) else f"{value:.2f} m"
+
+
+def _excess(part: VerdictPart) -> float:
+    """Return by how much the worse end of an interval exceeds the limit, infinite if the interval is open there."""
+    if part.low is None and part.high is None:
+        return -math.inf
+    is_least = part.criterion in AT_LEAST
+    end = part.low if is_least else part.high
+    return math.inf if end is None else part.limit - end if is_least else end - part.limit
 
 
 def _number(criterion: Criterion, value: float) -> str:

@@ -13,8 +13,9 @@ from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.criteria.settings import CriteriaSettings
 from workflow.report import side_by_side
+from workflow.estimates.structures import structures_of
 from workflow.report.console import slide_sentences
-from workflow.report.crests import crest_parts
+from workflow.report.crests import crest_parts, water_at_crest
 from workflow.report.first_page import headlines
 from workflow.report.slide_headline import block_slides
 from workflow.report.structures import face_rows, structure_sentences
@@ -25,6 +26,7 @@ from workflow.results.cases import CaseAnswer, CasesAnswer
 from workflow.results.continuum import FailureAnswer
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue
 from workflow.results.slices import CirclePart, FacePart, FactorCircles, SlicesAnswer
+from workflow.results.verdicts import VerdictPart
 from workflow.texts.report_texts import Texts
 
 
@@ -104,6 +106,37 @@ def test_a_road_above_ground_water_has_no_freeboard_and_no_upslope_third() -> No
     text = " ".join(slide_sentences(config, slid(sunk(config, 0.5))))
     assert "freeboard" not in text
     assert "upslope third" not in text
+
+
+def test_free_water_counts_for_freeboard_not_the_water_in_the_ground_below_a_building() -> None:
+    """Flats behind a river bank had a freeboard of -0.93 m over ground water, and the bank that over ground water 0.4 m
+    above the river."""
+    surface = [[0, -3], [40, -3], [52, 3], [120, 3]]
+    places = [{"name": "flats", "from": 62, "to": 74, "kind": "building"},
+              {"name": "bank", "from": 40, "to": 52, "kind": "bank"}]  # fmt: skip
+    data = {**tomllib.loads((TOP / "tests/support/levee/levee.toml").read_text(encoding="utf-8")), "surface": surface,
+            "base": {"elevation": -15}, "structures": places,
+            "water": {"table": [[0, 0], [46, 0], [60, 1], [120, 1.5]]}}  # fmt: skip
+    soil = {key: value for key, value in data["strata"][-1].items() if key != "bottom"}
+    data["strata"] = [{**soil, "liquefies_in": [1], "density": "18 kN/m^3", "density_saturated": "19 kN/m^3"}]
+    config = Config.parse({key: data[key] for key in ("name", "surface", "base", "structures", "water", "strata")})
+    water = {structure.name: water_at_crest(config, structure) for structure in structures_of(config.section)}
+    assert water == {"flats": None, "bank": 0.0}
+
+
+def test_lengths_of_a_verdict_have_the_digits_of_tables_and_the_worst_are_named() -> None:
+    """ "11.72 m to 14.21 m" stood beside a slide of 13 m, and three structures that slid less were named."""
+
+    def part(subject: str, low: float, high: float | None) -> VerdictPart:
+        return VerdictPart(criterion="displacement", subject=subject, low=low, high=high, limit=0.3, kh=None, source="",
+                           verdict="not satisfied", reason="")  # fmt: skip
+
+    assert [interval_words(part("flats", *ends)) for ends in ((11.72, 14.21), (0.304, 0.35), (2.0, None))] == [
+        "12 to 14 m", "0.30 to 0.35 m", "at least 2.0 m",
+    ]  # fmt: skip
+    parts = [part("a", 1.0, 2.0), part("b", 3.0, 4.0), part("c", 0.5, 0.6), part("d", 0.4, None)]
+    [sentence] = verdict_paragraph(parts)
+    assert sentence.endswith("not satisfied (d: at least 0.40 m, b: 3.0 to 4.0 m and a: 1.0 to 2.0 m).")
 
 
 def test_reconsolidation_is_added_to_slides_that_lose_no_volume() -> None:
