@@ -111,6 +111,19 @@ def factor_like(limit: AdaptiveResult[LimitLoadResult], kh: float) -> float:
     return min(GUESS_RATIO * math.tan(needed) / math.tan(present), LARGEST_GUESS)
 
 
+def factor_error(
+    limit: AdaptiveResult[LimitLoadResult], similar: AdaptiveResult[LimitLoadResult], kh: float, factor: float
+) -> float:
+    """Estimate the error of the factor of safety at ``kh`` on the mesh of ``similar``, as a share of the ``factor``, by
+    that of its critical Kh: what is above the ``limit`` of the sequence of meshes.
+
+    The factor is 1 at the critical Kh, and changes from there to ``kh`` about linearly.
+    """
+    critical = similar.result.kc
+    error = critical - min(limit.result.kc, limit.limit) if len(limit.rounds) > 1 else 0.0
+    return max(error, 0.0) * abs(factor - 1.0) / (max(abs(critical - kh), SMALLEST_KH) * factor)
+
+
 def _ignore(_: str) -> None:
     """Ignore messages."""
 
@@ -283,7 +296,8 @@ class AdaptiveSearch:
         remade = partial(self._next, faces=faces, settings=settings)
         request = RefinementCriteria(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
         first, fits = (self.first_mesh, None) if similar is None else (similar.mesh, similar.is_as_fine_along)
-        sequence = MeshSequence[SafetyFactor](first, request, fits)
+        expected = 0.0 if like is None or similar is None else factor_error(like, similar, kh, guess)
+        sequence = MeshSequence[SafetyFactor](first, request, fits, expected)
         while (mesh := sequence.mesh) is not None:
             self.tell(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")
             answer: SafetyFactor | NoAnswerError
