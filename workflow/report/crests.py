@@ -21,7 +21,7 @@ from workflow.results.verdicts import CrestPart
 from workflow.texts.report_texts import Texts
 
 Settlements = tuple[float, float, float]  # by the slide: its value, and the interval over packings
-BESIDE_WATER = ("building", "bank", "quay")  # kinds of structures whose free water stands beside them
+NO_DRY_FORESHORE = ("building", "bank", "quay")  # kinds of structures whose free water stands beside them
 LEAST_DEPTH = 1e-6  # m, of free water
 
 
@@ -129,7 +129,7 @@ def water_at_crest(config: Config, structure: CrestedStructure) -> float | None:
     free = levels > ground_at(config.section.ground, feet) + LEAST_DEPTH
     if free.any():
         return float(levels[free].max())
-    return float(levels.max()) if structure.kind not in BESIDE_WATER else None
+    return float(levels.max()) if structure.kind not in NO_DRY_FORESHORE else None
 
 
 def ground_at(ground: np.ndarray, x: np.ndarray) -> np.ndarray:
