@@ -12,8 +12,8 @@ from tests.support.answers import bounds, fem, results
 from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.criteria.settings import CriteriaSettings
-from workflow.report import side_by_side
 from workflow.estimates.structures import structures_of
+from workflow.report import side_by_side
 from workflow.report.console import slide_sentences
 from workflow.report.crests import crest_parts, water_at_crest
 from workflow.report.first_page import headlines
