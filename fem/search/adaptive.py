@@ -17,6 +17,7 @@ from fem.continuum.shallow_failure import ShallowFailure, faces_at, strengthened
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
 from fem.limit_load.limit_load import LimitLoadResult, LoadedGround, critical_limit_load, in_order, with_other_flow
+from fem.search.factor_estimates import factor_error, factor_like
 from fem.search.mesh_sequence import (
     FEWEST_CELLS,
     SMALLEST_KH,
@@ -26,7 +27,6 @@ from fem.search.mesh_sequence import (
     RefinementCriteria,
     no_other_kh,
 )
-from fem.search.slip_surface import slip_surface
 from fem.search.strength_reduction import SafetyFactor, limit_load_safety_factor
 from fem.settings import FACTOR_SHARE, LEAST_KH, FemSettings
 from meshes.adaptation import adapted
@@ -42,9 +42,6 @@ from meshes.strips import with_finer_strips
 # A first mesh of more than this multiple of ``FEWEST_CELLS`` is preceded by a mesh of ``FEWEST_CELLS``, which provides
 # the first guess.
 MANY_CELLS_RATIO = 4
-# Largest first guess of a factor of safety, and the guess over the expected factor. From above, Newton's method needs
-# one or two steps; from below, it first overshoots.
-LARGEST_GUESS, GUESS_RATIO = 4.0, 1.2
 # Why there is no critical Kh above 0.
 FAILS_BY_ITSELF = "the ground fails under its own weight"
 
@@ -90,38 +87,6 @@ def adapted_to(
         {(face.stratum, face.start, face.end) for face in part} for part in (first.result.ground.faces, faces)
     )
     return first if strong == wanted else None
-
-
-def factor_like(limit: AdaptiveResult[LimitLoadResult], kh: float) -> float:
-    """Estimate the factor of safety at ``kh`` of ground whose critical Kh is known, by a block on the chord of the slip
-    surface. Return 1 if there is no slip surface, or if its chord does not descend.
-
-    A block on a plane at the angle β needs the friction tan(β + atan Kh). The estimate is the friction needed at the
-    critical Kh over the friction needed at ``kh``, and a little more.
-    """
-    assert limit.result.mechanism is not None
-    line = slip_surface(limit.mesh, limit.result.mechanism)
-    if not len(line):
-        return 1.0
-    run, fall = line[-1, 0] - line[0, 0], line[0, 1] - line[-1, 1]
-    slope = math.atan2(fall if limit.result.ground.load[0::2].sum() >= 0.0 else -fall, run)
-    needed, present = slope + math.atan(limit.result.kc), slope + math.atan(kh)
-    if slope <= 0.0 or needed >= 0.45 * math.pi:
-        return 1.0
-    return min(GUESS_RATIO * math.tan(needed) / math.tan(present), LARGEST_GUESS)
-
-
-def factor_error(
-    limit: AdaptiveResult[LimitLoadResult], similar: AdaptiveResult[LimitLoadResult], kh: float, factor: float
-) -> float:
-    """Estimate the error of the factor of safety at ``kh`` on the mesh of ``similar``, as a share of the ``factor``, by
-    that of its critical Kh: what is above the ``limit`` of the sequence of meshes.
-
-    The factor is 1 at the critical Kh, and changes from there to ``kh`` about linearly.
-    """
-    critical = similar.result.kc
-    error = critical - min(limit.result.kc, limit.limit) if len(limit.rounds) > 1 else 0.0
-    return max(error, 0.0) * abs(factor - 1.0) / (max(abs(critical - kh), SMALLEST_KH) * factor)
 
 
 def _ignore(_: str) -> None:
@@ -296,7 +261,7 @@ class AdaptiveSearch:
         remade = partial(self._next, faces=faces, settings=settings)
         request = RefinementCriteria(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
         first, fits = (self.first_mesh, None) if similar is None else (similar.mesh, similar.is_as_fine_along)
-        expected = 0.0 if like is None or similar is None else factor_error(like, similar, kh, guess)
+        expected = None if like is None or similar is None else partial(factor_error, like, similar, kh)
         sequence = MeshSequence[SafetyFactor](first, request, fits, expected)
         while (mesh := sequence.mesh) is not None:
             self.tell(f"factor of safety at Kh = {kh:g}: {len(mesh.cells)} cells")

@@ -179,8 +179,9 @@ class MeshSequence(Generic[F]):
     wish : accuracy and largest number of cells
     fits : function that returns whether the first mesh is adapted to a mechanism; without it the first mesh is adapted
         to none
-    first_error : least error on the first mesh that is expected, as a share of the answer (-); it falls with the number
-        of cells, and two meshes whose answers agree by chance have at least what remains of it
+    first_error : function of the answer on the first mesh that returns the least error expected there, as a share of
+        the answer (-); it falls with the number of cells, and two meshes whose answers agree by chance have at least
+        what remains of it
 
     Attributes
     ----------
@@ -193,7 +194,7 @@ class MeshSequence(Generic[F]):
         first: QuadMesh,
         wish: RefinementCriteria,
         fits: Callable[[FieldState], bool] | None = None,
-        first_error: float = 0.0,
+        first_error: Callable[[float], float] | None = None,
     ) -> None:
         self.mesh: QuadMesh | None = first
         self._first_error = first_error
@@ -262,7 +263,9 @@ class MeshSequence(Generic[F]):
         if value > min(mesh.value for mesh in self._rounds) and math.isfinite(previous.remaining_error):
             # After a rise, an answer that stays above an earlier one has at least the error of before, on more cells.
             rest = max(rest, previous.remaining_error * previous.cells / cells)
-        rest = max(rest, self._first_error * self._rounds[0].cells / cells)
+        if self._first_error is not None:
+            first = self._rounds[0]
+            rest = max(rest, self._first_error(first.value) * first.cells / cells)
         reliable = error >= 0.0 or cells >= (1.0 + SMALLEST_CELL_GAIN) * previous.cells
         return MeshRound(cells, value, abs(value - previous.value) / size, rest, reliable)
 

@@ -80,6 +80,22 @@ def test_a_first_mesh_that_fits_the_mechanism_is_refined_at_once(fits: bool, tim
     assert len(sequence.result.earlier) == fits
 
 
+def test_meshes_that_agree_by_chance_have_the_error_that_is_expected() -> None:
+    """An endless slope had 1.8233 on 689 cells and 1.8231 on 904; a third mesh of 1816 had 1.8157."""
+    section, wanted = Section.parse(slope()), MeshSettings(method="free", size=1.5)
+    first = generate(section, wanted)
+    for expected, ended in ((0.02, False), (0.001, True)):
+        sequence: MeshSequence[Any] = MeshSequence(
+            first, RefinementCriteria(0.01, 5000), lambda _: True, lambda value, error=expected: error * value / 0.2
+        )
+        for _ in range(2):
+            strain = np.ones(len(first.cells))
+            answer = SimpleNamespace(value=0.2, reason="", mechanism=SimpleNamespace(plastic_shear_strain=strain))
+            sequence.take(cast(Any, answer), lambda mesh, strain, cells: mesh)
+        assert (sequence.mesh is None) == ended == sequence.result.converged
+        assert sequence.result.rounds[-1].remaining_error == pytest.approx(expected)
+
+
 def test_it_goes_on_until_the_answer_no_longer_changes() -> None:
     solution = solved(Solver(error=5.0))
     assert solution.converged
