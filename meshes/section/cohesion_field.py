@@ -133,10 +133,10 @@ class CohesionField:
         below = none & (ground > top + layers.tolerance)
         if not none.any():
             return ""
-        where, what = (x[below], "its top, below other ground,") if below.any() else (x[none], "the ground")
+        where, what = (below, "its top, below other ground,") if below.any() else (none, "the ground")
         return (
-            f"the strength of the stratum is zero at {what} from x = {where.min():.3g} to {where.max():.3g} m, and "
-            f"the stratum slips there first; give cohesion_minimum, pre_overburden_pressure or a crust if it has more"
+            f"the strength of the stratum is zero at {what} {_stretches(x, where)}, and the stratum slips there first; "
+            "give cohesion_minimum, pre_overburden_pressure or a crust if it has more"
         )
 
     @cached_property
@@ -260,6 +260,14 @@ class CohesionField:
                 base = None if self.state is None else self.consolidation_stress(place, nearby, owner, int(k))
             cohesion[in_stratum] = law(soil, depth, stress, base)
         return cohesion
+
+
+def _stretches(x: np.ndarray, where: np.ndarray) -> str:
+    """Return in words the stretches of neighbouring places ``x`` (n,) in m that are marked by the mask ``where``."""
+    marked = np.flatnonzero(where)
+    parts = np.split(x[marked], np.flatnonzero(np.diff(marked) > 1) + 1)
+    words = [f"from x = {part[0]:.3g} to {part[-1]:.3g} m" for part in parts]
+    return " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
 
 
 def _grown(soil: Stratum, depth: np.ndarray, stress: np.ndarray, base: np.ndarray | None) -> np.ndarray:

@@ -170,6 +170,14 @@ def test_ground_whose_strength_goes_to_zero_at_its_top_is_told() -> None:
     assert "the strength of the stratum is zero at its top, below other ground, from x = 0.05 to 15.9 m" in weak
     assert message(cohesion_minimum="5 kPa") == []
     assert message(pre_overburden_pressure="10 kPa") == []
+    # Bare on both sides of the fill, which lies on a crust: "from x = 0.05 to 39.9 m" named the ground below the fill.
+    surface = [[0, 10], [10, 10], [16, 13], [20, 13], [26, 10], [40, 10]]
+    fill["bottom"] = {"elevation": [[10, 10], [26, 10]]}
+    sides = Section.parse(
+        {**section, "surface": surface, "strata": [fill, layer("clay", **{**soil, "consolidated_below": None})]}
+    )
+    [bare] = [text for text in sides.notices if "of the stratum is zero" in text]
+    assert "is zero at the ground from x = 0.05 to 9.95 m and from x = 26.1 to 40 m, and the stratum slips" in bare
     bare = [text for text in slope(strength_ratio=0.3).notices if "of the stratum is zero" in text]
     assert len(bare) == 2, "above the water and below it"
     assert all("at the ground from" in text for text in bare)
