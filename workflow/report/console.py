@@ -148,7 +148,7 @@ def safety_sentence(
     governing = factor.factor if governing is None else governing
     number = with_flow(governing, answer.flow, compared, answer.estimate, "{:.3f}".format)
     if factor.verdict == "no failure":  # it is where the search ended, not where the ground fails
-        return f"Factor of safety {when_words(factor, answer)}: above {factor.factor:.3g}, where the search ended."
+        return f"Factor of safety {when_words(factor, answer)}: above {factor.factor:.2g}, where the search ended."
     of_mesh = factor.reason.startswith("the factor of safety")
     end = "This is " if of_mesh else f"{factor.verdict.capitalize()}{most}, "
     phrase = f"Factor of safety {when_words(factor, answer)}: {number}. {end}{factor.reason}{mesh_error}."

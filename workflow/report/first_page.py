@@ -11,7 +11,7 @@ from workflow.report.crests import crest_parts, crests_in_short
 from workflow.report.first_crests import with_crests
 from workflow.report.flow_rule import FLOW
 from workflow.report.intervals import from_to, interval_text
-from workflow.report.numbers import coefficient, of_cases, rounded_up
+from workflow.report.numbers import coefficient, lower_limit, of_cases, rounded_up
 from workflow.report.paper import rows
 from workflow.report.post_liquefaction import just_enough
 from workflow.report.residual import residual_verdict
@@ -186,9 +186,10 @@ def _safety(results: Results, _: Texts) -> HeadlinePart:
         return HeadlinePart(name=name, value="–", interval="", conclusion=phrase)
     if factor.verdict == "no failure":
         phrase = _(
-            "Without shaking the section stands with its strength divided by {factor}.", factor=f"{factor.factor:.2f}"
+            "Without shaking the section stands with its strength divided by {factor}.",
+            factor=lower_limit(factor.factor),
         )
-        return HeadlinePart(name=name, value=f"> {factor.factor:.2f}", interval="", conclusion=phrase)
+        return HeadlinePart(name=name, value=f"> {lower_limit(factor.factor)}", interval="", conclusion=phrase)
     governing = governing_factor(results, factor)
     phrase = _(_word_of_safety(results, fem, factor, governing), factor=f"{governing:.2f}", flow=_(FLOW[fem.flow]))
     if governing < factor.factor:

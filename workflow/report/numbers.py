@@ -78,6 +78,11 @@ def coefficient(kh: float) -> str:
     return f"{kh:.3f}"
 
 
+def lower_limit(factor: float) -> str:
+    """Return a factor of safety at which a search ended without failure, in two digits rounded down: 20, or 3.4."""
+    return f"{math.floor(factor):d}" if factor >= 10.0 else f"{math.floor(10.0 * factor) / 10.0:.1f}"
+
+
 def rough_coefficient(kh: float) -> str:
     """Return a seismic coefficient that may be some per cent off, with two digits: 0.23, or 0.045."""
     return f"{kh:.{2 if kh >= 0.0995 else 3}f}"

@@ -12,7 +12,7 @@ from workflow.estimates.estimate import depth_below_ground
 from workflow.estimates.structures import structures_of
 from workflow.report.first_page import SIDES
 from workflow.report.flow_rule import FLOW
-from workflow.report.numbers import coefficient, number, rough_coefficient
+from workflow.report.numbers import coefficient, lower_limit, number, rough_coefficient
 from workflow.report.slices import KH_DIGITS, factor_on_surface
 from workflow.results.accuracy import exceeds, falls_below, strict_factor, strict_kh
 from workflow.results.bounds import SafetyPart
@@ -98,7 +98,7 @@ def _factors(results: Results, fem: FemAnswer, _: Texts) -> Iterator[StabilityRo
         of = _("factor of safety at Kh = {kh}, finite elements", kh=f"{factor.kh:g}")
         if factor.after_shaking:
             of = _("factor of safety after shaking, finite elements")
-        value = f"> {factor.factor:.2f}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
+        value = f"> {lower_limit(factor.factor)}" if factor.verdict == "no failure" else f"{factor.factor:.2f}"
         strict = strict_factor(results, fem, factor, fem.flow)
         above = _factor_bound_words(factor.factor, strict, _)
         if is_limited_by_kh(results, factor) and exceeds(factor.factor, 1.0):

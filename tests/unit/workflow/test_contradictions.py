@@ -23,12 +23,14 @@ from workflow.report.contradictions import (
     of_settlement,
     of_sides,
 )
+from workflow.report.first_page import headlines
 from workflow.report.summary_text import at_rest
 from workflow.results.bounds import SafetyPart
 from workflow.results.cases import CasesAnswer, RandomCase, RandomPackings, Spread
 from workflow.results.continuum import FactorOfSafety, OtherCriticalKh
 from workflow.results.discs import DiscsAnswer
 from workflow.results.material_points import PointCase, PointSlidesAnswer
+from workflow.texts.report_texts import Texts
 
 LEVEE = (
     {"name": "median", "residual_strength": "9 kPa", "strain_potential": 0.3},
@@ -243,10 +245,15 @@ def test_the_console_has_the_interval_of_strict_bounds_and_what_they_contradict(
 
 def test_level_ground_has_no_factor_of_safety_but_one_above_where_the_search_ends(run: Config) -> None:
     factor = FactorOfSafety(
-        kh=0.0, factor=20.007, upper=33.6, verdict="no failure", reason="", curve=(), shallow_failure=None
+        kh=0.0, factor=20.242, upper=33.6, verdict="no failure", reason="", curve=(), shallow_failure=None
     )
     text = safety_sentence(factor, fem(run))
     assert text == "Factor of safety at Kh = 0: above 20, where the search ended."
+    answer = fem(run).model_copy(update={"safety_factors": (factor,)})
+    safety = headlines(results(run, fem=answer), Texts())[1]  # it had "> 20.24"
+    assert (safety.value, safety.conclusion) == (
+        "> 20", "Without shaking the section stands with its strength divided by 20."
+    )  # fmt: skip
 
 
 def test_a_slip_surface_of_no_length_is_told_as_a_place(run: Config) -> None:
