@@ -36,7 +36,7 @@ def test_a_setting_that_a_command_does_not_read_is_told(tmp_path: Path, capsys: 
     assert run("mesh", written(tmp_path), "--out", tmp_path / "out", *requested) == 0
     words = message(capsys)
     assert "noshiro mesh does not read bounds.run; it is read by noshiro faces and noshiro run." in words
-    assert "noshiro mesh does not read fem.sides; it is read by noshiro fem and" in words
+    assert "noshiro mesh does not read fem.sides; it is read by noshiro fem, " in words
     assert "noshiro mesh does not read study.samples; it is read by noshiro study." in words
     assert "does not read mesh" not in words
 

@@ -63,6 +63,7 @@ def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list
     """Return one sentence on each setting that a ``command`` does not read. Each sentence names the ``commands`` that
     read the setting."""
     from workflow.stages import command_of, declared
+    from workflow.texts.report_texts import listed
 
     reads = {command_of(stage.name): stage.reads for stage in declared.STAGES if not stage.of_all}
     phrases = []
@@ -70,6 +71,6 @@ def in_words(keys: Sequence[str], command: str, commands: Sequence[str]) -> list
         others = [name for name, used in reads.items() if name in commands and is_read(key, used)
                   and name not in (command, WHETHER.get(key))]  # fmt: skip
         others = ["study"] if key.split(".")[0] in OF_STUDIES else [*others, *(["run"] if command != "run" else [])]
-        does = " and ".join(f"noshiro {name}" for name in others) or "no command"
+        does = listed([f"noshiro {name}" for name in others]) or "no command"
         phrases.append(f"Warning: noshiro {command} does not read {key}; it is read by {does}.")
     return phrases

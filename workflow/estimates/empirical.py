@@ -121,7 +121,7 @@ def _blocks(kc: float, resisting: str, motion: PeakMotion, magnitude: float) -> 
         validity = f"{BLOCK}; ky {COEFFICIENTS[0]:g}-{COEFFICIENTS[1]:g}, M {magnitudes[0]:g}-{magnitudes[1]:g}"
         outside = _outside(("ky", kc, COEFFICIENTS), ("M", magnitude, magnitudes))
         slide = None if outside else find(kc, peak, magnitude)
-        words = f"kc = {kc:.3f} {resisting}, peak {peak:.2f} g, M {magnitude:g}: "
+        words = f"kc = {kc:.3f} {resisting}, peak {peak:.3g} g, M {magnitude:g}: "
         if slide is None:
             words += f"outside its range: {outside}"
         else:

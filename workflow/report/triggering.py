@@ -17,7 +17,7 @@ def triggering_sentences(answer: TriggeringAnswer) -> Iterator[str]:
     yield from dict.fromkeys(map(stratum_sentence, answer.strata))  # parts of a soil share their tests
     yield from dict.fromkeys(map(_left_sentence, answer.residual_strengths))
     for boring in answer.borings:
-        yield f"{boring.name}: liquefaction potential index P_L = {boring.potential:.1f}, risk {boring.risk}."
+        yield f"Boring {boring.name}: liquefaction potential index P_L = {boring.potential:.1f}, risk {boring.risk}."
 
 
 def _left_sentence(stratum: ResidualPart) -> str:

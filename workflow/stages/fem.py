@@ -101,7 +101,7 @@ def work(job: Job) -> None:
             save(assessment.path_mesh, path)
         answer_of(config, assessment).write(store)
         write_fields(config.section, assessment.path_mesh, result.states, store)
-        progress(f"Kh = {result.kc:.4f}", None)
+        progress(f"critical Kh = {result.kc:.4f}", None)
     if result.verdict == "undecided":
         raise NoAnswerError(f"the finite elements found no limit load: {result.reason}", result.remedy)
 
