@@ -24,6 +24,7 @@ from meshes.section.section import Section
 from meshes.section.stratum import PORE_PRESSURES
 
 STEEP_SLOPE = 10.0  # rise over run
+SLICE_SHARE = 0.1  # of their depth: width of the ground beside faces steeper than this that has no cracks
 # Water runs out of cracks only where the ground beside them is lower by more than this share of their depth. A crest
 # with a crossfall of 2 % would otherwise have a dry film along all of its length, which no mesh needs.
 SPILL_SHARE = 0.05
@@ -121,6 +122,7 @@ class TensionCrack(Model):
         if self.bottom is None:
             return section
         bottom = _without_faces(section.elevations_of(self.bottom))
+        bottom = _without_slices(bottom, section.ground)
         pressure = section.water_pressure
         filled = self.water != "dry" and pressure.flow is None
 
@@ -219,6 +221,36 @@ def _without_faces(line: np.ndarray) -> np.ndarray:
     lower = steep + (rise[steep] < 0.0)
     new = np.column_stack([line[lower, 0], np.maximum(line[steep, 1], line[steep + 1, 1])])
     return np.insert(line, steep + 1, new, axis=0)
+
+
+def upright_faces(ground: np.ndarray) -> np.ndarray:
+    """Return which stretches of the ``ground`` (n, 2) are steeper than ``STEEP_SLOPE`` (k,)."""
+    run, rise = np.diff(ground, axis=0).T
+    return np.flatnonzero(np.abs(rise) > STEEP_SLOPE * run)
+
+
+def _without_slices(bottom: np.ndarray, ground: np.ndarray) -> np.ndarray:
+    """Return the bottom (n, 2) of cracks without cracks beside faces of the ``ground`` that are steeper than
+    ``STEEP_SLOPE``: there it lies on the ground.
+
+    Ground without tensile strength breaks off an upright face in slices, and a slice of the width b and the height h
+    topples at Kh = b/h, which is any Kh. ``SLICE_SHARE`` gives the width of intact ground.
+    """
+    for i in upright_faces(ground):
+        falls = ground[i + 1, 1] < ground[i, 1]
+        edge, foot = (ground[i], ground[i + 1]) if falls else (ground[i + 1], ground[i])
+        inward = -1.0 if falls else 1.0
+        [depth] = edge[1] - level_at(bottom, edge[:1], edge[:1] + inward)
+        if depth <= 0.0:
+            continue
+        inner = edge[0] + inward * SLICE_SHARE * depth
+        left, right = sorted((min(max(inner, ground[0, 0]), ground[-1, 0]), foot[0]))
+        top = ground[(ground[:, 0] >= left) & (ground[:, 0] <= right), 1].max()
+        x = np.array([left, right])
+        ends = level_at(bottom, x, x + np.array([-1.0, 1.0]))
+        step = np.array([[left, ends[0]], [left, top], [right, top], [right, ends[1]]])
+        bottom = np.vstack([bottom[bottom[:, 0] < left], step, bottom[bottom[:, 0] > right]])
+    return bottom
 
 
 def _without_steps(level: np.ndarray) -> np.ndarray:

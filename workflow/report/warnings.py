@@ -8,6 +8,7 @@ import numpy as np
 from meshes.section.cutting import shown_name
 from meshes.section.section import Section
 from meshes.section.stratum import cases_of
+from meshes.section.tension_crack import upright_faces
 from workflow.config import notice_lines
 from workflow.estimates.level_ground import sliding_level_ground
 from workflow.report.contradictions import contradictions
@@ -65,7 +66,7 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
     if fem is not None:
         variants = results.variants.variants if results.variants else ()
         yield from sides_warning(fem, results.config.section, variants)
-        yield from tension_warning(fem, variants)
+        yield from tension_warning(fem, variants, results.config.section)
     if results.config.section.reconstruction:
         yield 2, "the ground is a reconstruction: confirm the depths of the layers by borings"
     for text in assumed_input(results):
@@ -216,11 +217,17 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
         )
 
 
-def tension_warning(fem: FemAnswer, variants: Sequence[Variant]) -> Iterator[tuple[Weight, str]]:
-    """Yield a warning if the critical Kh of ground that resists tension is much larger than without tension."""
+def tension_warning(fem: FemAnswer, variants: Sequence[Variant], section: Section) -> Iterator[tuple[Weight, str]]:
+    """Yield a warning if the critical Kh of ground that resists tension is much larger than without tension.
+
+    From an upright face, such as that of a quay, slices of no thickness topple without tensile strength at any Kh:
+    there only ground that fails by its weight counts.
+    """
     change = next((variant for variant in variants if variant.name == "tension"), None)
     cracked = change.of(fem.kc) if change is not None else None
     if cracked is None or cracked > TENSION_EFFECT_RATIO * fem.kc or not fem.kc > 0.0:
+        return
+    if cracked > 0.0 and len(upright_faces(section.ground)):
         return
     yield (
         2,

@@ -71,3 +71,19 @@ def test_full_cracks_of_a_crest_with_a_crossfall_are_full() -> None:
     ground = at[:3, :1] * [0.0, 1.0] + [[10.0, 0.0], [20.0, 0.0], [28.0, 0.0]]
     pressure = section.water_pressure.at_rest(ground - [0.0, 0.7], ground - [0.0, 0.5], np.zeros(3, dtype=int))
     assert pressure == pytest.approx(0.7 * 9806.65, rel=1e-6)
+
+
+@pytest.mark.parametrize(("run", "cracked_to"), [(0.0, 29.52), (0.2, 29.52), (3.0, 30.0)])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_ground_beside_an_upright_face_has_no_cracks(run: float, cracked_to: float, mirrored: bool) -> None:
+    """Slices of a cliff 30 m high toppled at any Kh: the critical Kh was 0.048, with bounds of 0.000 to 0.076, and is
+    0.240 with intact ground beside the face."""
+    surface = [[0.0, 10.0], [30.0, 10.0], [30.0 + run, 2.0], [80.0, 2.0]]
+    if mirrored:
+        surface = [[80.0 - x, z] for x, z in surface[::-1]]
+    clay = layer("clay", cohesion="30 kPa", friction_angle="0 deg")
+    section = analysed({**SLOPE, "surface": surface, "strata": [clay], "tension_crack": {"bottom": {"depth": 4.8}}})
+    at = np.array([20.0, cracked_to - 0.05, min(cracked_to + 0.05, 29.98)])
+    cracked = section.section.stratum_at(80.0 - at if mirrored else at, np.full(3, 9.5))
+    names = [section.section.strata[k].name for k in cracked]
+    assert [name.endswith("cracked") for name in names] == [True, True, cracked_to == 30.0]
