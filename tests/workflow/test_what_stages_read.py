@@ -29,7 +29,8 @@ Reads = dict[str, set[str]]
 ELSEWHERE = "mesh.least_thickness"  # is read by the process of gmsh, which nobody looks into
 
 # What stages take of these tables is worked out when the input is read: F_L, cases, and what liquefies in them.
-TAKEN = ("earthquake", "triggering", "slide.cases")
+# Of a criterion, slip circles take the Kh alone: another limit changes no circle.
+TAKEN = ("earthquake", "triggering", "slide.cases", "criteria.factor_of_safety")
 
 
 def read_by(inputs: Config, folder: Path) -> Reads:
@@ -176,6 +177,15 @@ def test_what_no_stage_reads_makes_none_run_again(of_the_papers: tuple[Config, R
 def test_which_stages_run_again(key: str, again: set[str]) -> None:
     config = analysed(SECTION)
     assert stale(config, altered(config, key)) == {*again, "report"}
+
+
+@pytest.mark.parametrize(("kh", "again"), [(0.0, set()), (0.1, {"slices"})])
+def test_a_criterion_changes_slip_circles_by_its_kh_alone(kh: float, again: set[str]) -> None:
+    """Every change of a limit or of its source made the circles run again, and left them out of a report alone."""
+    plain = analysed(SECTION)
+    limits = [analysed({**SECTION, "criteria": {"factor_of_safety": {"limit": x, "kh": kh}}}) for x in (1.1, 1.2)]
+    assert stale(plain, limits[0]) == {*again, "report"}
+    assert stale(*limits) == {"report"}
 
 
 def test_what_a_section_is_called_changes_no_result() -> None:

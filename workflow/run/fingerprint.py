@@ -31,7 +31,8 @@ def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dic
         names = job.config.section.model_dump(mode="json", include=NAMES)
         structures = names.pop("structures")
         prints |= {"title": fingerprint_of(names), "structures": fingerprint_of(structures)}
-    prints |= {name: fingerprint_of(value) for name, value in stage.takes(job.config).items()}
+    taken = stage.takes(job.config)
+    prints |= {name: fingerprint_of(value) for name, value in taken.items() if name not in ignored}
     for name, path in stage.files(job).items():
         prints[name] = fingerprint_of_file(path)
     for other in job.stages:

@@ -74,8 +74,8 @@ class Stage:
     reads: settings that the work of this stage reads, each a whole "table" or one "table.key".
     ignores: settings that this stage, or a stage that it needs, reads, but that do not change its results.
     adds: settings that only add or leave out some answers of this stage, so that the others remain valid.
-    takes: inputs that follow from settings which the stage does not read itself, such as cases from borings, by
-        names for messages.
+    takes: inputs that follow from settings which the stage does not read itself, such as cases from borings, or of
+        which it reads a part, by names for messages.
     files: files of the user that the stage reads, by names for messages.
     results: patterns of the files with the results of the stage.
     read: function that reads the answers of the stage. The function raises OtherVersionError if another version of the

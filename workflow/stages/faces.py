@@ -134,8 +134,8 @@ STAGE = Stage(
     needs=("fem", "slices"),
     reads=("mesh", "fem", "bounds", "faces"),
     ignores=lambda config: (
-        *WITHOUT_EFFECT, "fem.kh", "fem.rigid_box", "fem.direction", "faces.run", "criteria.factor_of_safety",
-        "bounds.davis",
+        *WITHOUT_EFFECT, "fem.kh", "fem.rigid_box", "fem.direction", "faces.run", "bounds.davis",
+        "criteria.factor_of_safety",
     ),
     results=(FacesAnswer.FILE,),
     read=FacesAnswer.read,

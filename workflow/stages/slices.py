@@ -40,8 +40,7 @@ def work(job: Job) -> None:
     from workflow.estimates.weak_layers import thin_weak_layers
 
     section, fem, crack = job.config.section, job.config.fem, job.config.tension_crack
-    wanted = job.config.criteria.factor_of_safety
-    coefficients = dict.fromkeys((0.0, *fem.safety_factor_at, *(() if wanted is None else (wanted.kh,))))
+    coefficients = dict.fromkeys((0.0, *fem.safety_factor_at, *_criterion_kh(job.config)))
     circles: Circles = {}
     for kh in (*coefficients, None):
         job.progress("critical Kh" if kh is None else f"factor of safety at Kh = {kh:g}", None)
@@ -69,6 +68,12 @@ def work(job: Job) -> None:
     ).write(job.store)
     if not reason:
         draw(job)
+
+
+def _criterion_kh(config: "Config") -> tuple[float, ...]:
+    """Return the Kh at which a criterion requires a factor of safety; empty if there is none, or if it is 0."""
+    criterion = config.criteria.factor_of_safety
+    return () if criterion is None or criterion.kh == 0.0 else (criterion.kh,)
 
 
 def _is_endless(config: "Config") -> bool:
@@ -192,12 +197,12 @@ STAGE = Stage(
     description="slip circles by Bishop and Spencer",
     work=work,
     draw=draw,
-    reads=(
-        "fem.safety_factor_at", "fem.least_depth", "fem.sides", "fem.vertical", "criteria.factor_of_safety",
-        "tension_crack",
-    ),
+    reads=("fem.safety_factor_at", "fem.least_depth", "fem.sides", "fem.vertical", "tension_crack"),
     ignores=lambda config: ("fem.direction",),  # circles are sought towards both sides
-    takes=lambda config: {"structures": [item.model_dump(mode="json") for item in config.section.structures]},
+    takes=lambda config: {
+        "structures": [item.model_dump(mode="json") for item in config.section.structures],
+        "criteria.factor_of_safety": _criterion_kh(config),
+    },
     results=(SlicesAnswer.FILE,),
     read=SlicesAnswer.read,
     pictures=(PICTURE,),
