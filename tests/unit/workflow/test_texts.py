@@ -134,6 +134,24 @@ def test_a_warning_is_translated_with_its_numbers() -> None:
     assert Texts().sentence(text) == text
 
 
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "On 3 random packings calibrated to the same critical Kh the largest slide is 0.94 m (0.74 to 1.1 m; 95 % "
+        "interval of the mean of all packings: 0.51 to 1.4 m) in cases 1, 2 and 3.",
+        "0.2801 &lt;= Kh &lt;= 0.2810, gap 0.31 %, force downslope (to the right), 8446 triangles, and the failing "
+        "ground reaches the right side (free-field sides; associated, ψ = φ).",
+        'Strata "A" (2.3 m), "B" (2.1 m) liquefy and are less than two disc diameters thick in the model (cases 1, 2 '
+        "and 3).",
+    ],
+)
+def test_values_within_a_sentence_are_japanese(sentence: str) -> None:
+    japanese = Texts("ja").sentence(sentence)
+    assert japanese.endswith("。")
+    assert re.search("[a-z]{3}", japanese.replace("&lt;", "")) is None
+    assert "充填" in japanese if "packings" in sentence else "充填" not in japanese
+
+
 @pytest.mark.parametrize("factor", [2.0, 5.0, 10.0])
 @pytest.mark.parametrize("kind", ["flow failures", "lateral spreads", "field slides"])
 @pytest.mark.parametrize("method", ["discs", "mpm"])
