@@ -22,9 +22,10 @@ from tests.support.answers import bounds, fem, results
 from tests.support.sections import layer
 from tests.unit.workflow.test_verdicts import by_slices, levee, sunk
 from workflow.config import Config
+from workflow.estimates.crest import Crest
 from workflow.estimates.face_zones import is_of_face, zones_against
 from workflow.estimates.slices import LEFT, RIGHT
-from workflow.estimates.structures import structures_of
+from workflow.estimates.structures import CrestedStructure, structures_of
 from workflow.figures.front import _of_structure
 from workflow.report.faces import face_lines, faces_sentences, note_sentences, side_words
 from workflow.report.first_page import headlines
@@ -49,6 +50,17 @@ def test_a_failure_is_of_the_face_whose_crest_slides_to_its_side() -> None:
     assert is_of_face(structure, RIGHT, LANDWARD)
     assert not is_of_face(structure, LEFT, BANK)
     assert not is_of_face(structure, LEFT, ())
+
+
+def test_a_column_that_overlaps_the_crest_counts_as_a_part_of_it() -> None:
+    """The slip surface of a heap of gravel began at x = 36.05, in a column from 35.7 to 36.4 m, 0.6 m below the crest,
+    which ends at 36 m: "no crest is part of this failure", and its factor of safety was 1.38, in place of 1.19."""
+    heap = CrestedStructure("heap", "embankment", Crest(start=20.0, end=51.0, left=35.0, right=36.0, elevation=10.0))
+    points = [(36.05 + 0.7 * k, 9.36 - 0.45 * k) for k in range(22)]
+    assert heap.slides_with(points)
+    assert heap.slides_with([(71.0 - x, z) for x, z in points[::-1]])
+    assert not heap.slides_with(points[1:])
+    assert not heap.slides_with([points[0], points[-1]])  # both ends of ground that moves
 
 
 def test_a_failure_that_carries_the_whole_embankment_away_slides_to_the_side_of_its_displacement() -> None:
