@@ -58,6 +58,7 @@ def test_liquid_stands_while_its_thickness_changes_by_less_than_its_strength(sha
     assert way.max() < HEIGHT
 
 
+@pytest.mark.slow
 def test_banks_of_the_field_spread_as_it_is_told_beside_them() -> None:
     """River Park at 25.6 m from its bank: 2.2 m, where material points move 1.1 m and 3.2 to 4.25 m were measured."""
     case = BANKS["imperial_valley_1979_w9"]

@@ -97,6 +97,7 @@ def gap_of_kh(case: str, factor: float, meshes: int) -> float:
     return mechanism.multiplier - stress.multiplier
 
 
+@pytest.mark.slow
 def test_bounds_of_a_seam_are_closer_on_as_many_triangles(monkeypatch: pytest.MonkeyPatch) -> None:
     """ACADS 4, a slope with an inclined seam, on 1,600 triangles: a gap of 0.0110 for 0.0131."""
     long = gap_of_kh("acads_4", 0.785, 2)

@@ -70,6 +70,7 @@ def test_what_is_held_stays_where_it_is(started) -> None:
     assert np.all(started.problem.free[subproblem.components])
 
 
+@pytest.mark.slow
 def test_a_river_bank_of_bare_sand_comes_to_the_same_rest_with_fewer_corrections(monkeypatch) -> None:
     """Fine cells at a toe under water, where sand bears next to nothing."""
     bank = Section.read(RIVER_BANK)

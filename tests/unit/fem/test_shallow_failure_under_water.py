@@ -273,6 +273,7 @@ def bounds_of_that_bank() -> KhBounds:
     return kh_bounds(bank_with_a_short_wet_face(), FemSettings(), BoundsSettings(seconds=3.0))
 
 
+@pytest.mark.slow
 def test_where_two_faces_meet_the_bounds_are_those_of_the_slope_as_a_whole() -> None:
     """Finer triangles find ever smaller mechanisms where the water meets such a face, 0.03 and less; the slope as a
     whole bears 0.0768 to 0.0784 (30 s of work), elements 0.0768 to 0.0776."""
@@ -358,6 +359,7 @@ def test_a_bank_out_of_which_water_flows_has_both_bounds_either_way(
     assert washed_out[-1].end < 32.2
 
 
+@pytest.mark.slow
 def test_rough_bounds_of_ground_without_equilibrium_leave_work_for_the_bounds() -> None:
     """Water seeps out of sand at the toe, which has no equilibrium before its face is strengthened: the solver looked
     for one for longer than all bounds were allowed to take, and there was no lower bound."""

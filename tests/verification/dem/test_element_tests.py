@@ -130,6 +130,7 @@ def test_random_discs_without_pore_springs() -> None:
     assert tests[0].phi != tests[1].phi  # of two seeds
 
 
+@pytest.mark.slow
 def test_cohesion_of_pore_springs_is_cohesion_of_the_patch() -> None:
     """... as long as they fail in shear: once they snap at 1.02 of their length first, more of it adds nothing."""
     soil = replace(SOIL_SPRINGS, friction=0.2)

@@ -103,6 +103,7 @@ def test_row_slides_on_for_ever() -> None:
     assert np.ptp(model.x - 2.0 * RADIUS * np.arange(COLUMNS)) < 1e-6
 
 
+@pytest.mark.slow
 def test_horizontal_force_is_the_same_through_every_upright_cut() -> None:
     """Ground at rest without horizontal load: what goes through the tied side goes through the middle, too."""
     model = heap(rows=6, seed=3)

@@ -127,6 +127,7 @@ def test_a_failure_that_reaches_a_side_counts_where_no_ground_leaves_through_it(
     assert bounds.upper == first.upper < other.lower
 
 
+@pytest.mark.slow
 def test_a_cutting_and_its_mirror_image_have_the_same_bounds():
     """The weaker face is left, then right; its failure and that of the other face reach the sides. The stronger face
     was told for one of the two."""

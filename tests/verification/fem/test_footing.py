@@ -77,6 +77,7 @@ def test_reduced_element_goes_on_converging(phi):
     assert 1.0 < footing("reduced", phi, 16)[0] / NC[phi] < 1.0085
 
 
+@pytest.mark.slow
 def test_quadratic_element_comes_to_within_2_percent_of_nc_where_the_volume_stays():
     """Measured with 4, 8 cells: 3.0, 1.8 %."""
     coarse, fine = (footing("quadratic", 0.0, cells)[0] / NC[0.0] for cells in (4, 8))

@@ -77,6 +77,7 @@ def test_the_factor_before_shaking_is_that_without_excess_pressure() -> None:
     assert after < 0.98 * before
 
 
+@pytest.mark.slow
 def test_rising_pore_pressure_does_not_push_level_ground_off_its_free_field_sides() -> None:
     """The total stress on the sides stayed while the pressure rose, until the ground there failed by extension: a slope
     whose factor of safety after shaking is 1.03 was told to fail at any Kh. In level ground without horizontal strain

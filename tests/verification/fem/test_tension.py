@@ -115,6 +115,7 @@ def test_a_cut_beside_cracks_of_half_its_height(water: str, wedge: float) -> Non
     assert bounds.lower < elements < 1.03 * bounds.upper
 
 
+@pytest.mark.slow
 def test_a_cracked_face_that_resists_no_kh_has_close_bounds_of_its_factor(monkeypatch: pytest.MonkeyPatch) -> None:
     """Slices of cracked clay topple from the upright face at any Kh, so that the lower bound of Kh is 0 at every factor
     and says nothing of it: bounds of Kh alone ended at 0.674 and 0.824."""

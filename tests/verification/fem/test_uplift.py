@@ -30,6 +30,7 @@ def above_a_lens(half_width: float, level: float, cohesion: float) -> Section:
     return section(*layers, surface=[[-15.0, 0.0], [15.0, 0.0]], base={"elevation": -6.0})
 
 
+@pytest.mark.slow
 def test_no_bound_is_above_the_block_that_is_punched_out() -> None:
     """Cover above the lens moves up as a block: 2 c t on its two sides against (u - γ t) b. What more weight would hold
     down is no share of loads that is borne: a lower bound was 0.624 for a block lifted at 0.614 (and ground that
