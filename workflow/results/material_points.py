@@ -47,8 +47,10 @@ class PointCase(SurfaceMovement, MovedSurface):
     @property
     def highest(self) -> str:
         """Return by how much the highest level of the ground is lower or higher after the slide, in words."""
-        settles = self.settlement_crest_m
-        return f"{metres(abs(settles))} {'higher' if settles < 0.0 else 'lower'}"
+        settles, change_words = self.settlement_crest_m, metres(abs(self.settlement_crest_m))
+        if change_words == metres(0.0):
+            return "as high as before"
+        return f"{change_words} {'higher' if settles < 0.0 else 'lower'}"
 
 
 class PointSlidesAnswer(Answer):
