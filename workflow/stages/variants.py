@@ -195,7 +195,7 @@ def changed(config: Config, name: str, element: str) -> tuple[str, str, Config] 
         flow: Flow = "davis" if own_flow == "non-associated" else "non-associated"
         return name, f"{FLOWS[flow]} instead of {FLOWS[own_flow]}", config.with_settings("fem", flow=flow)
     if name == "tension" and (cracked := without_tension(config.section)) is not None:
-        return name, "no tensile strength, as with open cracks", config.model_copy(update={"section": cracked})
+        return name, "no tensile strength (open cracks)", config.model_copy(update={"section": cracked})
     return None
 
 
