@@ -1,13 +1,17 @@
 """Pictures of a run are in the language of its report; names stay as they are."""
 
+import itertools
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from dem.case import Case
 from tests.support.sections import slope
 from workflow.config import Config
 from workflow.figures.canvas import Sheet
+from workflow.figures.slides import left_by
 from workflow.run.fingerprint import title
 from workflow.texts.catalogue import catalogue
 from workflow.texts.picture_texts import language_of, translated
@@ -37,6 +41,17 @@ def test_a_text_of_a_picture_has_its_japanese_with_the_same_numbers(text: str) -
     assert not re.search("[a-z]{3}", japanese), japanese
     assert sorted(re.findall(r"\d+\.?\d*", japanese)) == sorted(re.findall(r"\d+\.?\d*", text))
     assert translated(text, "en") == text
+
+
+@pytest.mark.parametrize("residual", [{}, {"residual": 0.12}, {"residual_strength": 8e3}, {"residual": {"Sand": 0.1}}])
+def test_what_liquefied_layers_keep_is_japanese(residual: dict[str, Any]) -> None:
+    """ "Liquefied layers keep their stiffness and 0.12 of their vertical effective stress as strength" was English."""
+    for stiffness, friction, cohesion in itertools.product((1.0, 0.1), (0.0, 1.0, 0.15), (0.0, 1.0, 0.2)):
+        case = Case(stiffness=stiffness, friction=friction, cohesion=cohesion, **residual)
+        text = f"After 28.0 s: the surface has come to rest. Liquefied layers keep {left_by(case)}."
+        japanese = translated(text, "ja")
+        assert not re.search("[a-z]{3}", japanese), japanese
+        assert sorted(re.findall(r"\d+\.?\d*", japanese)) == sorted(re.findall(r"\d+\.?\d*", text))
 
 
 def test_names_stay_and_a_title_keeps_them() -> None:
