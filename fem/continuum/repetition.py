@@ -20,7 +20,7 @@ def refuse_other_sides(section: Section) -> None:
     """Raise InputError unless the layers, and the water, are the same at both sides."""
     refuse_other_water(section)
     if not section.layering.repeats:
-        remedy = 'expected layers of the same thickness at both; use sides = "free-field" or "fixed"'
+        remedy = 'expected layers of the same thickness at both; use sides = "smooth", "free-field" or "fixed"'
         raise InputError(section.name, [f'fem, sides = "periodic": the left and right sides differ; {remedy}'])
 
 

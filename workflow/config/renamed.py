@@ -11,7 +11,7 @@ from typing import Any
 
 from meshes.errors import InputError
 
-MIGRATE = "noshiro migrate writes the new word into the file"
+MIGRATE = "noshiro migrate FILE --write puts the new word into the file"
 
 
 @dataclass(frozen=True)

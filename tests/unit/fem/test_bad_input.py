@@ -39,7 +39,7 @@ def test_sides_that_differ_cannot_be_tied():
         InputError, match='sides = "periodic": the left and right sides differ; expected layers of the same thickness'
     ) as caught:
         answer(ground, sides="periodic")
-    assert 'use sides = "free-field" or "fixed"' in str(caught.value)
+    assert 'use sides = "smooth", "free-field" or "fixed"' in str(caught.value)
 
 
 def test_mesh_file_without_named_groups(tmp_path):
