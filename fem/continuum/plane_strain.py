@@ -187,7 +187,7 @@ class PlaneStrain:
             master_heights, slave_heights, atol=1e-6 * master_heights[-1], rtol=0.0
         ):
             alike = "the same points of the mesh" if section.layering.repeats else "layers of the same thickness"
-            remedy = f'expected {alike} at both; use sides = "free-field" or "fixed"'
+            remedy = f'expected {alike} at both; use sides = "smooth", "free-field" or "fixed"'
             raise InputError(
                 section.name, [f'fem, sides = "periodic": the {first} and {second} sides differ; {remedy}']
             )

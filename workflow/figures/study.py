@@ -20,7 +20,7 @@ SHOWN = 12  # uncertain numbers at most in one picture, the strongest
 PALE = "#d7dde2"
 
 
-def fails(values: np.ndarray, curve: ProbabilityCurve, title: str) -> Frames:
+def failure_histogram(values: np.ndarray, curve: ProbabilityCurve, title: str) -> Frames:
     """Draw a histogram of the critical Kh, ``values`` (samples,), and the probability of failure against Kh with its
     interval.
 

@@ -211,7 +211,9 @@ def draw_all(section: Section, table: SampleTable, answer: StudyAnswer, store: S
     store.remove(["figures/study_*.png"])
     if answer.failure_probability is not None:
         kc = table.column("kc")
-        store.save("figures/study_fails.png", figures.fails(kc[np.isfinite(kc)], answer.failure_probability, title))
+        store.save(
+            "figures/study_fails.png", figures.failure_histogram(kc[np.isfinite(kc)], answer.failure_probability, title)
+        )
     if any(effect.correlation is not None for result in answer.results for effect in result.effects):
         store.save("figures/study_effects.png", figures.effects(answer.results, title))
     if answer.fragility:
