@@ -1,7 +1,7 @@
 """Makes the table of the faces of structures, one row each: factor of safety, critical Kh and the slide of a block."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from workflow.config import Config
 from workflow.estimates.comparison import BlockSlide, block_slide
@@ -27,7 +27,7 @@ class FaceRow:
     kc: float | None
     block_kh: float | None
     block: BlockSlide | None
-    counts: bool  # whether its critical Kh, or without any its factor of safety, is the smallest of all faces
+    counts: bool  # whether its critical Kh, by slip circles or by finite elements, is the smallest of all faces
 
     @property
     def name(self) -> str:
@@ -49,16 +49,16 @@ def face_rows(config: Config, answer: SlicesAnswer | None, elements: FacesAnswer
     """Return all faces of all structures; none without slices. The block of a face has the critical Kh of its slip
     circle, or that of its finite ``elements`` if it is smaller."""
     faces = answer.faces if answer is not None else ()
-    least = min((face.critical.bishop for face in faces if face.critical is not None), default=None)
-    rows = []
+    rows: list[FaceRow] = []
     for face in faces:
         kc = None if face.critical is None else face.critical.bishop
         factors = tuple((group.kh, face.factor(group.kh)) for group in face.factors)
         strength = elements.of(face.structure, face.towards) if elements is not None else None
         block_kh = smaller_kh(kc, strength.critical if strength is not None else None)
         block = None if block_kh is None or block_kh <= 0.0 else block_slide(config, block_kh)
-        rows.append(FaceRow(face, factors, kc, block_kh, block, kc is not None and kc == least))
-    return rows
+        rows.append(FaceRow(face, factors, kc, block_kh, block, False))
+    least = min((row.block_kh for row in rows if row.block_kh is not None), default=None)
+    return [replace(row, counts=least is not None and row.block_kh == least) for row in rows]
 
 
 def smaller_kh(circle: float | None, value: FaceValue | None, davis: bool = False) -> float | None:

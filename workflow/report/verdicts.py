@@ -312,7 +312,10 @@ def verdict_paragraph(parts: list[VerdictPart], texts: Texts | None = None, liqu
         verdict = common_verdict(tuple(part.verdict for part in parts_of_criterion))
         deciding = [part for part in parts_of_criterion if part.verdict == verdict]
         worst = sorted(deciding, key=_excess, reverse=True)[:3] if verdict != "satisfied" else []
-        reasons = [f"{_.sentence(part.subject)}: {_.sentence(part.reason) or interval_words(part)}" for part in worst]
+        reasons = [
+            f"{_.sentence(part.subject)}: {_.sentence(part.reason) or _.sentence(interval_words(part))}"
+            for part in worst
+        ]
         reason_words = f" ({_.listed(reasons)})" if reasons else ""
         limit = _number(criterion, parts_of_criterion[0].limit)
         limit = _("at least {limit}", limit=limit) if criterion in AT_LEAST else _("at most {limit}", limit=limit)

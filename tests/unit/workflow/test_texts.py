@@ -284,3 +284,29 @@ def test_a_change_of_the_flow_rule_is_not_translated_as_a_change_of_the_sides() 
     assert "Davisの推定でなく" in before
     assert "側方" not in before
     assert "自由地盤でなく側方固定とすると限界Khは0.314" in after
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Critical Kh of 副堤, towards the left, by finite elements and bounds: the ground from x = 0 to 52 m and from "
+        "x = 52 to 76 m down to 0.5 m is taken as too strong to fail, because failures there come first.",
+        "Factor of safety of 本堤, towards the left, after shaking or liquefaction, by finite elements: other ground "
+        "is taken as too strong to fail, because failures there come first.",
+        "本堤, material points, case 2, 低強度",
+        "In cases 1 and 2 (中央値, 低強度) liquefaction leaves 緩い砂 with a residual strength of 0.12, 0.07 of the "
+        "vertical effective stress, and none of its friction and cohesion.",
+        'Zones: of "粘土" there are 2 parts that lie one below another, "粘土" and "粘土 2".',
+        "Zones: some of them raise the ground, by up to 9.5 m.",
+        'Zones 1 "砂": 2.2 % of it lies past the sides or below the base, and is left out.',
+        "Water: all of the ground lies below water, at most 120 m deep.",
+        'Geometry: stratum "砂" is 0.25 mm thick at x = 51 m: less than 9.1 mm is neglected.',
+        'Strata 1 "砂": it liquefies in [1], and lies above the water table.',
+        "at least 2.0 m",
+    ],
+)
+def test_notes_of_a_japanese_report_are_japanese_with_the_same_numbers(text: str) -> None:
+    """They stood in English in the report of two embankments on a lens that liquefies."""
+    japanese = Texts("ja").sentence(text)
+    assert not re.search("[a-z]{3}", japanese), japanese
+    assert sorted(re.findall(r"\d+\.?\d*", japanese)) == sorted(re.findall(r"\d+\.?\d*", text))

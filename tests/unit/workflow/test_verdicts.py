@@ -243,6 +243,10 @@ def test_a_block_has_the_smaller_critical_kh_of_circle_and_elements() -> None:
     assert [row.block_kh for row in face_rows(config, stands)] == [0.144, 0.266]
     rows = face_rows(config, stands, elements)
     assert [(row.kc, row.block_kh) for row in rows] == [(0.144, 0.08), (0.266, 0.266)]
+    assert [row.counts for row in rows] == [True, False]
+    weaker = strengths[1].model_copy(update={"critical": FaceValue(value=0.07, davis=0.07, upper=None)})
+    others = face_rows(config, stands, elements.model_copy(update={"faces": (strengths[0], weaker)}))
+    assert [row.counts for row in others] == [False, True]  # the face with the smaller circle was in bold
     judged = verdicts(results(config, slices=stands, faces=elements))
     assert rows[0].block is not None
     assert judged[0].high == pytest.approx(rows[0].block.high)
