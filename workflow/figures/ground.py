@@ -43,6 +43,7 @@ WALL = "#7a1fa2"  # colour of cut-off walls
 NUMBER_SIZE = 6.5  # points
 NAME_ABOVE = 15.0  # of the name of a boring over the ground (points): clear of the numbers of thin layers there
 HALO = [withStroke(linewidth=2.5, foreground="white")]
+SHARES = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # of a part of a stratum, where its number may stand
 LABEL_SPACING = 0.015  # of the width: from number to number above the ground
 FOOT_CHARACTERS = 190
 LEAST_LINE = 0.01  # of the width: a shorter line is drawn as a dot
@@ -126,7 +127,7 @@ def section_sheet(
                 closed = Outline(np.vstack([polygon, polygon[:1]]))
                 axes.add_patch(PathPatch(closed, facecolor=colour, hatch=hatch, edgecolor=INK, linewidth=0.0))
         axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=line_width))
-        _number_strata(axes, section)
+        _number_strata(axes, section, _lines_over(section, lines, borings))
         draw_loads(axes, section)
         if section.given_extent != section.extent:
             for x in section.given_extent:  # what lies beyond was not surveyed
@@ -254,8 +255,28 @@ def _draw_walls(axes: Axes, section: Section) -> None:
         axes.plot([wall.x, wall.x], [np.interp(wall.x, *section.ground.T), wall.bottom], color=WALL, linewidth=2.5)
 
 
-def _number_strata(axes: Axes, section: Section) -> None:
+def _lines_over(section: Section, lines: Sequence[Overlay], borings: Sequence[Boring]) -> list[np.ndarray]:
+    """Return the lines (k, 2) in m that are drawn over the layers: slip surfaces, surfaces and borings."""
+    tops = [float(np.interp(x, *section.ground.T)) for _, x, _ in borings]
+    drilled = [np.array([[x, top - depth], [x, top]]) for (_, x, depth), top in zip(borings, tops, strict=True)]
+    return [*(np.asarray(line.points, float).reshape(-1, 2) for line in lines), *drilled]
+
+
+def _clearance(axes: Axes, place: tuple[float, float], lines: Sequence[np.ndarray]) -> float:
+    """Return the distance (points) of a place to the nearest of some lines."""
+    least = np.inf
+    for line in lines:
+        seen = (axes.transData.transform(line) - axes.transData.transform(place)) * 72.0 / DPI
+        begin, along = seen[:-1], np.diff(seen, axis=0)
+        share = -(begin * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-12)
+        nearest = begin + np.clip(share, 0.0, 1.0)[:, None] * along
+        least = min(least, float(np.hypot(*nearest.T).min(initial=np.inf)))
+    return least
+
+
+def _number_strata(axes: Axes, section: Section, lines: Sequence[np.ndarray] = ()) -> None:
     """Write the number of every stratum where it is thickest, so that layers can be distinguished without colours, too.
+    A number in a stratum stands clear of the ``lines`` over it if there is such a place in this part of the stratum.
 
     A number that is higher than its stratum would cover the lines of the stratum. The number of a stratum that is too
     thin is written above the ground instead, at the end of a line from the stratum.
@@ -281,10 +302,14 @@ def _number_strata(axes: Axes, section: Section) -> None:
         offset = (
             0.0 if fits else (1 + thin) * LABEL_SPACING * width / layers.width[best]
         )  # clear of the numbers that fit
-        share = min(0.5 + offset, 0.95)
-        x = layers.x[best] + share * layers.width[best]
-        z = float(0.5 * ((1.0 - share) * layers.left[best] + share * layers.right[best])[k : k + 2].sum())
+
+        def middle(share: float, column: int = best, stratum: int = k) -> tuple[float, float]:
+            levels = (1.0 - share) * layers.left[column] + share * layers.right[column]
+            return layers.x[column] + share * layers.width[column], float(0.5 * levels[stratum : stratum + 2].sum())
+
+        x, z = middle(min(0.5 + offset, 0.95))
         if fits:
+            x, z = next((at for at in map(middle, SHARES) if _clearance(axes, at, lines) > NUMBER_SIZE), (x, z))
             axes.text(x, z, str(numbers[k] + 1), va="center", **style)
             continue
         ground = float(np.interp(x, *section.ground.T))

@@ -136,3 +136,21 @@ def test_a_thin_seam_has_its_number() -> None:
         {**data["strata"][0], "bottom": {"elevation": [[0, 10], [100, 5]]}}, seam, data["strata"][1]
     ]  # fmt: skip
     assert texts_in_picture(section_sheet(Config.parse(data).section), {"1", "2", "3"}).keys() == {"1", "2", "3"}
+
+
+def test_the_number_of_a_stratum_stands_clear_of_a_boring_and_of_a_slip_surface(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The number of a levee's fill stood on a boring and on a slip surface."""
+    section, text = Config.parse(slope()).section, Axes.text
+    written: dict[str, tuple[float, float]] = {}
+    monkeypatch.setattr(
+        Axes, "text", lambda axes, x, z, s, **how: (written.update({s: (x, z)}), text(axes, x, z, s, **how))[1]
+    )
+    section_sheet(section)
+    x, z = written["1"]
+    section_sheet(section, borings=[("B-1", x, 8.0)])
+    assert abs(written["1"][0] - x) > 0.5
+    line = np.array([[x - 1.0, z - 1.0], [x + 1.0, z + 1.0]])
+    section_sheet(section, lines=[Overlay(line, "red", (0, ()), "slip surface")])
+    assert abs(written["1"][0] - x) > 0.5
