@@ -22,6 +22,7 @@ METHODS: Mapping[SamplingMethod, str] = {
     "latin": "a Latin hypercube",
     "saltelli": "Saltelli's design for Sobol' indices",
 }
+LEAST_MEDIAN = 5e-4  # a smaller median is 0 in the digits of a sentence
 FEWEST_SAMPLES = 20  # samples from which on one of them is expected beyond 5 %
 RANDOM_FIELDS = (
     "A stratum has one strength in every sample: fields of strength that vary at random within a stratum are not part "
@@ -90,6 +91,8 @@ def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
 
 
 def _spread_words(spread: Spread, samples: int) -> str:
+    if spread.median is not None and spread.median < LEAST_MEDIAN:
+        return f"{'all' if spread.spread == 0.0 else 'half or more of the'} samples have 0"
     phrase = f"half of the samples are below {number(spread.median)}"
     if spread.low is not None and samples >= FEWEST_SAMPLES:
         phrase += f", 90 % of the samples between {number(spread.low)} and {number(spread.high)}"
@@ -119,6 +122,6 @@ def in_words(distribution: Distribution) -> str:
 
 def _row(result: Result) -> list[str]:
     s = result.spread
-    interval = "–" if s.mean_ci95 is None else f"{s.mean_ci95[0]:.4f} to {s.mean_ci95[1]:.4f}"
+    interval = "–" if s.mean_ci95 is None else f"{s.mean_ci95[0]:.3f} to {s.mean_ci95[1]:.3f}"
     rest = (s.median, s.low, s.high, s.spread)
-    return [result.title, str(result.samples), number(s.mean, 4), interval, *(number(value, 4) for value in rest)]
+    return [result.title, str(result.samples), number(s.mean), interval, *(number(value) for value in rest)]

@@ -191,7 +191,8 @@ def _without_digits(reason: str) -> str:
 def _spread(values: np.ndarray) -> Spread:
     """Return the spread of a column; the single values are in samples.csv."""
     known = [float(value) for value in values[np.isfinite(values)]]
-    return Spread.of(known).model_copy(update={"values": ()})
+    spread = Spread.of(known)
+    return (spread.from_zero if known and min(known) >= 0.0 else spread).model_copy(update={"values": ()})
 
 
 def _groups(table: SampleTable, name: str, path: str) -> Iterator[Group]:
@@ -221,7 +222,7 @@ def draw_all(section: Section, table: SampleTable, answer: StudyAnswer, store: S
     first = answer.results[:1]
     slides = [result for result in answer.results[1:] if result.name.startswith("case") and not result.is_detail]
     for result in (*first, *slides):
-        drawn = {effect.path: table.drawn(effect.path) for effect in result.effects}
+        drawn = {table.heading(effect.path): table.drawn(effect.path) for effect in result.effects}
         name = "samples" if result in first else f"samples_{result.name.split('_')[0]}"
         picture = figures.scatter(result.title, table.column(result.name), drawn, title)
         store.save(f"figures/study_{name}.png", picture)

@@ -51,10 +51,15 @@ class SampleTable:
         """Return the drawn values of one uncertain number, by its path, in all samples."""
         return [row.drawn[path] for row in self.rows]
 
+    def heading(self, path: str) -> str:
+        """Return the path of an uncertain number with its unit, as it heads columns and labels axes."""
+        unit = self.units.get(path, "")
+        return f"{path} ({unit})" if unit else path
+
     def text(self) -> str:
         """Return the table as CSV; numbers with all their digits."""
         texts = list(dict.fromkeys(name for row in self.rows for name in row.results.texts))
-        heads = [f"{path} ({unit})" if unit else path for path, unit in self.units.items()]
+        heads = list(map(self.heading, self.units))
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(["sample", *heads, *self.names, *texts, "failed"])

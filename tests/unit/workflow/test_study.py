@@ -26,6 +26,7 @@ from workflow.study import continuum, task
 from workflow.study.ensemble import Ensemble
 from workflow.study.fragility import curve, fit, fragility
 from workflow.study.statistics import effects, probability
+from workflow.study.study import _spread as spread_of
 from workflow.study.table import SampleRow, SampleTable
 from workflow.study.task import Task
 from workflow.uncertain.distribution import Distribution
@@ -191,6 +192,21 @@ def test_samples_that_fail_under_their_own_weight_are_told_to_do_so() -> None:
             samples=4, method="sobol", seed=0, failed=0, results=(result,), failures=(), section=None
         )
         assert [line for line in sentences(config, answer) if line.startswith(item)]
+
+
+def test_blocks_that_do_not_slide_have_0_and_no_interval_below_0() -> None:
+    """ "Half of the samples are below 0.000" stood above an interval of the mean from -0.0547 to 0.1468 m."""
+    values = [0.0, 0.34, 0.0, 0.0, 0.03, 0.0, 0.0, 0.0]
+    assert where(Spread.of(values), 8) == "half or more of the samples have 0"
+    assert where(Spread.of([0.0] * 8), 8) == "all samples have 0"
+    spread = spread_of(np.array(values))
+    assert spread.mean_ci95 is not None
+    assert spread.mean_ci95[0] == 0.0
+
+
+def test_axes_of_samples_have_the_units_of_the_numbers() -> None:
+    table = SampleTable({"strata.Clay.cohesion": "kPa", "triggering.borings.*.spt.*.N": ""}, [])
+    assert [*map(table.heading, table.units)] == ["strata.Clay.cohesion (kPa)", "triggering.borings.*.spt.*.N"]
 
 
 def test_four_samples_tell_no_more_than_their_median() -> None:
