@@ -49,7 +49,8 @@ PRESETS: Mapping[Preset, PublishedCriterion] = {
         factor=1.1, share=0.5, displacement=0.05,
     ),
     # F_H = 0.5 α S W, where α S is the peak acceleration of the ground over g. Strengths are divided by recommended
-    # partial factors: 1.25 of tan φ' and c', 1.4 of c_u, which a country may change. Mixed ground needs between both.
+    # partial factors: 1.25 of tan φ' (of c' as in EN 1997-1), 1.4 of c_u, which a country may change. Mixed ground
+    # needs between both.
     "eurocode_8_5": PublishedCriterion(
         "EN 1998-5:2004, 4.1.3.3 and 3.1 (3) with the recommended partial factors; F_V = 0.33 or 0.5 F_H either way is "
         "fem.vertical; soils that do not liquefy or soften",
