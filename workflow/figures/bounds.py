@@ -30,8 +30,9 @@ DISSIPATION_COLOURS = ("#f7f5ee", "#e9e4cf", "#e6d5a0", "#eab464", "#e3863c", "#
 ARROWS = "#1f6fb2"
 # The points of a mechanism with this share of its largest velocity are what fails. A failure is shown alone, with this
 # share of its width on either side and of its height below it, if the picture is narrower than this share of the
-# section, and at most so high over its width.
-MOVING_VELOCITY, MARGIN, DEPTH, NARROW_WIDTH, LARGEST_HEIGHT = 0.02, 0.5, 0.3, 0.6, 0.35
+# section, and at most so high over its width. What is narrower than LEAST_WIDTH of the section, such as a single node
+# that slips, is drawn with the ground around it.
+MOVING_VELOCITY, MARGIN, DEPTH, NARROW_WIDTH, LARGEST_HEIGHT, LEAST_WIDTH = 0.02, 0.5, 0.3, 0.6, 0.35, 0.03
 
 
 def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
@@ -109,7 +110,9 @@ def failure_window(moving: np.ndarray, section: Window) -> Window:
 
     ``moving``: points (n, 2) that fail (m); ``section``: window of the section.
     """
-    near = Window.around(moving, MARGIN)
+    middle, reach = 0.5 * (moving.min(axis=0) + moving.max(axis=0)), 0.5 * LEAST_WIDTH * (section.right - section.left)
+    corners = middle + reach * np.array([[-1.0, -LARGEST_HEIGHT], [1.0, LARGEST_HEIGHT]])
+    near = Window.around(np.vstack([moving, corners]), MARGIN)
     bottom = near.bottom - DEPTH * (near.top - near.bottom)
     wider = 0.5 * max(0.0, (near.top - bottom) / LARGEST_HEIGHT - (near.right - near.left))
     left, right = max(section.left, near.left - wider), min(section.right, near.right + wider)

@@ -15,6 +15,7 @@ SECTION = Window(-2.8, 142.8, -12.5, 17.5)  # of a levee of 140 m
         ([[39.0, 5.6], [46.8, 9.0]], "shallow slip of a bank"),
         ([[60.0, 5.0], [64.0, 15.0]], "steep cut"),
         ([[0.0, 14.0], [3.0, 15.0]], "at a side"),
+        ([[50.0, 10.0], [50.0, 10.0]], "a single node"),
     ],
 )
 def test_small_failure_is_drawn_large_with_its_surroundings_in_width_and_in_depth(
