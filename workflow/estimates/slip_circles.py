@@ -29,7 +29,8 @@ CIRCLES_AT_A_TIME = 4000  # circles at a time, on the first grid
 FEW_POINTS = 8  # intervals between the points of a circle that are checked first
 STEEPEST_BASE = np.radians(80.0)  # inclination of the base: steeper bases would be in tension
 OUT, INTO = np.radians((30.0, 60.0))  # slopes at which a slip surface that ends below the ground is taken to it
-LEAST_DEPTH = 0.02  # of the height of the section: shallower circles are the infinite slope's
+# Shallower circles than this share of the height of the section, and than this depth (m), are the infinite slope's.
+LEAST_DEPTH, LARGEST_LEAST_DEPTH = 0.02, 1.0
 EDGE_SHARE = 1e-7  # of the length of the section, by which at least a circle reaches over the edge of a crest
 FEWEST_POINTS = 3  # of a slip surface
 
@@ -82,7 +83,7 @@ def critical_circle(
     towards : LEFT or RIGHT, the side to which the mass slides
     kh : horizontal seismic coefficient at which the factor of safety is sought; None to seek the least Kh at which the
         factor is 1, with excess pore pressures by shaking
-    least_depth : smallest depth of circles (m); at least 2 % of the height of the section
+    least_depth : smallest depth of circles (m); at least 2 % of the height of the section, or 1 m of a higher one
     vertical : vertical seismic coefficient, positive upwards
     crest (left, right) : positions x (m) of the ends of a crest, of which at least a part has to slide; None for any
         circle
@@ -92,7 +93,7 @@ def critical_circle(
     -------
     The circle; None if no circle slides.
     """
-    depth = max(least_depth, LEAST_DEPTH * float(np.ptp(section.outline()[:, 1])))
+    depth = max(least_depth, min(LEAST_DEPTH * float(np.ptp(section.outline()[:, 1])), LARGEST_LEAST_DEPTH))
     return _CircleSearch(section, towards, kh, depth, vertical, crest, crack).run()
 
 
