@@ -57,7 +57,10 @@ def with_flow(value: float, flow: Flow, compared: float | None, estimate: str, s
     match flow:
         case "associated":
             phrase = f"{shown(value)} with ψ = φ"
-            return phrase if compared is None else f"{phrase}; {estimate}, which is no bound: {_low(compared, shown)}"
+            if compared is None:
+                return phrase
+            low = min(compared, value)  # ground of reduced strength resists no more: a strict bound limits both
+            return f"{phrase}; {estimate}, which is no bound: {_low(low, shown)}"
         case "davis":
             phrase = f"{shown(value)} by {estimate}, which is no bound"
         case "non-associated":

@@ -13,6 +13,7 @@ from tests.support.sections import analysed, slope
 from workflow.estimates.slide_error import SlideError
 from workflow.report.console import fem_sentences
 from workflow.report.first_page import headlines
+from workflow.report.flow_rule import with_flow
 from workflow.report.slide_headline import block_slides
 from workflow.results import governing
 from workflow.results.bounds import SafetyPart
@@ -60,6 +61,13 @@ def test_a_headline_never_lies_above_the_strict_upper_bound(above: float) -> Non
     assert ("The finite elements give 1.430, 0.4 % above the strict upper bound, which is reported." in console) == (
         above > 0.001
     )
+
+
+@pytest.mark.parametrize(("davis", "shown"), [(0.093, "0.085"), (0.07, "0.070"), (-1.0, "below 0, it fails")])
+def test_daviss_estimate_is_never_told_above_the_value_with_full_dilation(davis: float, shown: str) -> None:
+    """Elements of a slope with a toe of no strength had 0.093 for both, above the strict upper bound of 0.085."""
+    words = with_flow(0.085, "associated", davis, "Davis's estimate for ψ = 0", "{:.3f}".format)
+    assert words.startswith(f"0.085 with ψ = φ; Davis's estimate for ψ = 0, which is no bound: {shown}")
 
 
 @pytest.mark.parametrize(("lower", "message"), [(1.30, "2.0 % less"), (1.41, "1.0 % less"), (1.424, "")])
