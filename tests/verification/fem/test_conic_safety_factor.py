@@ -149,6 +149,7 @@ def test_daviss_factor_begins_where_that_with_full_dilation_ended(monkeypatch):
     assert near.factor < 0.97 * base.factor
 
 
+@pytest.mark.slow
 def test_the_error_of_a_factor_is_not_below_that_of_the_critical_kh_on_its_meshes() -> None:
     """Of an endless slope in two layers: 1.823 on 689 and on 904 cells, told with an error of 0.03 %; 1.8077 in closed
     form."""

@@ -374,6 +374,7 @@ def test_side_forces_between_which_a_slice_has_no_normal_force_are_no_balance(
     assert result == (None if expected is None else pytest.approx(expected, abs=1e-6))
 
 
+@pytest.mark.slow
 def test_a_surveyed_ground_has_the_circles_of_the_drawn_one() -> None:
     """267 points of the ground made 700,000 circles of 47,000, 290 s for a dike of D-Stability and its two Kh."""
     drawn = _slope("5 kPa", "25 deg")
