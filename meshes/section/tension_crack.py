@@ -217,15 +217,16 @@ def _without_faces(line: np.ndarray) -> np.ndarray:
     """Return a line (n, 2) that steps, at the lower end, where it is steeper than ``STEEP_SLOPE``. Cracks beside a
     nearly vertical face reach down from the ground above the face, not from the face."""
     width, rise = np.diff(line, axis=0).T
-    steep = np.flatnonzero((np.abs(rise) > STEEP_SLOPE * width) & (width > 0.0))
+    steep = upright_faces(line)
+    steep = steep[width[steep] > 0.0]
     lower = steep + (rise[steep] < 0.0)
     new = np.column_stack([line[lower, 0], np.maximum(line[steep, 1], line[steep + 1, 1])])
     return np.insert(line, steep + 1, new, axis=0)
 
 
-def upright_faces(ground: np.ndarray) -> np.ndarray:
-    """Return which stretches of the ``ground`` (n, 2) are steeper than ``STEEP_SLOPE`` (k,)."""
-    run, rise = np.diff(ground, axis=0).T
+def upright_faces(line: np.ndarray) -> np.ndarray:
+    """Return which stretches of a ``line`` (n, 2), such as the ground, are steeper than ``STEEP_SLOPE`` (k,)."""
+    run, rise = np.diff(line, axis=0).T
     return np.flatnonzero(np.abs(rise) > STEEP_SLOPE * run)
 
 
@@ -256,8 +257,8 @@ def _without_slices(bottom: np.ndarray, ground: np.ndarray) -> np.ndarray:
 def _without_steps(level: np.ndarray) -> np.ndarray:
     """Return the highest level (k, 2) that is nowhere above ``level`` (n, 2) and nowhere steeper than ``STEEP_SLOPE``,
     since a level of water may not step."""
-    width, rise = np.diff(level, axis=0).T
-    steep = np.flatnonzero(np.abs(rise) > STEEP_SLOPE * width)
+    rise = np.diff(level[:, 1])
+    steep = upright_faces(level)
     foot = level[steep + (rise[steep] < 0.0), 0] + rise[steep] / STEEP_SLOPE
     x = np.unique(np.concatenate([level[:, 0], foot]))
     x = x[(x >= level[0, 0]) & (x <= level[-1, 0])]

@@ -91,8 +91,8 @@ def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety, flow
     """Return the strict bounds of a factor of safety, for the same Kh, sides and flow rule; None without any bound.
 
     ``factor`` is a factor of safety of the finite elements ``fem``; ``flow`` is its flow rule; ``results`` hold the
-    bounds. A lower bound of ground
-    with strengthened faces does not count for finite elements without: shallow ground may fail before.
+    bounds. A lower bound of ground with strengthened faces does not count for finite elements without: shallow ground
+    may fail before.
     """
     bounds = results.bounds
     if bounds is None or bounds.sides != fem.settings.sides or flow != "associated":
