@@ -33,7 +33,6 @@ from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import FactorOfSafety
 from workflow.results.faces import FacesAnswer, FaceStrength, FaceValue, StrongZonePart
-from workflow.results.governing import value_of_face
 from workflow.results.slices import FactorCircles
 from workflow.stages import face_values, faces
 from workflow.texts.report_texts import Texts
@@ -395,18 +394,3 @@ def test_factors_of_faces_are_said_to_be_those_before_shaking(ratio: float, coun
     loose = config.model_copy(update={"section": config.section.with_strata(strata)})
     notes = list(note_sentences(results(loose, faces=answer())))
     assert sum("are those before shaking" in note for note in notes) == count
-
-
-@pytest.mark.parametrize(
-    ("elements", "expected"),
-    [
-        (None, (0.2, False)),
-        (FaceValue(value=0.1), (0.1, True)),
-        (FaceValue(value=0.1, upper=0.09), (0.09, True)),
-        (FaceValue(value=0.1, reaches_crest=False), (0.2, False)),
-    ],
-)
-def test_the_slip_circle_counts_where_the_failure_of_the_elements_has_no_crest(
-    elements: FaceValue | None, expected: tuple[float, bool]
-) -> None:
-    assert value_of_face(elements, 0.2) == expected
