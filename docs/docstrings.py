@@ -6,6 +6,10 @@ The docstring of every function and class begins with a verb, such as "Return" o
 phrase or as a question. The docstring of an error is a sentence on what happened. The docstring of a module begins with
 a verb in the third person, such as "Computes". A public function with four or more parameters names each of them in its
 docstring; the parameters of commands are described by their help.
+
+What another room imports is documented as what a package exports, in the packages of `SHARED`, and has Raises if it
+raises. A room is a folder in a package, such as `fem/limit`. `python docs/docstrings.py fem/limit` lists what is
+missing in a room of any package.
 """
 
 import ast
@@ -13,6 +17,7 @@ import importlib
 import inspect
 import re
 import sys
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,6 +26,7 @@ from pydantic import BaseModel
 TOP = Path(__file__).resolve().parent.parent
 PACKAGES = ("meshes", "fem", "dem")
 ALL_PACKAGES = (*PACKAGES, "workflow")
+SHARED: tuple[str, ...] = ()  # packages in which everything that another room imports is documented
 # First words of docstrings that have no verb in front.
 NO_VERB = re.compile(
     r"(The|An?|This|These|Such|All|Every|Each|Both|One|Two|Some|Whether|What|Which|Where|Who|How|Why)\b"
@@ -73,6 +79,48 @@ def faults(what: object) -> Iterator[str]:
             yield "no Returns"
 
 
+def raises(what: object) -> bool:
+    """Return whether a function raises an error of its own."""
+    if not inspect.isfunction(what):
+        return False
+    tree = ast.parse(textwrap.dedent(inspect.getsource(what)))
+    return any(isinstance(node, ast.Raise) and node.exc is not None for node in ast.walk(tree))
+
+
+def room(module: str) -> str:
+    """Return the room of a module, such as "fem/limit", or its package if it is in no room."""
+    parts = module.split(".")
+    return "/".join(parts[:2]) if (TOP / parts[0] / parts[1]).is_dir() else parts[0]
+
+
+def shared() -> Iterator[tuple[str, str]]:
+    """Yield module and name of everything that a room imports from another room, once."""
+    names = set()
+    for package in ALL_PACKAGES:
+        for path in sorted((TOP / package).rglob("*.py")):
+            importer = ".".join(path.relative_to(TOP).with_suffix("").parts)
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[2]:
+                    names |= {
+                        (node.module, alias.name)
+                        for alias in node.names
+                        if node.module.partition(".")[0] in ALL_PACKAGES and room(node.module) != room(importer)
+                    }
+    yield from sorted(names)
+
+
+def shared_faults(places: tuple[str, ...]) -> Iterator[str]:
+    """Yield the faults of the docstrings of what other rooms import from packages or rooms."""
+    for module, name in shared():
+        if module.partition(".")[0] in places or room(module) in places:
+            what = inspect.unwrap(getattr(importlib.import_module(module), name, None))  # None: a module
+            what = getattr(what, "py_func", what)  # of a compiled kernel
+            if getattr(what, "__module__", None) == module:
+                yield from (f"{module}.{name}: {fault}" for fault in faults(what))
+                if raises(what) and not section(inspect.getdoc(what) or "", "Raises"):
+                    yield f"{module}.{name}: no Raises"
+
+
 def without_verb(source: str) -> Iterator[tuple[int, str]]:
     """Yield line and beginning of every docstring that does not begin with a verb."""
     module = ast.parse(source)
@@ -108,6 +156,10 @@ def unnamed(source: str) -> Iterator[tuple[int, str]]:
 
 def main() -> int:
     """Print the faults; return 1 if there are any."""
+    if sys.argv[1:]:
+        messages = list(shared_faults(tuple(sys.argv[1:])))
+        print("\n".join(messages) or "docstrings: everything that other rooms import is documented")
+        return 1 if messages else 0
     messages = [
         f"{package}.{name}: {fault}"
         for package in PACKAGES
@@ -127,6 +179,7 @@ def main() -> int:
         if str(path.relative_to(TOP)) not in COMMANDS
         for line, name in unnamed(path.read_text(encoding="utf-8"))
     ]
+    messages += shared_faults(SHARED)
     print("\n".join(messages) or "docstrings: every exported name is documented")
     return 1 if messages else 0
 
