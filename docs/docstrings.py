@@ -34,6 +34,9 @@ NO_VERB = re.compile(
 # First word of the docstring of a module: a verb in the third person, not a plural noun ("Kernels", "Points of").
 THIRD_PERSON = re.compile(r"Warns of|(?!Kernels\b)[A-Z][a-z]*s (?!(of|for)\b)")
 
+# Names of one entry under Parameters: "x, z (n,) : coordinates (m)", or "x : array (n,)" with the meaning below.
+PARAMETER = re.compile(r"^(\w+(?:, \w+)*)(?: \(.*\))?(?: :|$)", flags=re.MULTILINE)
+
 MANY_PARAMETERS = 4  # so many need names in the docstring
 # Modules whose functions are commands: the help of each option describes it.
 COMMANDS = {f"workflow/cli/{name}.py" for name in ("commands", "section", "study")}
@@ -70,7 +73,7 @@ def faults(what: object) -> Iterator[str]:
         ):
             yield "no Attributes or Parameters"
     elif inspect.isfunction(what):
-        named = set(re.findall(r"^(\w+(?:, \w+)*)(?: :|$)", section(text, "Parameters"), flags=re.MULTILINE))
+        named = set(PARAMETER.findall(section(text, "Parameters")))
         named = {name for names in named for name in names.split(", ")}
         yield from (
             f"{name} is not under Parameters" for name in inspect.signature(what).parameters if name not in named

@@ -284,6 +284,24 @@ def test_parameters_that_a_docstring_lacks_are_refused() -> None:
     assert list(program("docstrings").unnamed(source)) == [(1, "d")]
 
 
+def test_parameters_may_have_a_shape_or_a_type() -> None:
+    def moved(x, z, by, where):  # type: ignore[no-untyped-def]
+        """Return moved points.
+
+        Parameters
+        ----------
+        x, z (n,) : coordinates (m)
+        by : array (2,)
+            Displacement (m).
+
+        Returns
+        -------
+        The new coordinates (2, n) in m.
+        """
+
+    assert list(program("docstrings").faults(moved)) == ["where is not under Parameters"]
+
+
 def test_readmes_of_packages_are_a_page() -> None:
     for package in PACKAGES:
         text = (TOP / package / "README.md").read_text(encoding="utf-8")
