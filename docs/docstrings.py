@@ -1,7 +1,8 @@
 """Checks docstrings: `python docs/docstrings.py`.
 
-An exported function names each of its parameters under Parameters, and has Returns unless it returns nothing; an
-exported class names its attributes or parameters, or has a description for every field if it holds settings (numpydoc).
+An exported function names each of its parameters under Parameters, and has Returns or Yields unless it returns
+nothing; an exported class names its attributes or parameters, unless it is an error without any, or has a description
+for every field if it holds settings (numpydoc).
 The docstring of every function and class begins with a verb, such as "Return" or "Holds": it does not begin as a noun
 phrase or as a question. The docstring of an error is a sentence on what happened. The docstring of a module begins with
 a verb in the third person, such as "Computes". A public function with four or more parameters names each of them in its
@@ -66,7 +67,7 @@ def faults(what: object) -> Iterator[str]:
             yield from (
                 f"{name} has no description" for name, field in what.model_fields.items() if not field.description
             )
-        elif not any(
+        elif (not issubclass(what, Exception) or "__init__" in vars(what)) and not any(
             section((base.__doc__ and inspect.cleandoc(base.__doc__)) or "", head)
             for base in what.__mro__
             for head in ("Attributes", "Parameters")
@@ -78,7 +79,9 @@ def faults(what: object) -> Iterator[str]:
         yield from (
             f"{name} is not under Parameters" for name in inspect.signature(what).parameters if name not in named
         )
-        if inspect.signature(what).return_annotation not in (None, "None") and not section(text, "Returns"):
+        if inspect.signature(what).return_annotation not in (None, "None") and not (
+            section(text, "Returns") or section(text, "Yields")
+        ):
             yield "no Returns"
 
 

@@ -56,15 +56,25 @@ class UnstableError(NoAnswerError):
 
 
 class NoEquilibriumError(NoAnswerError):
-    """No state was found in which stresses inside the yield surface balance the loads: whether the ground stands or
-    fails is unknown.
+    """No state was found in which stresses inside the yield surface balance the loads.
+
+    Whether the ground stands or fails is unknown.
     """
 
 
 @contextmanager
 def accepting_no_answer() -> Iterator[None]:
-    """Leave the block of a limit analysis whose solver has no answer, so that an equilibrium path has to do. An
-    UnstableError is an answer, and is raised."""
+    """Leave the block of a limit analysis whose solver has no answer, so that an equilibrium path has to do.
+
+    Yields
+    ------
+    None. A NoAnswerError raised in the block ends the block, and the program continues behind it.
+
+    Raises
+    ------
+    UnstableError
+        If the block raises it: that the ground fails under its weight is an answer.
+    """
     try:
         yield
     except UnstableError:

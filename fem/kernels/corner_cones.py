@@ -15,10 +15,18 @@ from numba import njit
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def scalings(s: np.ndarray, z: np.ndarray, axis: np.ndarray, size: np.ndarray, square: np.ndarray) -> bool:
-    """Compute the scalings of slacks ``s`` and multipliers ``z`` (k, 3); return False if one of them lies outside its
-    cone.
+    """Compute the scalings of slacks ``s`` and multipliers ``z``.
 
-    Writes w to ``axis`` (k, 3), η to ``size`` (k,) and W² to ``square`` (k, 3, 3).
+    Parameters
+    ----------
+    s, z (k, 3) : slack and multiplier of each cone
+    axis (k, 3) : set to w
+    size (k,) : set to η
+    square (k, 3, 3) : set to W²
+
+    Returns
+    -------
+    False if a slack or a multiplier lies outside its cone; the results are then incomplete.
     """
     for k in range(len(s)):
         s0, s1, s2, z0, z1, z2 = s[k, 0], s[k, 1], s[k, 2], z[k, 0], z[k, 1], z[k, 2]
@@ -63,10 +71,16 @@ def _divided(l0: float, l1: float, l2: float, d0: float, d1: float, d2: float) -
 def corrections(
     axis: np.ndarray, size: np.ndarray, z: np.ndarray, ds: np.ndarray, dz: np.ndarray, aim: float, out: np.ndarray
 ) -> None:
-    """Compute W (λ \\ (λ ∘ λ + (W⁻¹ ds) ∘ (W dz) - aim e)) (k, 3), the right-hand side of Mehrotra's corrector (1992).
+    """Compute W (λ \\ (λ ∘ λ + (W⁻¹ ds) ∘ (W dz) - aim e)), the right-hand side of Mehrotra's corrector (1992).
 
-    ``axis``, ``size``: w and η of `scalings`; ``z``: multipliers; ``ds``, ``dz``: step of the predictor; ``aim``:
-    target of the products; ``out``: (k, 3).
+    Parameters
+    ----------
+    axis (k, 3) : w of `scalings`
+    size (k,) : η of `scalings`
+    z (k, 3) : multipliers
+    ds, dz (k, 3) : step of the predictor
+    aim : target of the products s ∘ z
+    out (k, 3) : set to the right-hand side
     """
     for k in range(len(z)):
         w, eta = axis[k], size[k]
@@ -84,12 +98,21 @@ def centrality(
     axis: np.ndarray, size: np.ndarray, z: np.ndarray, s_next: np.ndarray, z_next: np.ndarray,
     aim: float, low: float, high: float, out: np.ndarray,
 ) -> None:  # fmt: skip
-    """Compute Gondzio's right-hand side W (λ \\ t) (k, 3); t moves the products of a longer step into the range ``low``
-    to ``high`` times the ``aim``.
+    """Compute Gondzio's right-hand side W (λ \\ t), which centres the products after a longer step.
 
-    The products are the eigenvalues of (W⁻¹ s) ∘ (W z); no product is reduced by more than ``high`` times the aim
-    (Gondzio 1996). ``axis``, ``size``: w and η of `scalings`; ``z``: multipliers; ``s_next``, ``z_next``: slacks and
-    multipliers after the longer step; ``out``: (k, 3).
+    The products are the eigenvalues of (W⁻¹ s) ∘ (W z). t moves them into the range ``low`` to ``high`` times the
+    ``aim``,
+    but reduces no product by more than ``high`` times the aim (Gondzio 1996).
+
+    Parameters
+    ----------
+    axis (k, 3) : w of `scalings`
+    size (k,) : η of `scalings`
+    z (k, 3) : multipliers
+    s_next, z_next (k, 3) : slacks and multipliers after the longer step
+    aim : target of the products
+    low, high : smallest and largest product over the aim
+    out (k, 3) : set to the right-hand side
     """
     for k in range(len(z)):
         w, eta = axis[k], size[k]
@@ -107,7 +130,17 @@ def centrality(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def longest_step(v: np.ndarray, dv: np.ndarray) -> float:
-    """Return the largest step length a for which all v + a dv (k, 3) lie in their cones; 1e30 if there is no limit."""
+    """Return the largest step length a for which all v + a dv lie in their cones.
+
+    Parameters
+    ----------
+    v (k, 3) : vectors inside their cones
+    dv (k, 3) : their changes in a step of length 1
+
+    Returns
+    -------
+    The step length (-); 1e30 if there is no limit.
+    """
     best = 1e30
     for k in range(len(v)):
         v0, v1, v2, d0, d1, d2 = v[k, 0], v[k, 1], v[k, 2], dv[k, 0], dv[k, 1], dv[k, 2]
@@ -128,7 +161,14 @@ def longest_step(v: np.ndarray, dv: np.ndarray) -> float:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def add_products(square: np.ndarray, v: np.ndarray, out: np.ndarray) -> None:
-    """Add W² v to ``out``, all (k, 3)."""
+    """Add W² v to ``out``.
+
+    Parameters
+    ----------
+    square (k, 3, 3) : W² of `scalings`
+    v (k, 3) : vectors
+    out (k, 3) : increased by the products
+    """
     for k in range(len(v)):
         for i in range(3):
             out[k, i] += square[k, i, 0] * v[k, 0] + square[k, i, 1] * v[k, 1] + square[k, i, 2] * v[k, 2]

@@ -12,9 +12,15 @@ from numba import njit
 def strain_rates(
     starts: np.ndarray, columns: np.ndarray, values: np.ndarray, velocity: np.ndarray, rates: np.ndarray
 ) -> None:
-    """Compute the strain ``rates`` (k, 3) of corners under a ``velocity`` (n,).
+    """Compute the strain rates of corners under a velocity.
 
-    Corner k has the columns ``columns[starts[k] : starts[k + 1]]``, and in each the three ``values`` (entries, 3).
+    Parameters
+    ----------
+    starts (k + 1,) : corner i has the columns ``columns[starts[i] : starts[i + 1]]``
+    columns (entries,) : numbers of the velocities on which the strain rates of each corner depend
+    values (entries, 3) : derivatives of the three strain rates by each of these velocities (1/m)
+    velocity (n,) : velocities
+    rates (k, 3) : set to the strain rates
     """
     for k in range(len(starts) - 1):
         a = b = c = 0.0
@@ -30,8 +36,14 @@ def strain_rates(
 def add_forces(
     starts: np.ndarray, columns: np.ndarray, values: np.ndarray, stress: np.ndarray, force: np.ndarray
 ) -> None:
-    """Add the forces of a ``stress`` (k, 3) at the corners to ``force`` (n,); ``starts``, ``columns``, ``values``: as
-    in `strain_rates`."""
+    """Add the forces of a stress at the corners to a force, by the transposed matrix of `strain_rates`.
+
+    Parameters
+    ----------
+    starts, columns, values : matrix of strain rates, as in `strain_rates`
+    stress (k, 3) : multipliers of the strain rates
+    force (n,) : increased by the forces
+    """
     for k in range(len(starts) - 1):
         a, b, c = stress[k, 0], stress[k, 1], stress[k, 2]
         for place in range(starts[k], starts[k + 1]):

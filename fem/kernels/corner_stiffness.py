@@ -30,11 +30,17 @@ def stiffnesses(
     axis: np.ndarray, size: np.ndarray, lone: np.ndarray, sine: np.ndarray, clay: np.ndarray, single: np.ndarray,
     triple: np.ndarray, torn_sine: float, soft: float, out: np.ndarray,
 ) -> None:  # fmt: skip
-    """Compute C⁻¹ of all corners into ``out`` (k, 3, 3).
+    """Compute C⁻¹ of all corners.
 
-    ``axis``: w (cones, 3); ``size``: η (cones,); ``lone``: w² of the scalar constraints of cut-offs (singles,). The
-    compliance δ of a corner is ``soft`` times its η², or times `LARGEST_SQUARE` if that is less. ``sine``, ``clay``,
-    ``single``, ``triple``: see above; ``torn_sine``: sin φ of the cones of tension cut-offs.
+    Parameters
+    ----------
+    axis (cones, 3) : w of the cones: of the k corners, then of the cut-offs that are cones
+    size (cones,) : η of the cones
+    lone (singles,) : w² of the scalar constraints of cut-offs
+    sine, clay, single, triple (k,) : slopes of the cones and numbers of the corners, see above
+    torn_sine : sin φ of the cones of tension cut-offs
+    soft : compliance δ of the volume of clay over η², or over `LARGEST_SQUARE` if η² is larger
+    out (k, 3, 3) : set to C⁻¹
     """
     corners = len(sine)
     c, low = np.empty((3, 3)), np.zeros((3, 3))
@@ -112,12 +118,19 @@ def condense(
     clay: np.ndarray, single: np.ndarray, triple: np.ndarray, torn_sine: float, velocities: int, clays: int,
     openings: int, g: np.ndarray, force: np.ndarray,
 ) -> None:  # fmt: skip
-    """Compute ``g`` (k, 3) from the right-hand sides ``ry`` and ``rz``, and ``force`` C⁻¹ g (k, 3), which acts on the
-    velocities.
+    """Eliminate the unknowns of the corners from right-hand sides: compute g, and the force C⁻¹ g.
 
-    ``stiffness``: C⁻¹ of `stiffnesses`; ``square``: W² of the cones; ``lone``, ``sine``, ``clay``, ``single``,
-    ``triple``, ``torn_sine``: as in `stiffnesses`; ``velocities``, ``clays``: numbers of velocities and of clay
-    corners; ``openings``: the first column of the opening rates of cut-off cones.
+    Parameters
+    ----------
+    ry (columns,) : right-hand sides of the columns, in the order above
+    rz (rows,) : right-hand sides of the rows, in the order above
+    stiffness (k, 3, 3) : C⁻¹ of `stiffnesses`
+    square (cones, 3, 3) : W² of the cones
+    lone, sine, clay, single, triple, torn_sine : as in `stiffnesses`
+    velocities, clays : numbers of velocities and of clay corners
+    openings : first column of the opening rates of cut-off cones
+    g (k, 3) : set to the right-hand sides of q + C m = g
+    force (k, 3) : set to C⁻¹ g, the multipliers m at zero strain rates, whose forces act on the velocities
     """
     corners, first = len(sine), 1 + clays
     tears, lones = first + 3 * corners, first + 3 * len(square)
@@ -151,10 +164,16 @@ def expand(
     lone: np.ndarray, sine: np.ndarray, clay: np.ndarray, single: np.ndarray, triple: np.ndarray, torn_sine: float,
     velocities: int, clays: int, openings: int, dy: np.ndarray, dz: np.ndarray,
 ) -> None:  # fmt: skip
-    """Compute the entries of ``dy`` after the velocities, and those of ``dz`` except the load, from the strain rates.
+    """Compute the unknowns that `condense` eliminated, from the strain rates of the solution.
 
-    ``rates``: (k, [volume, difference, shear]); ``g``, ``ry``, ``rz``, ``stiffness``, ``square``, ``lone``, ``sine``,
-    ``clay``, ``single``, ``triple``, ``torn_sine``, ``velocities``, ``clays``, ``openings``: as in `condense`.
+    Parameters
+    ----------
+    rates (k, 3) : strain rates q of the solved velocities, [volume, difference, shear]
+    g (k, 3) : result of `condense`
+    ry, rz, stiffness, square, lone, sine, clay, single, triple, torn_sine : as in `condense`
+    velocities, clays, openings : as in `condense`
+    dy (columns,) : entries after the velocities are set
+    dz (rows,) : entries are set, except that of the load
     """
     corners, first = len(sine), 1 + clays
     tears, lones = first + 3 * corners, first + 3 * len(square)
@@ -197,10 +216,18 @@ def add_stiffnesses(
     stiffness: np.ndarray, starts: np.ndarray, rows: np.ndarray, places: np.ndarray, first: np.ndarray,
     values: np.ndarray,
 ) -> None:  # fmt: skip
-    """Add Σ Bᵀ C⁻¹ B of all corners to the ``values`` of the lower triangle; ``stiffness``: their C⁻¹ (k, 3, 3).
+    """Add Σ Bᵀ C⁻¹ B of all corners to the lower triangle of the stiffness matrix.
 
-    The columns of B of corner k are ``rows`` (entries, 3) from ``starts[k]`` on, in the order of their velocities;
-    their products, row by row of a lower triangle, belong to ``places`` from ``first[k]`` on.
+    Parameters
+    ----------
+    stiffness (k, 3, 3) : C⁻¹ of the corners
+    starts (k + 1,) : the columns of B of corner i are ``rows[starts[i] : starts[i + 1]]``, in the order of their
+        velocities
+    rows (entries, 3) : columns of B (1/m)
+    places (pairs,) : entries of the triangle to which the products belong, row by row of a lower triangle for each
+        corner
+    first (k + 1,) : the places of corner i begin at ``first[i]``
+    values (entries of the triangle,) : increased by the products
     """
     most = 0
     for k in range(len(starts) - 1):

@@ -9,11 +9,15 @@ def find_places(
     starts: np.ndarray, columns: np.ndarray, pointers: np.ndarray, indices: np.ndarray, first: np.ndarray,
     places: np.ndarray,
 ) -> None:  # fmt: skip
-    """Find the places of the entries of small matrices, row by row of their lower triangles, among the entries of a
-    sorted csc matrix.
+    """Find the places of the entries of small symmetric matrices among the entries of a sorted csc matrix.
 
-    Matrix k has the unknowns ``columns`` from ``starts[k]`` on, and its ``places`` begin at ``first[k]``; ``pointers``
-    and ``indices`` are those of the csc matrix.
+    Parameters
+    ----------
+    starts (k + 1,) : small matrix i has the unknowns ``columns[starts[i] : starts[i + 1]]``
+    columns (unknowns of all matrices,) : numbers of the unknowns, rising in each matrix
+    pointers, indices : ``indptr`` and ``indices`` of the lower triangle in csc format
+    first (k + 1,) : the places of matrix i begin at ``first[i]``
+    places (pairs,) : set to the places, row by row of the lower triangle of each small matrix
     """
     for k in range(len(starts) - 1):
         place = first[k]
@@ -32,8 +36,15 @@ def find_places(
 
 @njit(cache=True, nogil=True)
 def add_matrices(matrices: np.ndarray, order: np.ndarray, places: np.ndarray, entries: np.ndarray) -> None:
-    """Add symmetric ``matrices`` (k, at least n, n) to the ``entries`` at their ``places``; ``order`` (k, n) sorts the
-    rows of each matrix by rising unknowns."""
+    """Add small symmetric matrices to the entries of a lower triangle.
+
+    Parameters
+    ----------
+    matrices (k, m, m) : small matrices; the first n <= m rows and columns of each are added
+    order (k, n) : rows of each matrix by rising numbers of their unknowns
+    places (pairs,) : places of `find_places`
+    entries (e,) : entries of the triangle, which are increased
+    """
     place = 0
     for k in range(len(order)):
         for i in order[k]:

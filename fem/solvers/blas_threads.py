@@ -6,10 +6,11 @@ from meshes.executor import SERIAL, Executor, OneThread
 
 
 def use_one_thread() -> None:
-    """Make every loaded BLAS compute with one thread: with more threads the order of sums, and so their last bits,
-    would change.
+    """Make every loaded BLAS compute with one thread.
 
-    The matrices here are too small to gain from more threads.
+    With more threads the order of sums, and so their last bits, would change. The matrices here are too small to gain
+    from
+    more threads.
     """
     ThreadpoolController().limit(limits=1, user_api="blas")
 
@@ -22,5 +23,14 @@ def bears_threads() -> bool:
 
 
 def one_more_thread(wanted: bool = True) -> Executor:
-    """Provide an executor with one more thread, if it is ``wanted`` and BLAS is thread-safe."""
+    """Provide an executor with one more thread, if it is ``wanted`` and BLAS is thread-safe.
+
+    Parameters
+    ----------
+    wanted : whether tasks may run on another thread
+
+    Returns
+    -------
+    An executor with one thread; else the serial executor, which runs tasks in the calling thread.
+    """
     return OneThread() if wanted and bears_threads() else SERIAL

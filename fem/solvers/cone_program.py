@@ -131,8 +131,14 @@ NEAR = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Warm:
-    """Holds a starting point (or none), and the stiffness matrix with its order of elimination, for programs with equal
-    matrices of strain rates."""
+    """Holds a starting point for programs with equal matrices of strain rates, and the factors' order of elimination.
+
+    Attributes
+    ----------
+    place : iterate (y, z, s) well inside the cones from which the method starts; None to start as without it
+    matrix : stiffness matrix Σ Bᵀ D B of the corners, whose analysed pattern is used again
+    form : program in standard form of which ``matrix`` holds the strain rates; `suits` compares other programs with it
+    """
 
     place: Place | None
     matrix: CornerMatrix

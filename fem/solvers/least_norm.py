@@ -26,6 +26,16 @@ def smallest_correction(matrix: sparse.spmatrix, residual: np.ndarray) -> np.nda
     CHOLMOD is missing: it solves min |d|²/2 with these equations by one factorisation of [[1, Aᵀ], [A, 0]], in an
     approximate minimum degree ordering (Amestoy, Davis & Duff 1996), in twice the time. SuperLU's multiple minimum
     degree takes a hundred times as long to order A Aᵀ of thin layers: 81 s for 75,000 equations.
+
+    Parameters
+    ----------
+    matrix (m, n) : coefficients A of the equations; rows may have different units, since each is scaled to length 1
+    residual (m,) : right-hand side, what the equations lack
+
+    Returns
+    -------
+    The correction d (n,); zero without equations or where the residual is zero. If the equations contradict each other,
+    the residual that no correction removes remains: the caller checks it.
     """
     rows = matrix.shape[0]
     if rows == 0 or not np.any(residual):

@@ -20,12 +20,13 @@ class LowerTriangle:
         Entries of the lower triangle, column by column; they are set before ``factorise``.
     diagonal : ndarray (n,)
         Places of the diagonal among the entries.
-    first, places : ndarrays (k + 1,), (pairs,)
-        Small matrix i has its lower triangle, row by row, at ``places[first[i] : first[i + 1]]`` of the entries.
+    row_start, places : ndarrays (k + 1,), (pairs,)
+        Small matrix i has its lower triangle, row by row, at ``places[row_start[i] : row_start[i + 1]]`` of the
+        entries.
 
     Parameters
     ----------
-    starts, columns (k + 1,) : unknowns of the small matrices in rising order: ``columns[starts[i] : starts[i + 1]]``
+    starts (k + 1,), columns : unknowns of the small matrices in rising order: ``columns[starts[i] : starts[i + 1]]``
         are those of number i
     size : number of unknowns, n
     nested : whether the unknowns are ordered by nested dissection, see ``Cholesky``
