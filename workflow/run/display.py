@@ -67,6 +67,12 @@ class Display:
     On a terminal, ``err`` shows a list of all stages that is updated in place. If ``err`` is no terminal, one line is
     written to it every `LINE_INTERVAL` seconds while a stage runs, and one line when the stage ends. In verbose mode
     there is also one line when a stage begins, and one for every step.
+
+    Parameters
+    ----------
+    err : console of standard error
+    stages : stages that are displayed, in their order
+    verbosity : amount of text; nothing is displayed for `QUIET` and `JSON`
     """
 
     def __init__(self, err: Console, stages: Sequence[Stage], verbosity: Verbosity) -> None:

@@ -18,9 +18,20 @@ SOURCES = (".py", ".csv", ".jinja", ".js")  # the files that results are made by
 
 
 def inputs(stage: Stage, job: Job, ignored: frozenset[str] = frozenset()) -> dict[str, str]:
-    """Return the fingerprints of all inputs of a stage, by names for messages.
+    """Return the fingerprints of all inputs of a stage.
 
-    ``ignored`` are settings without effect on the results of the stage.
+    Parameters
+    ----------
+    stage : the stage
+    job : section, settings, and all stages of the run, among them those that the stage needs
+    ignored : settings "table.key", or names of `Stage.takes`, without effect on the results of the stage, in addition
+        to `Stage.ignores`
+
+    Returns
+    -------
+    Fingerprints by names for messages: "section" (without its title and structures, which only a stage of all reads),
+    "the program", each "[table]" or "table.key", each name of `Stage.takes` and `Stage.files`, and each stage that is
+    needed, with all of its inputs.
     """
     ignored = ignored.union(stage.ignores(job.config))
     prints = {"section": fingerprint_of(job.config.section.model_dump(mode="json", exclude=NAMES)), PROGRAM: program()}
@@ -49,7 +60,13 @@ def title(config: Config) -> str:
 
 @cache
 def program() -> str:
-    """Return the fingerprint of all sources of the program: after any change of them no result is valid."""
+    """Return the fingerprint of all sources of the program: after any change of them no result is valid.
+
+    Returns
+    -------
+    SHA-256 of names and bytes of the files of the four packages that end in `SOURCES`, in 64 hexadecimal digits. It is
+    computed once in a process.
+    """
     total = hashlib.sha256()
     for package in PACKAGES:
         spec = find_spec(package)
@@ -69,10 +86,28 @@ def _settings(name: str, config: Config, ignored: frozenset[str]) -> dict[str, A
 
 
 def fingerprint_of(data: Any) -> str:
-    """Return a fingerprint of anything that JSON can hold."""
+    """Return a fingerprint of anything that JSON can hold.
+
+    Parameters
+    ----------
+    data : data whose order of keys does not matter
+
+    Returns
+    -------
+    SHA-256 of the JSON text, in 64 hexadecimal digits.
+    """
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
 def fingerprint_of_file(path: Path) -> str:
-    """Return a fingerprint of the content of a file."""
+    """Return a fingerprint of the content of a file.
+
+    Parameters
+    ----------
+    path : an existing file
+
+    Returns
+    -------
+    SHA-256 of its bytes, in 64 hexadecimal digits.
+    """
     return hashlib.sha256(path.read_bytes()).hexdigest()

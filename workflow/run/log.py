@@ -67,7 +67,12 @@ class RunLog:
 
 
 def machine() -> dict[str, str]:
-    """Return the host, its system and its processors, in words."""
+    """Return the host, its system and its processors, in words.
+
+    Returns
+    -------
+    Texts of "host", "system", and "processor", which counts the cores that this process may use.
+    """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     return {
         "host": socket.gethostname(),
@@ -86,7 +91,12 @@ def _processor() -> str:
 
 
 def versions() -> dict[str, str]:
-    """Return the version of this program, of Python, and of every package that computes or draws."""
+    """Return the versions of this program, of Python, and of every package that computes or draws.
+
+    Returns
+    -------
+    Versions by names of packages; packages that are not installed are missing.
+    """
     numbers = {"python": platform.python_version()}
     for name in PACKAGES:
         with suppress(metadata.PackageNotFoundError):

@@ -295,7 +295,14 @@ class StartedStage:
 
 
 def leave_input(config: Config, store: Store) -> None:
-    """Write section.toml, the complete input, and copies of the files that the input names."""
+    """Write section.toml, the complete input, and copies of the files that the input names.
+
+    Parameters
+    ----------
+    config : section and settings; all defaults are written, too
+    store : folder of the run. Copies lie beside section.toml, which names them; a second file of the same name is
+        renamed to "table_name".
+    """
     left: dict[str, Path] = {}
     for (table, key), file in config.named_files().items():
         name = file.name if left.get(file.name, file) == file else f"{table}_{file.name}"  # another of the same name

@@ -24,9 +24,9 @@ class Choice:
 
     Attributes
     ----------
-    chosen: the names of the stages that may run, in their order.
-    forced: chosen stages that run even if nothing has changed.
-    requested: stages requested by name, which run even if the settings do not require them.
+    chosen : the names of the stages that may run, in their order.
+    forced : chosen stages that run even if nothing has changed.
+    requested : stages requested by name, which run even if the settings do not require them.
     """
 
     chosen: tuple[str, ...]
@@ -71,9 +71,9 @@ class Decision:
 
     Attributes
     ----------
-    stage: the stage.
-    action: whether to run the stage, draw its pictures again, reuse its results, or leave it out.
-    reason: reason of the action, in words; empty if nothing has changed.
+    stage : the stage.
+    action : whether to run the stage, draw its pictures again, reuse its results, or leave it out.
+    reason : reason of the action, in words; empty if nothing has changed.
     """
 
     stage: Stage
@@ -82,7 +82,22 @@ class Decision:
 
 
 def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
-    """Decide which stages run. Raises InputError if the choice leaves out a stage that another stage needs."""
+    """Decide which stages run.
+
+    Parameters
+    ----------
+    job : section, settings, and all stages of the run
+    record : outcomes and inputs of the stages when they ran last
+    choice : stages that the command may run
+
+    Returns
+    -------
+    One decision for each stage of the job, in the order of the stages.
+
+    Raises
+    ------
+    InputError : The choice leaves out a stage without valid results that a stage to run needs.
+    """
     decisions: list[Decision] = []
     for stage in job.stages:
         news = any(decision.action in ("run", "redraw") for decision in decisions)
@@ -99,8 +114,19 @@ def plan(job: Job, record: Record, choice: Choice) -> list[Decision]:
 
 
 def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
-    """Return the fingerprints of all inputs of a stage. The inputs of the report include the outcomes of the other
-    stages."""
+    """Return the fingerprints of all inputs of a stage, as its entry in the record holds them.
+
+    Parameters
+    ----------
+    stage : the stage
+    job : section, settings, and all stages of the run
+    record : outcomes of the other stages, which are inputs of a stage that reports all of them
+
+    Returns
+    -------
+    Fingerprints by names for messages, see `inputs`. A stage with settings that only add answers has another one of the
+    inputs without them, by the name `WITHOUT_ADDITIONS`.
+    """
     prints = inputs(stage, job)
     if stage.of_all:
         ends = {name: [entry.outcome, entry.ended] for name, entry in record.entries.items() if name != stage.name}
@@ -111,8 +137,21 @@ def made_from(stage: Stage, job: Job, record: Record) -> dict[str, str]:
 
 
 def has_answers_of(stage: Stage, prints: dict[str, str], record: Record) -> bool:
-    """Return whether the stored answers of a stage belong to the inputs ``prints``, though there may be more or fewer
-    of them than requested, such as factors of safety."""
+    """Return whether the stored answers of a stage belong to some inputs.
+
+    There may be more or fewer answers than requested, such as factors of safety, since settings that only add answers
+    (`Stage.adds`) are left out of the comparison.
+
+    Parameters
+    ----------
+    stage : the stage
+    prints : fingerprints of the inputs, by names, see `made_from`
+    record : outcomes and inputs of the stages
+
+    Returns
+    -------
+    False also if the stage has not run, if its results are not whole, or if no setting only adds answers to it.
+    """
     entry = record[stage.name]
     if entry is None or WITHOUT_ADDITIONS not in prints:
         return False
@@ -123,8 +162,17 @@ def has_answers_of(stage: Stage, prints: dict[str, str], record: Record) -> bool
 def is_of_this_input(stage: Stage, job: Job, record: Record) -> bool:
     """Return whether the stored answer of a stage may be reported and drawn.
 
-    The answer may be used if it belongs to this input and to a readable version, and if no stage that it needs was
-    computed again since then.
+    Parameters
+    ----------
+    stage : the stage
+    job : section, settings, and all stages of the run
+    record : outcomes and inputs of the stages
+
+    Returns
+    -------
+    True if the answer belongs to this input, though perhaps to another version of the program, if this version can read
+    it, and if the same holds for all stages that it needs, none of which was computed again since then. The answer may
+    be a part of what is requested.
     """
     entry = record[stage.name]
     if entry is None:
@@ -162,7 +210,18 @@ def _decision(stage: Stage, job: Job, record: Record, choice: Choice, news: bool
 
 
 def changes(stage: Stage, prints: dict[str, str], record: Record) -> str:
-    """Return why the results of a stage cannot be reused, in words; empty if they can."""
+    """Return why the results of a stage cannot be reused.
+
+    Parameters
+    ----------
+    stage : the stage
+    prints : fingerprints of its present inputs, by names, see `made_from`
+    record : outcomes and inputs of the stages, and the folder with their results
+
+    Returns
+    -------
+    The reason in words, such as "inputs changed: [fem]"; empty if the results can be reused.
+    """
     entry = record[stage.name]
     if entry is None:
         return OTHER_VERSION if stage.name in record.outdated else "not run"

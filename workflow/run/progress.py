@@ -9,11 +9,24 @@ Progress = Callable[[str, float | None], None]
 
 
 def silent(_line: str, _share: float | None) -> None:
-    """Ignore progress."""
+    """Ignore progress; where nobody listens to it.
+
+    Parameters
+    ----------
+    _line, _share : activity, and the finished share from 0 to 1 or None
+    """
 
 
 class Verbosity(Enum):
-    """Names how much a command prints: only errors, sentences, every step, or the answers as JSON."""
+    """Names how much a command prints.
+
+    Attributes
+    ----------
+    QUIET : only errors
+    NORMAL : sentences and progress
+    VERBOSE : every step, too
+    JSON : the answers as JSON
+    """
 
     QUIET, NORMAL, VERBOSE, JSON = range(4)
 
@@ -29,12 +42,17 @@ class Verbosity(Enum):
 
 
 class TimeLeft:
-    """Estimates the remaining time of a stage, which never rises. The time is extrapolated from the finished share at
-    constant speed. Work is reported in pieces: during a piece the share is constant, and the remaining time counts
-    down. If a piece takes longer than expected, the remaining time is constant, as a lower bound, until the piece is
-    finished. The time before the first report, in which kernels are compiled and meshes are made, is left
-    out of the speed if the first reported share is below `FIRST_SHARE`. No time is shown until a further share of
-    `FIRST_SHARE` is finished.
+    """Estimates the remaining time of a stage, which never rises.
+
+    The time is extrapolated from the finished share at constant speed. Work is reported in pieces: during a piece the
+    share is constant, and the remaining time counts down. If a piece takes longer than expected, the remaining time is
+    constant, as a lower bound, until the piece is finished. The time before the first report, in which kernels are
+    compiled and meshes are made, is left out of the speed if the first reported share is below `FIRST_SHARE`. No time
+    is shown until a further share of `FIRST_SHARE` is finished.
+
+    Parameters
+    ----------
+    start : start of the stage (s), on the clock that the methods are called with
     """
 
     FIRST_SHARE = 0.03
@@ -75,23 +93,25 @@ class TimeLeft:
 
 
 class SearchShare:
-    """Computes the finished share of some searches with trials, from finished searches and trials of the present
-    search."""
+    """Computes the finished share of several searches from the number of trials.
+
+    A search is expected to take as many trials as the finished ones took on average.
+
+    Parameters
+    ----------
+    searches : expected number of searches
+    usual : number of trials that a search is expected to take until the first search has finished
+    """
 
     ALMOST = 0.9  # of a search that takes longer than the others did
 
     def __init__(self, searches: int, usual: int = 8) -> None:
-        """Begin before the first trial of the first search.
-
-        searches: expected number of searches; usual: number of trials that a search is expected to take until the first
-        search has finished.
-        """
+        """Begin before the first trial of the first search."""
         self.searches, self.usual = searches, usual
         self.trials, self.done, self.trials_before = 0, 0, 0
 
     def after_trial(self, done: int) -> float:
-        """Return the finished share of all searches after one more trial, with ``done`` finished searches; always below
-        1."""
+        """Return the finished share of all searches, below 1, after one more trial, with ``done`` finished searches."""
         if done > self.done:
             self.done, self.trials_before = done, self.trials
         self.trials += 1
@@ -100,7 +120,16 @@ class SearchShare:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in words: 0.4 s, 12 s, 3 min 20 s, 2 h 5 min."""
+    """Return a time in words: 0.4 s, 12 s, 3 min 20 s, 2 h 5 min.
+
+    Parameters
+    ----------
+    seconds : time (s)
+
+    Returns
+    -------
+    The time, to 0.1 s below 10 s, to 1 s below an hour, else in whole minutes.
+    """
     if seconds < 9.95:
         return f"{seconds:.1f} s"
     whole = round(seconds)

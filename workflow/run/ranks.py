@@ -16,9 +16,9 @@ class Ranks:
 
     Attributes
     ----------
-    comm: MPI's communicator of all of them.
-    first: whether this is the rank that runs the command, writes and draws; the other ranks only compute.
-    waiting: on the first rank, whether the other ranks still wait for a call.
+    comm : MPI's communicator of all of them.
+    is_first : whether this is the rank that runs the command, writes and draws; the other ranks only compute.
+    waiting : on the first rank, whether the other ranks still wait for a call.
     """
 
     def __init__(self) -> None:

@@ -23,15 +23,15 @@ class Entry:
 
     Attributes
     ----------
-    inputs: fingerprints of all inputs, by names for messages.
-    outcome: "begun" while it runs and after it was killed, "part" if only a part of it was requested.
-    reason: reason why there is no answer.
-    remedy: advice on what the user can change.
-    seconds: duration of the stage (s).
-    ended: date and time at which the stage ended.
-    files: sizes (bytes) of the files with the results of the stage.
-    pictures: names of the pictures of the stage.
-    title: fingerprint of the title of the pictures; empty until they are drawn.
+    inputs : fingerprints of all inputs, by names for messages.
+    outcome : "begun" while it runs and after it was killed, "part" if only a part of it was requested.
+    reason : reason why there is no answer.
+    remedy : advice on what the user can change.
+    seconds : duration of the stage (s).
+    ended : date and time at which the stage ended.
+    files : sizes (bytes) of the files with the results of the stage.
+    pictures : names of the pictures of the stage.
+    title : fingerprint of the title of the pictures; empty until they are drawn.
     """
 
     inputs: dict[str, str]
@@ -46,7 +46,17 @@ class Entry:
 
 
 class Record:
-    """Holds the entries of all stages, which are kept in one small file that is replaced as a whole."""
+    """Holds the entries of all stages, which are kept in one small file that is replaced as a whole.
+
+    Parameters
+    ----------
+    store : folder of the run. If it has no record that can be read, there are no entries, and every stage runs.
+
+    Attributes
+    ----------
+    entries : entries by names of stages
+    outdated : stages of which another version of noshiro kept an entry
+    """
 
     def __init__(self, store: Store) -> None:
         self.store = store
@@ -94,7 +104,16 @@ def _size(store: Store, name: str) -> int:
 
 
 def stored_mesh_options(store: Store) -> dict[str, Any]:
-    """Return the stored options of the mesh command; empty without any."""
+    """Return the stored options of the mesh command.
+
+    Parameters
+    ----------
+    store : folder of the run
+
+    Returns
+    -------
+    Settings of [mesh] by their names; empty without stored options.
+    """
     options = store.read_json(MESH_OPTIONS) if store.has(MESH_OPTIONS) else {}
     return options if isinstance(options, dict) else {}
 

@@ -44,11 +44,30 @@ def spell_out() -> None:
 
 
 def legible(text: str, stream: TextIO | None = None) -> str:
-    """Return a text as a stream, by default standard output, will show it; tables need its width."""
+    """Return a text as a stream will show it; tables need its width.
+
+    Parameters
+    ----------
+    text : the text
+    stream : where the text is written; None for standard output
+
+    Returns
+    -------
+    The text with the characters that the encoding of the stream lacks spelled out, such as psi for ψ.
+    """
     encoding = getattr(stream or sys.stdout, "encoding", None) or "utf-8"
     return text.encode(encoding, SPELLED_OUT).decode(encoding)
 
 
 def is_legible(text: str) -> bool:
-    """Return whether standard output has every character of a text."""
+    """Return whether standard output has every character of a text.
+
+    Parameters
+    ----------
+    text : the text
+
+    Returns
+    -------
+    False if the encoding of standard output lacks a character, which is then spelled out.
+    """
     return legible(text) == text

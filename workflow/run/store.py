@@ -46,7 +46,12 @@ class Savable(Protocol):
 
 
 class Store:
-    """Reads and writes the files in the folder of one run; docs/reference/files.md names the files."""
+    """Reads and writes the files in the folder of one run; docs/reference/files.md names the files.
+
+    Parameters
+    ----------
+    folder : the folder, which is created with the first file
+    """
 
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
