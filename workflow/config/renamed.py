@@ -59,6 +59,7 @@ RENAMED = (
     Renamed("fem", "sides", values={"roller": "free-field", "tied": "periodic"}),
     Renamed("fem", "flow", values={"section": "non-associated"}),
     Renamed("slide", "judges", new_key="methods"),
+    Renamed("criteria", "preset", values={"river_levee_mlit": "crest_above_water"}),
 )
 # Keys of every distribution of the table [uncertain], and of every pair of its list "correlated": old key, new key.
 DISTRIBUTION_KEYS = {"between": "truncation", "chances": "probabilities", "does": "applied_as"}

@@ -9,7 +9,7 @@ from pydantic import Field
 from meshes.section.model import Model
 from meshes.section.quantity import Coordinate, Height, Length
 
-Preset = Literal["hynes_griffin_franklin_1984", "nchrp_611", "eurocode_8_5", "river_levee_mlit"]
+Preset = Literal["hynes_griffin_franklin_1984", "nchrp_611", "eurocode_8_5", "crest_above_water"]
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class PublishedCriterion:
 
     Attributes
     ----------
-    source : the publication, and its range of validity
+    source : publication and range of validity as in its text (docs/how-to/levee_criteria.md); "" without publication
     factor : least factor of safety; None if the publication requires none
     factor_undrained : least factor of safety of ground with undrained strengths; None if it is the same
     share : Kh over the peak acceleration of the ground, both as multiples of g
@@ -36,32 +36,29 @@ class PublishedCriterion:
 
 
 PRESETS: Mapping[Preset, PublishedCriterion] = {
-    # 350 records and more: a factor above 1 under half of the peak acceleration keeps earth dams to about 1 m.
+    # Newmark's block in more than 350 records: dams with F > 1 at half of the peak slide by up to about 1 m (Kramer
+    # 1996, 10.6.1). Strengths are 80 % of the static ones, so that F of the static strengths has to reach 1 / 0.8.
     "hynes_griffin_franklin_1984": PublishedCriterion(
         "M. E. Hynes-Griffin & A. G. Franklin, US Army Waterways Experiment Station, MP GL-84-13 (1984); earth dams "
-        "that do not liquefy, with strengths reduced for excess pore pressure",
-        factor=1.0, share=0.5, displacement=1.0,
+        "that do not liquefy; factor 1.0 with 80 % of the strengths is factor 1.25 with the strengths of the input",
+        factor=1.0 / 0.8, share=0.5, displacement=1.0,
     ),
-    # C/D ratio of 1.1 under half of the site-adjusted peak acceleration: less than 1 to 2 inches.
+    # Page 103: less than 1 to 2 inches with this C/D ratio, if the ground loses no strength. The report takes the peak
+    # after a reduction for wave scattering, which depends on the height; without this reduction Kh is on the safe side.
     "nchrp_611": PublishedCriterion(
         "D. G. Anderson et al., NCHRP Report 611 (2008), chapter 8; slopes that do not liquefy, peak acceleration of "
-        "the site",
+        "the site, not reduced for wave scattering",
         factor=1.1, share=0.5, displacement=0.05,
     ),
     # F_H = 0.5 α S W, where α S is the peak acceleration of the ground over g. Strengths are divided by recommended
-    # partial factors: 1.25 of tan φ' (of c' as in EN 1997-1), 1.4 of c_u, which a country may change. Mixed ground
-    # needs between both.
+    # partial factors: 1.25 of tan φ' and c', 1.4 of c_u, which a country may change. Mixed ground needs between both.
     "eurocode_8_5": PublishedCriterion(
-        "EN 1998-5:2004, 4.1.3.3 and 3.1 (3) with the recommended partial factors; F_V = 0.33 or 0.5 F_H either way is "
-        "fem.vertical; soils that do not liquefy or soften",
+        "EN 1998-5:2004, 4.1.3.3, with the recommended partial factors of strength of EN 1997-1:2004, table A.4, set "
+        "M2; F_V = 0.33 or 0.5 F_H either way is fem.vertical; without the factor of topography of annex A; soils that "
+        "do not liquefy or soften",
         factor=1.25, factor_undrained=1.4, share=0.5,
     ),
-    # The crest after the earthquake is not below the water outside that the check assumes.
-    "river_levee_mlit": PublishedCriterion(
-        "MLIT, guidelines for the seismic performance of river structures (2012), part II, levees: height of the crest "
-        "after the earthquake, and the water outside that is considered in the check",
-        freeboard=0.0,
-    ),
+    "crest_above_water": PublishedCriterion("", freeboard=0.0),  # of no publication whose text was checked
 }  # fmt: skip
 
 
@@ -107,10 +104,10 @@ class CriteriaSettings(Model):
 
     preset: Preset | None = Field(
         default=None,
-        description='a published criterion: "hynes_griffin_franklin_1984" (factor 1 at half of the peak acceleration, '
-        'for up to 1 m), "nchrp_611" (factor 1.1 at half of it, for up to 2 inches), "eurocode_8_5" (factor 1.25, or '
-        '1.4 with undrained strengths, at half of it) or "river_levee_mlit" (crest not below the water); limits given '
-        "in addition take precedence",
+        description='a named criterion: "hynes_griffin_franklin_1984" (factor 1.25, which is 1 with 80 % of the '
+        'strengths, at half of the peak acceleration, for up to 1 m), "nchrp_611" (factor 1.1 at half of it, for up to '
+        '2 inches), "eurocode_8_5" (factor 1.25, or 1.4 with undrained strengths, at half of it) or '
+        '"crest_above_water" (crest not below the water); limits given in addition take precedence',
     )
     factor_of_safety: FactorCriterion | None = Field(
         default=None, description="the least factor of safety, { limit = 1.2, kh = 0.1, source = ... }"
