@@ -42,8 +42,16 @@ class ValidRange:
 
 @dataclass(frozen=True)
 class PeakMotion:
-    """Holds a peak acceleration: the median (m/s²), its standard deviation (of log10), and the source of the
-    relation."""
+    """Holds a peak acceleration with its scatter and its source.
+
+    Attributes
+    ----------
+    median : median of the peak (m/s²), or the peak itself if it is given or recorded
+    sigma : standard deviation of its log10; 0 if the peak is given or recorded
+    relation : name of the relation, in words
+    source : publication of the relation
+    validity : range of the relation, in words
+    """
 
     median: float
     sigma: float

@@ -21,7 +21,17 @@ MAKDISI = "F. I. Makdisi, H. B. Seed, J. Geotech. Eng. Div. 104 (1978) 849-867"
 
 @dataclass(frozen=True, eq=False)
 class ResponseColumn:
-    """Holds the result of a site response: place, record and time step (s), strata of the layers, and the response."""
+    """Holds the response of a column of layers under a point of a section.
+
+    Attributes
+    ----------
+    x : position of the column (m)
+    record : name of the record
+    step : time step (s)
+    outcrop (t,) : acceleration of the rock where it crops out (m/s²)
+    strata (n,) : name of the stratum of each layer
+    response : the response of the n layers
+    """
 
     x: float
     record: str
@@ -42,8 +52,24 @@ class ResponseColumn:
 
 
 def column_of(section: Section, settings: SiteResponseSettings) -> ResponseColumn:
-    """Compute the response of a section to the record that the settings name. Raises InputError, also without a
-    record."""
+    """Compute the response of a section to the record that the settings name.
+
+    Strata are divided into layers of at most 1 m. V_s is measured, or √(G/ρ) by E and ν of the stratum.
+
+    Parameters
+    ----------
+    section : the ground
+    settings : record, position, V_s and plasticity of strata, and the rock below
+
+    Returns
+    -------
+    The response of the layers, from the surface down, in steps of the smallest time step of the record.
+
+    Raises
+    ------
+    InputError : No record is given, or the record cannot be read; the position lies outside the section, a stratum is
+        unknown, or the record is too strong for equivalent linear layers.
+    """
     if not settings.record:
         raise InputError(section.name, ["site_response, record: missing; expected a file with a record of the rock"])
     record = accelerogram.read(Path(settings.record), settings.unit, settings.component).scaled(settings.scale)

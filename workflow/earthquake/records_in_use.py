@@ -32,8 +32,16 @@ def records(config: Any) -> Iterator[tuple[str, Accelerogram]]:
 
 
 def unreadable_records(tables: Mapping[str, Any]) -> list[str]:
-    """Return a sentence on every record in use that the ``tables`` of an input name, by the name of the table, and that
-    exists but cannot be read."""
+    """Return a sentence on every record in use that exists but cannot be read.
+
+    Parameters
+    ----------
+    tables : settings of the input by the names of their tables
+
+    Returns
+    -------
+    The sentences, with table, key and file.
+    """
     problems = []
     for table, key in PLACES:
         if table not in tables or getattr(tables[table], "peak_acceleration", None) is not None:
@@ -49,11 +57,19 @@ def unreadable_records(tables: Mapping[str, Any]) -> list[str]:
 
 
 def other_peak(config: Any) -> list[str]:
-    """Return a warning if the peak of the record of sliding blocks is not that of [earthquake]: displacements and
-    liquefaction are then of two motions. Empty if either cannot be determined.
+    """Return a warning if the peak of the record of sliding blocks is not that of [earthquake].
 
-    A peak by magnitude and distance is a median; records within its standard deviation are of the same motion. The
-    record of [slide] shakes the base of the discs, and that of [site_response] the rock: their peaks may differ.
+    Displacements and liquefaction are then of two motions. A peak by magnitude and distance is a median; records within
+    its standard deviation are of the same motion. The record of [slide] shakes the base of the discs, and that of
+    [site_response] the rock: their peaks may differ.
+
+    Parameters
+    ----------
+    config : the input
+
+    Returns
+    -------
+    At most one sentence; none if either peak cannot be determined.
     """
     try:
         motion = config.earthquake.motion()
@@ -73,7 +89,16 @@ def other_peak(config: Any) -> list[str]:
 
 
 def remarks(config: Any) -> list[str]:
-    """Return corrections of the records in use, and warnings about these records; empty if a record cannot be read."""
+    """Return corrections of the records in use, and warnings about these records.
+
+    Parameters
+    ----------
+    config : the input
+
+    Returns
+    -------
+    One sentence each, with the table and the key that name the record; none if a record cannot be read.
+    """
     try:
         texts = [f"{place}, {record.name}: {text}" for place, record in records(config) for text in record.remarks]
     except InputError:  # reported when it is read

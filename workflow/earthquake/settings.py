@@ -65,8 +65,10 @@ Acceleration = Annotated[
 
 
 class EarthquakeSettings(Model):
-    """Holds the settings of an earthquake, given by magnitude and distance, or by the peak or a record of the
-    acceleration at the ground surface.
+    """Holds the settings of an earthquake, the table [earthquake] of the input file.
+
+    The earthquake is given by magnitude and distance, or by the peak or a record of the acceleration at the ground
+    surface.
     """
 
     magnitude: float | None = Field(
@@ -261,8 +263,10 @@ class EarthquakeSettings(Model):
 
 
 class SiteResponseSettings(Model):
-    """Holds the settings of the site response, the table [site_response] of the input file: a point of the section and
-    a record at the base of the layers under it."""
+    """Holds the settings of the site response, the table [site_response] of the input file.
+
+    The settings are a point of the section and a record at the base of the layers under it.
+    """
 
     record: str = Field(
         default="",
@@ -299,9 +303,23 @@ class SiteResponseSettings(Model):
 def loading_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], source: str) -> dict[str, Any]:
     """Return Kh of the slides, its cycles and their period, if the earthquake of the input determines them.
 
-    The result is empty without an earthquake, or if the table [earthquake] has errors, which are reported elsewhere. If
-    the input gives Kh or its duration, Kh has no cycles unless the settings request cycles. Raises InputError if a
-    setting is ``"earthquake"`` although there is no peak acceleration, or although a record shakes the slides.
+    If the input gives Kh or its duration, Kh has no cycles unless the settings request cycles.
+
+    Parameters
+    ----------
+    earthquake : the table [earthquake]
+    slide : the table [slide] as read
+    source : name of the input, for errors
+
+    Returns
+    -------
+    ``kh`` (-), ``kh_cycles`` (-) and ``kh_period`` (s), as far as [slide] leaves them to the earthquake. Empty if a
+    record shakes the slides, without a peak acceleration, or if [earthquake] has errors, which are reported elsewhere.
+
+    Raises
+    ------
+    InputError : A setting is "earthquake" although there is no peak acceleration, or although a record shakes the
+        slides.
     """
     requested = [key for key in ("kh", *CYCLES) if slide.get(key) == EARTHQUAKE]
     kh_left = slide.get("kh", EARTHQUAKE) == EARTHQUAKE
@@ -326,11 +344,18 @@ def loading_of_slides(earthquake: EarthquakeSettings, slide: Mapping[str, Any], 
 
 
 def assumed_loading(magnitude: float | None) -> dict[str, float]:
-    """Return assumed Kh of the slides, its cycles and their period, if the input does not determine the shaking.
+    """Return assumed Kh of the slides, its cycles and their period, for an input that does not determine the shaking.
 
-    The assumed loading is the default Kh with the number of cycles and the period that belong to the ``magnitude`` (7.5
-    if None) at a distance of 20 km. A constant Kh without end would move even level ground without limit once its
-    residual strength is exceeded.
+    A constant Kh without end would move even level ground without limit once its residual strength is exceeded.
+
+    Parameters
+    ----------
+    magnitude : moment magnitude, to which cycles and period belong at a distance of 20 km; None for 7.5
+
+    Returns
+    -------
+    The default ``kh`` (-) of [slide], ``kh_cycles`` (-) by Idriss & Boulanger (2008), ``kh_period`` (s) by Rathje et
+    al. (2004).
     """
     kh = float(SlideSettings.model_fields["kh"].default)
     magnitude = REFERENCE_MAGNITUDE if magnitude is None else magnitude

@@ -7,7 +7,7 @@ from pydantic import Field
 from meshes.borings.boring import Cone, Sample
 from workflow.config import Config
 from workflow.earthquake.attenuation import GAL
-from workflow.earthquake.triggering.assessment import SOURCE, TestResult, TriggeringAssessment, risk
+from workflow.earthquake.triggering.assessment import TestResult, TriggeringAssessment
 from workflow.earthquake.triggering.consequences import (
     ISHIHARA_YOSHIMINE,
     PRESSURE_VALIDITY,
@@ -16,6 +16,7 @@ from workflow.earthquake.triggering.consequences import (
     pore_pressures,
     residual_strengths,
 )
+from workflow.earthquake.triggering.potential import SOURCE, risk
 from workflow.earthquake.triggering.residual import RELATIONS
 from workflow.results.answer import Answer, Known, Part, SectionLabel
 

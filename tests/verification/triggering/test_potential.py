@@ -2,7 +2,7 @@
 
 import pytest
 
-from workflow.earthquake.triggering.assessment import potential, risk
+from workflow.earthquake.triggering.potential import potential, risk
 
 
 def test_closed_form() -> None:

@@ -19,6 +19,7 @@ from workflow.earthquake.triggering import boulanger_idriss, idriss_boulanger
 from workflow.earthquake.triggering.blow_count import KPA, BlowCount, Resistance, SurfaceMotion
 from workflow.earthquake.triggering.boulanger_idriss import ConeTest
 from workflow.earthquake.triggering.methods import RELATIONS, Relation
+from workflow.earthquake.triggering.potential import potential
 from workflow.earthquake.triggering.settings import TriggeringSettings
 
 ABOVE_WATER = "above the water table"  # why a soil is not judged
@@ -92,7 +93,17 @@ class StratumResult:
 
 @dataclass(frozen=True)
 class TriggeringAssessment:
-    """Holds all tests, all strata, and P_L by boring, with the motion and the method of the assessment."""
+    """Holds the result of a triggering analysis.
+
+    Attributes
+    ----------
+    motion : peak acceleration at the ground surface
+    magnitude : moment magnitude; None if the input has none
+    relation : method of the analysis
+    tests : all tests, boring by boring, with F_L
+    strata : share of each stratum that liquefies, in the order of the section
+    potentials : liquefaction potential P_L (0 to 100) by the name of the boring
+    """
 
     motion: PeakMotion
     magnitude: float | None
@@ -103,7 +114,23 @@ class TriggeringAssessment:
 
 
 def assess(section: Section, earthquake: EarthquakeSettings, settings: TriggeringSettings) -> TriggeringAssessment:
-    """Assess every test of every boring. Raises InputError with every problem."""
+    """Compute F_L of every test of every boring, the strata that liquefy, and P_L of every boring.
+
+    Parameters
+    ----------
+    section : the ground, with the water table
+    earthquake : peak acceleration at the ground surface, and magnitude
+    settings : method, borings, and the share of a stratum with F_L below 1 from which the stratum liquefies
+
+    Returns
+    -------
+    The assessment. Soil above the water table, and soil to which the method does not apply, has no F_L.
+
+    Raises
+    ------
+    InputError : Input is missing or outside the range of the method, a boring lies outside the section, or the vertical
+        effective stress at a test is not positive. The error has one sentence for every problem.
+    """
     relation = RELATIONS[settings.method]
     problems = _missing(section, earthquake, settings)
     problems += off_the_section(section, settings)
@@ -199,12 +226,32 @@ def _missing(section: Section, earthquake: EarthquakeSettings, settings: Trigger
 
 
 def off_the_section(section: Section, settings: TriggeringSettings) -> list[str]:
-    """Return the borings, or tests of borings, that lie outside the section."""
+    """Return a sentence on every boring, or test of a boring, that lies outside the section.
+
+    Parameters
+    ----------
+    section : the ground
+    settings : the borings
+
+    Returns
+    -------
+    The sentences; none if all tests lie in the section.
+    """
     return [text for boring in settings.borings for text in _outside(section, boring)]
 
 
 def below_loads(section: Section, settings: TriggeringSettings) -> list[str]:
-    """Return a sentence on the borings whose stresses depend on surcharges, and on how surcharges are included."""
+    """Return a warning on borings whose stresses depend on surcharges, with the settings to check.
+
+    Parameters
+    ----------
+    section : the ground with its surcharges
+    settings : the borings
+
+    Returns
+    -------
+    At most one sentence; none if surcharges are at most 1 % of the total vertical stress at all tests.
+    """
     loaded = [boring.name for boring in settings.borings if section.surcharges and _feels_loads(section, boring)]
     if not loaded:
         return []
@@ -245,8 +292,17 @@ def point_of(sample: Sample | Cone, where: Overburden) -> BlowCount | ConeTest:
 
 
 def normalised_counts(test: TestResult, settings: TriggeringSettings) -> tuple[float, float]:
-    """Return (N1)60 and (N1)60cs of a test, for residual strength and strain; for a cone test, the blow counts of sand
-    of the same relative density.
+    """Return (N1)60 and (N1)60cs of a test, for residual strength and strain.
+
+    Parameters
+    ----------
+    test : test below the ground
+    settings : energy ratio of the hammer where the test has none, and length of the rods above the ground
+
+    Returns
+    -------
+    Both blow counts (per 30 cm) by Idriss & Boulanger (2008); for a cone test, those of sand of the same relative
+    density.
     """
     point = point_of(test.sample, test.overburden)
     if isinstance(point, ConeTest):
@@ -331,31 +387,3 @@ def _stretches(section: Section, x: list[float]) -> dict[float, float]:
     left, right = section.given_extent
     limits = [left, *(0.5 * (a + b) for a, b in pairwise(x)), right]
     return {place: max(limits[k + 1] - limits[k], 1e-9) for k, place in enumerate(x)}
-
-
-SOURCE = "T. Iwasaki, F. Tatsuoka, K. Tokida, S. Yasuda, 2nd Int. Conf. Microzonation, San Francisco (1978) 885-896"
-LARGEST_DEPTH = 20.0  # m
-# P_L up to which damage is what (Iwasaki et al. 1982): the words of the method's authors.
-RISKS = ((0.0, "very low"), (5.0, "low"), (15.0, "high"))
-
-
-def potential(layers: Sequence[tuple[float, float, float | None]]) -> float:
-    """Return the liquefaction potential P_L = ∫ F w dz from the ground to 20 m, F = 1 - F_L where F_L < 1, w = 10 -
-    z/2.
-
-    ``layers`` are (top, bottom, F_L) with depths in m; F_L is None if the soil does not liquefy. P_L lies between 0 and
-    100.
-    """
-    total = 0.0
-    for top, bottom, factor in layers:
-        top, bottom = min(top, LARGEST_DEPTH), min(bottom, LARGEST_DEPTH)
-        if factor is None or factor >= 1.0 or bottom <= top:
-            continue
-        weight = 10.0 * (bottom - top) - 0.25 * (bottom**2 - top**2)
-        total += (1.0 - factor) * weight
-    return total
-
-
-def risk(value: float) -> str:
-    """Return the risk of liquefaction damage in the words of Iwasaki et al. (1982)."""
-    return next((word for up_to, word in RISKS if value <= up_to), "very high")

@@ -75,7 +75,7 @@ CHOICE: Mapping[CaseName, Callable[[Sequence[float]], float]] = {
 
 @dataclass(frozen=True)
 class ResidualStrength:
-    """Holds the residual strength of a stratum that liquefies, as means over the depth of its tests with F_L below 1.
+    """Holds the residual strength of a stratum that liquefies, as means over the area of its tests with F_L below 1.
 
     Attributes
     ----------
@@ -103,7 +103,17 @@ class ResidualStrength:
 
 
 def residual_strengths(assessment: TriggeringAssessment, settings: TriggeringSettings) -> tuple[ResidualStrength, ...]:
-    """Return the residual strength of every stratum in which at least one test has F_L below 1."""
+    """Return the residual strength of every stratum in which at least one test has F_L below 1.
+
+    Parameters
+    ----------
+    assessment : tests with F_L
+    settings : normalisation of blow counts, and whether water gathers below a layer of low permeability
+
+    Returns
+    -------
+    Residual strength by three relations, and strains, of each of these strata in the order of the section.
+    """
     strata = [k for k in range(len(assessment.strata)) if _liquefying(assessment, k)]
     return tuple(_of_stratum(k, assessment, settings) for k in strata)
 
@@ -115,8 +125,18 @@ def _liquefying(assessment: TriggeringAssessment, number: int) -> list[TestResul
 
 
 def pore_pressures(assessment: TriggeringAssessment, strata: int) -> list[float]:
-    """Return the excess pore pressure ratio of every stratum, which is the mean over the area of its tests; the ratio
-    of a test is 1 if F_L is at most 1."""
+    """Return the excess pore pressure ratio of every stratum, the mean over the area of its tests.
+
+    Parameters
+    ----------
+    assessment : tests with F_L
+    strata : number of strata
+
+    Returns
+    -------
+    Ratios (-) to the vertical effective stress, see `pore_pressure_ratio`, from 0 to 1; a test without F_L counts as 0,
+    one with F_L up to 1 as 1, and a stratum without tests has 0.
+    """
     ratios = []
     for k in range(strata):
         tests_in_stratum = judged_in_stratum([stratum.name for stratum in assessment.strata], k, assessment.tests)
@@ -148,6 +168,16 @@ def _of_stratum(number: int, assessment: TriggeringAssessment, settings: Trigger
 
 
 def mean_of_tests(tests: Sequence[TestResult], values: Sequence[float]) -> float:
-    """Return the mean over the area that tests represent; 0 without any."""
+    """Return the mean of a value over the area of ground that tests represent.
+
+    Parameters
+    ----------
+    tests : n tests
+    values : values (n,) at the tests
+
+    Returns
+    -------
+    The mean in the unit of the values; 0 without tests.
+    """
     total = sum(test.area for test in tests)
     return sum(test.area * value for test, value in zip(tests, values, strict=True)) / total if total > 0.0 else 0.0

@@ -103,10 +103,16 @@ class TriggeringSettings(Model):
 
 
 def left_to_borings(data: Mapping[str, Any]) -> bool:
-    """Return whether borings determine all liquefying strata of a section file: [triggering] has borings and names
-    no cases.
+    """Return whether borings determine all liquefying strata of a section file.
 
-    ``data``: the tables of the file as read, which may contain anything.
+    Parameters
+    ----------
+    data : the tables of the file as read, which may contain anything
+
+    Returns
+    -------
+    True if [triggering] has borings and names no cases, at least one stratum or zone liquefies, and all that do have
+    `liquefies_in = "triggered"`.
     """
     settings = data.get("triggering")
     if not isinstance(settings, Mapping) or "cases" in settings or not settings.get("borings"):
@@ -163,12 +169,16 @@ class FreeFaceSettings(Model):
 def implausible_triggering(
     section: Section, earthquake: EarthquakeSettings, triggering: TriggeringSettings
 ) -> list[str]:
-    """Return one sentence on each implausible number; none if unusual numbers are declared as such.
+    """Return one sentence on each implausible number of the earthquake, the rods and the tests.
 
     Parameters
     ----------
     section : the section, whose settings may declare unusual numbers
     earthquake, triggering : tables of the input
+
+    Returns
+    -------
+    The sentences; none if unusual numbers are declared as such.
     """
     if section.unusual:
         return []
