@@ -55,7 +55,18 @@ class Accuracy:
 
 
 def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
-    """Return the interval by meshes and bounds; None if there is only one mesh and no bounds of its flow rule."""
+    """Return the interval of the critical Kh by the sequence of meshes and by strict bounds.
+
+    Parameters
+    ----------
+    results : results of the run, which include the bounds
+    fem : critical Kh by finite elements
+
+    Returns
+    -------
+    The interval (-): that of the meshes within the bounds; that of the bounds alone if the sequence has not converged
+    or lies beyond them. None if there is only one mesh and no bounds of its flow rule, or if one bound contradicts it.
+    """
     meshes, strict = of_meshes(fem, _halved(results)), strict_kh(results, fem, fem.flow, fem.direction)
     if strict is None:
         return meshes
@@ -78,21 +89,51 @@ def _limited(meshes: Accuracy | None, low: float | None, high: float | None) -> 
 
 
 def exceeds(value: float, upper: float) -> bool:
-    """Return whether a critical Kh or a factor of safety lies above an ``upper`` bound by more than rounding."""
+    """Return whether a critical Kh or a factor of safety lies above an upper bound by more than rounding.
+
+    Parameters
+    ----------
+    value : critical Kh or factor of safety (-)
+    upper : its strict upper bound (-)
+
+    Returns
+    -------
+    True above the bound by more than ``LAST_DIGIT`` and more than the share ``LAST_SHARE`` of the bound.
+    """
     return value > upper + max(LAST_DIGIT, LAST_SHARE * abs(upper))
 
 
 def falls_below(value: float, lower: float) -> bool:
-    """Return whether a critical Kh or a factor of safety lies below a ``lower`` bound by more than rounding."""
+    """Return whether a critical Kh or a factor of safety lies below a lower bound by more than rounding.
+
+    Parameters
+    ----------
+    value : critical Kh or factor of safety (-)
+    lower : its strict lower bound (-)
+
+    Returns
+    -------
+    True below the bound by more than ``LAST_DIGIT`` and more than the share ``LAST_SHARE`` of the bound.
+    """
     return value < lower - max(LAST_DIGIT, LAST_SHARE * abs(lower))
 
 
 def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety, flow: Flow) -> SafetyPart | None:
-    """Return the strict bounds of a factor of safety, for the same Kh, sides and flow rule; None without any bound.
+    """Return the strict bounds of a factor of safety, for the same Kh, sides and flow rule.
 
-    ``factor`` is a factor of safety of the finite elements ``fem``; ``flow`` is its flow rule; ``results`` hold the
-    bounds. A lower bound of ground with strengthened faces does not count for finite elements without: shallow ground
-    may fail before.
+    A lower bound of ground with strengthened faces does not count for finite elements without: shallow ground may fail
+    before.
+
+    Parameters
+    ----------
+    results : results of the run, which include the bounds
+    fem : finite elements, whose sides count
+    factor : factor of safety by these elements
+    flow : flow rule of the factor; there are bounds of factors of safety with ψ = φ only
+
+    Returns
+    -------
+    The bounds, either of which may be None; None without any bound.
     """
     bounds = results.bounds
     if bounds is None or bounds.sides != fem.settings.sides or flow != "associated":
@@ -107,8 +148,18 @@ def strict_factor(results: Results, fem: FemAnswer, factor: FactorOfSafety, flow
 
 
 def remaining_error(factor: FactorOfSafety, strict: SafetyPart | None) -> float | None:
-    """Return the share by which a factor of safety may still be too large: by the sequence of meshes, and no more than
-    its ``strict`` lower bound leaves; None if neither is known."""
+    """Return the share by which a factor of safety may still be too large.
+
+    Parameters
+    ----------
+    factor : factor of safety by finite elements
+    strict : its strict bounds, see ``strict_factor``; None without any
+
+    Returns
+    -------
+    The remaining error of the sequence of meshes, and no more than the strict lower bound leaves, as a share of the
+    factor (-); None if neither is known.
+    """
     if strict is None or strict.lower is None:
         return factor.remaining_error
     left = max(0.0, 1.0 - strict.lower / factor.factor)
@@ -116,16 +167,32 @@ def remaining_error(factor: FactorOfSafety, strict: SafetyPart | None) -> float 
 
 
 def proven_by(strengthened: bool) -> str:
-    """Return the name of the bounds that limit an interval: bounds of the ground of the section file, or of ground with
-    its bare faces ``strengthened``."""
+    """Return the name of the bounds that limit an interval.
+
+    Parameters
+    ----------
+    strengthened : whether the bounds are of ground with a cohesion at its bare faces, so that shallow failures do not
+        count
+
+    Returns
+    -------
+    The beginning of one of the ``METHODS``.
+    """
     return "by strict bounds (shallow failures excluded)" if strengthened else "by strict bounds"
 
 
 def of_meshes(fem: FemAnswer, halved: float | None = None) -> Accuracy | None:
-    """Return the interval by the sequence of meshes, wider if the sequence has not converged; None for one mesh.
+    """Return the interval of the critical Kh by the sequence of meshes, wider if the sequence has not converged.
 
-    ``halved`` is the critical Kh on cells of half the size, if it was computed after a single mesh: the error is
-    proportional to one over the number of cells, so that a third of the difference remains (Richardson 1911).
+    Parameters
+    ----------
+    fem : critical Kh by finite elements, with the answers on all meshes
+    halved : critical Kh on cells of half the size (-), if it was computed after a single mesh: the error is
+        proportional to one over the number of cells, so that a third of the difference remains (Richardson 1911)
+
+    Returns
+    -------
+    The interval (-); None for a single mesh without ``halved``.
     """
     values = [mesh.kc for mesh in fem.meshes]
     if len(values) >= 2 and fem.kc_limit is not None:
@@ -162,9 +229,20 @@ def _halved(results: Results) -> float | None:
 def strict_kh(
     results: Results, fem: FemAnswer, flow: Flow, direction: Direction
 ) -> tuple[float | None, float | None] | None:
-    """Return the strict lower and upper bound of a critical Kh in ``results`` for the same sides as in the finite
-    elements ``fem``, by flow rule and direction of the seismic force; None without any bound. Either bound may be
-    missing. An upper bound with ψ = φ holds for every ψ ≤ φ (Radenkovic 1961).
+    """Return the strict lower and upper bound of a critical Kh.
+
+    An upper bound with ψ = φ holds for every ψ ≤ φ (Radenkovic 1961).
+
+    Parameters
+    ----------
+    results : results of the run, which include the bounds
+    fem : finite elements; bounds count for the same sides only
+    flow : flow rule of the critical Kh
+    direction : direction of the seismic force
+
+    Returns
+    -------
+    Lower and upper bound (-), None for a missing one; None without any bound.
     """
     bounds = results.bounds
     if bounds is None or bounds.sides != fem.settings.sides:

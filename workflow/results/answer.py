@@ -39,8 +39,10 @@ Known = Annotated[float | None, BeforeValidator(_finite)]
 
 
 class Part(BaseModel):
-    """Is the base class of the parts of an answer. A part is immutable, refuses unknown keys, and can be made from any
-    object with attributes of the same names (``model_validate``).
+    """Is the base class of the parts of an answer.
+
+    A part is immutable, refuses unknown keys, and can be made from any object with attributes of the same names
+    (``model_validate``).
 
     A field without a default is always in the file, as null if it has no value. A field with the default None is only
     in the file if it has a value.
@@ -56,15 +58,12 @@ class Part(BaseModel):
 
     @classmethod
     def taken(cls, source: object, /, **more: Any) -> Self:
-        """Make a part from the attributes of ``source`` with the names of its fields, except for the fields in
-        ``more``.
+        """Make a part from the attributes of an object that have the names of its fields.
 
         Parameters
         ----------
-        source
-            The result of a library, or another part.
-        **more
-            Fields that ``source`` does not have, or that have another meaning there.
+        source : the result of a library, or another part
+        more : fields that ``source`` does not have, or that have another meaning there
         """
         common_fields = {
             name: getattr(source, name) for name in cls.model_fields if name not in more and hasattr(source, name)
@@ -87,8 +86,16 @@ class Answer(Part):
     def read(cls, store: Store) -> Self:
         """Read the answer in a folder.
 
-        Raises InputError if the file is missing or not JSON, OtherVersionError if another version of the program wrote
-        it.
+        Parameters
+        ----------
+        store : the folder of the run
+
+        Raises
+        ------
+        InputError
+            If the file is missing or not JSON.
+        OtherVersionError
+            If another version of the program wrote the file.
         """
         data = current_answer(store.read_json(cls.FILE))
         version = data.pop("version", None) if isinstance(data, dict) else None
@@ -111,7 +118,7 @@ class Answer(Part):
 class SectionLabel(Part):
     """Names the section to which an answer belongs."""
 
-    name: str
+    name: str = Field(description="name of the section")
     sha256: str = Field(description="fingerprint of the section, without its title")
     reconstruction: bool = Field(description="whether the section is a reconstruction of ground that was not surveyed")
 
@@ -122,12 +129,30 @@ class SectionLabel(Part):
 
 
 def line(points: np.ndarray) -> Line:
-    """Return points (n, 2) of a line in the form of the stored answers."""
+    """Return the points of a line in the form of the stored answers.
+
+    Parameters
+    ----------
+    points (n, 2) : x and elevation (m)
+
+    Returns
+    -------
+    The n points as pairs of floats.
+    """
     return tuple((float(x), float(z)) for x, z in points)
 
 
 def way_out(sides: Sequence[str]) -> str:
-    """Return a clause on the sides of the section that the failing ground reaches; empty if there are none."""
+    """Return a clause on the sides of the section that the failing ground reaches.
+
+    Parameters
+    ----------
+    sides : "left", "right", both, or none
+
+    Returns
+    -------
+    The clause with the comma before it; empty without any side.
+    """
     return f", and the failing ground reaches the {' and the '.join(sides)} side" if sides else ""
 
 

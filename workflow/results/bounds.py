@@ -40,17 +40,17 @@ class VelocityResiduals(Part):
 class Residuals(Part):
     """Holds the residuals of both bounds, None if a bound is missing."""
 
-    lower: StressResiduals | None
-    upper: VelocityResiduals | None
+    lower: StressResiduals | None = Field(description="residuals of the stress field")
+    upper: VelocityResiduals | None = Field(description="residuals of the velocity field")
 
 
 class BoundsRound(Part):
     """Holds the bounds on one mesh of a sequence, in which each mesh is finer than the one before."""
 
-    cells: int
-    lower: float | None
-    upper: float | None
-    notes: tuple[str, ...]
+    cells: int = Field(description="number of triangles of the mesh")
+    lower: float | None = Field(description="lower bound on this mesh; null if it is missing")
+    upper: float | None = Field(description="upper bound on this mesh; null if it is missing")
+    notes: tuple[str, ...] = Field(description="reasons why a bound is missing, or did not pass its check")
     work: float = Field(
         description="computing work on this mesh, from the number of iterations, in seconds of a reference machine"
     )
@@ -62,14 +62,14 @@ class BoundsRound(Part):
 class DirectionPart(Part):
     """Holds the bounds of Kh in one direction of the seismic force."""
 
-    direction: Direction
+    direction: Direction = Field(description="direction of the seismic force, by the ends of the surface")
     towards: Literal["left", "right"] = Field(description="side of the section towards which the seismic force acts")
-    lower: float | None
-    upper: float | None
+    lower: float | None = Field(description="lower bound of Kh in this direction; null if it is missing")
+    upper: float | None = Field(description="upper bound of Kh in this direction; null if it is missing")
     leaves: tuple[Literal["left", "right"], ...] = Field(
         description="sides of the section, left or right, that the failing ground reaches"
     )
-    history: tuple[BoundsRound, ...]
+    history: tuple[BoundsRound, ...] = Field(description="bounds on every mesh")
 
     @property
     def description(self) -> str:
@@ -97,11 +97,16 @@ class BracketPart(Part):
         description="bounds of every requested direction; the direction that fails first is the first"
     )
     gap: float | None = Field(description="gap of the bounds, (upper - lower) over their mean")
-    verdict: BoundsVerdict
-    reason: str
+    verdict: BoundsVerdict = Field(
+        description=(
+            '"bracketed"; "wide": the gap is larger than required; "no bracket": a bound is missing; "unstable": the '
+            "section fails without a seismic force"
+        )
+    )
+    reason: str = Field(description="reason of the verdict, in words")
     description: str = Field(description="the bounds in words")
     cells: int = Field(description="number of triangles of the last mesh")
-    residuals: Residuals
+    residuals: Residuals = Field(description="how exactly both bounds fulfil the conditions of limit analysis")
     history: tuple[BoundsRound, ...] = Field(description="bounds on every mesh, for the direction that fails first")
 
     def towards(self, direction: Direction) -> DirectionPart | None:
@@ -112,7 +117,7 @@ class BracketPart(Part):
 class ShallowBoundPart(Part):
     """Holds a cohesionless face that fails at a smaller Kh than the whole slope."""
 
-    stratum: str
+    stratum: str = Field(description="stratum of the face")
     start: float = Field(description="x of the left end of the face (m)")
     end: float = Field(description="x of the right end of the face (m)")
     kh: float = Field(description="critical Kh of the shallow failure of the face")
@@ -126,7 +131,7 @@ class ShallowBoundPart(Part):
 class SafetyPart(Part):
     """Holds the strict bounds of the factor of safety at one Kh, ψ = φ."""
 
-    kh: float
+    kh: float = Field(description="seismic coefficient at which the factor of safety is bounded")
     lower: float | None = Field(description="lower bound: the section stands if its strength is divided by this factor")
     upper: float | None = Field(description="upper bound: the section fails if its strength is divided by this factor")
     cells: int = Field(description="number of triangles of the last mesh")
@@ -174,13 +179,14 @@ class SafetyPart(Part):
 
 
 class BoundsAnswer(BracketPart, Answer):
-    """Holds the bounds of Kh with ψ = φ and the bounds of factors of safety. The upper bound of Kh also holds for every
-    smaller ψ.
+    """Holds the bounds of Kh with ψ = φ and the bounds of factors of safety.
+
+    The upper bound of Kh also holds for every smaller ψ (Radenkovic 1961).
     """
 
     FILE: ClassVar[str] = "fem/bounds.json"
 
-    section: SectionLabel
+    section: SectionLabel = Field(description="section to which the bounds belong")
     flow: str = Field(description="flow rule of the bounds, in words")
     substitute: BracketPart | None = Field(description="bounds with Davis's reduced strength, if ψ < φ")
     safety: tuple[SafetyPart, ...] = Field(
@@ -209,10 +215,10 @@ class BoundsAnswer(BracketPart, Answer):
             "sand are disregarded"
         )
     )
-    sides: Sides
+    sides: Sides = Field(description="boundary condition of the sides")
     vertical: float = Field(description="vertical seismic coefficient, positive upwards")
     seconds: float = Field(description="computing time (s)")
-    settings: BoundsSettings
+    settings: BoundsSettings = Field(description="settings of the search, the table [bounds]")
 
     @property
     def fails_at_rest(self) -> bool:

@@ -18,24 +18,26 @@ if TYPE_CHECKING:
 class SearchBracket(Part):
     """Holds the final bracket of one search for the critical Kh."""
 
-    kc: float | None
-    kc_lower: float
-    kc_upper: float | None
+    kc: float | None = Field(description="critical Kh of the discs; null without a bracket")
+    kc_lower: float = Field(description="lower end of the bracket, at which the discs stand")
+    kc_upper: float | None = Field(
+        description="upper end of the bracket, at which the discs do not stand; null if they stand at every Kh"
+    )
     verdict: SearchVerdict
-    reason: str
+    reason: str = Field(description="reason of the verdict, in words")
     seconds: float = Field(description="model time of all trials together (s)")
 
 
 class FactorTrial(SearchBracket):
     """Holds the critical Kh with one value of the factor."""
 
-    value: float
+    value: float = Field(description="factor on the parameter of the calibration")
 
 
 class Sensitivity(FactorTrial):
     """Holds the critical Kh with a factor on one parameter and all other parameters unchanged."""
 
-    parameter: str
+    parameter: str = Field(description="parameter that the factor multiplies")
 
 
 class SoilProperties(Part):
@@ -101,39 +103,63 @@ class ElementTestQuality(Part):
 
 
 class LayerTest(Part):
-    """Holds the comparison of the discs of one stratum in one packing with the soil, without numbers if the test
-    failed."""
+    """Compares the discs of one stratum in one packing with the soil by element tests, if the test did not fail."""
 
-    stratum: str
-    packing: str
-    soil: SoilProperties | None
-    assembly: AssemblyProperties | None
-    tests: tuple[PressureAnswer, ...] | None = None
+    stratum: str = Field(description="name of the stratum")
+    packing: str = Field(description='packing of the tested patch of discs: "lattice" or "random"')
+    soil: SoilProperties | None = Field(description="parameters of the soil; null if the test failed")
+    assembly: AssemblyProperties | None = Field(description="parameters of the discs; null if the test failed")
+    tests: tuple[PressureAnswer, ...] | None = Field(
+        default=None, description="strengths at each confining pressure, in rising order"
+    )
     verdicts: tuple[str, ...] | None = Field(default=None, description="sentences on strengths that are not a peak")
-    quality: ElementTestQuality | None = None
+    quality: ElementTestQuality | None = Field(default=None, description="how quasi-static the tests were")
     reason: str | None = Field(default=None, description="reason why the test could not be done")
 
 
 class CalibrationAnswer(Answer):
-    """Holds the factor with which the discs have the critical Kh of the continuum, or the factor that comes closest."""
+    """Holds the factor with which the discs have the critical Kh of the continuum, or the factor that comes closest.
+
+    Without a calibration the factor is 1, and the critical Kh is the uncalibrated one.
+    """
 
     FILE: ClassVar[str] = "dem/calibration.json"
 
     target_kc: float | None = Field(
         description="the critical Kh to which the discs were calibrated; None without a target"
     )
-    tolerance: float
-    parameter: str
-    value: float
-    range: tuple[float, float] | None
-    kc: float | None
-    kc_lower: float
-    kc_upper: float | None
-    verdict: Literal["calibrated", "out of reach", "not asked for"]
-    reason: str
-    sensitivity: tuple[Sensitivity, ...]
-    trials: tuple[FactorTrial, ...]
-    element_tests: tuple[LayerTest, ...] = ()
+    tolerance: float = Field(description="allowed difference of kc from the target")
+    parameter: str = Field(
+        description=(
+            'constants of the discs that the factor multiplies: "stiffness", "friction", "pore_strength", '
+            '"strength", "all", or "none"'
+        )
+    )
+    value: float = Field(description="factor on these constants")
+    range: tuple[float, float] | None = Field(
+        description="least and largest factor that was allowed; null without a calibration"
+    )
+    kc: float | None = Field(description="critical Kh of the discs with this factor; null without a bracket")
+    kc_lower: float = Field(description="lower end of the bracket, at which the discs with this factor stand")
+    kc_upper: float | None = Field(
+        description="upper end of the bracket, at which they do not stand; null if they stand at every Kh"
+    )
+    verdict: Literal["calibrated", "out of reach", "not asked for"] = Field(
+        description=(
+            '"calibrated"; "out of reach": no factor that was tried has a kc within the tolerance; "not asked for": no '
+            "calibration"
+        )
+    )
+    reason: str = Field(description="reason of the verdict, in words")
+    sensitivity: tuple[Sensitivity, ...] = Field(
+        description="critical Kh with each parameter halved, unchanged and doubled, by parameter and factor"
+    )
+    trials: tuple[FactorTrial, ...] = Field(
+        description="critical Kh with every factor that was tried, sorted by factor"
+    )
+    element_tests: tuple[LayerTest, ...] = Field(
+        default=(), description="discs of the paper: element tests of every stratum, if dem.element_tests = true"
+    )
     layers: tuple[LayerCheck, ...] = Field(
         default=(), description="soil discs: comparison of every stratum with its discs"
     )

@@ -32,11 +32,11 @@ class SurfaceMovement(Part):
     """Holds the movement of the surface in a slide. Slides (m) are positive downhill, and settlements (m) downwards."""
 
     settlement_uphill_m: float = Field(description="median settlement of the upslope third of the surface")
-    settlement_middle_m: float
-    settlement_downhill_m: float
+    settlement_middle_m: float = Field(description="median settlement of the middle third")
+    settlement_downhill_m: float = Field(description="median settlement of the downslope third")
     slide_uphill_m: float = Field(description="median slide of the upslope third of the surface")
-    slide_middle_m: float
-    slide_downhill_m: float
+    slide_middle_m: float = Field(description="median slide of the middle third")
+    slide_downhill_m: float = Field(description="median slide of the downslope third")
     slide_max_at_x_m: float = Field(description="x of the largest slide of the surface")
     notes: tuple[str, ...] = Field(description="notes that a reader needs to judge these numbers")
 
@@ -48,10 +48,10 @@ class CaseNumbers(SurfaceMovement):
     slide_max_m: float = Field(description="largest slide of the surface, to either side")
     crack_opening_m: float = Field(description="widest gap between neighbouring discs of the surface")
     settled: bool = Field(description="whether the ground has come to rest")
-    reason: str
+    reason: str = Field(description="reason why the computation of the slide ended")
     escaped: int = Field(description="number of discs that left the section")
     loose_share: float = Field(default=0.0, description="share of the mass that has left the connected ground")
-    cracked_pore_springs: int
+    cracked_pore_springs: int = Field(description="number of cracked pore springs at the end")
     seconds_simulated: float = Field(description="model time since the onset of liquefaction (s)")
     moved_lately_m: float | None = Field(default=None, description="movement of the largest slide in its last 10 s")
     step_share: float = Field(description="time step over the largest stable time step")
@@ -77,7 +77,7 @@ class CaseSummary(CaseNumbers):
     """Holds the numbers of a case and, if several random packings were computed, the interval of its largest slide."""
 
     seeds: int = Field(default=1, description="number of packings that were computed")
-    slide_max_m_mean: float | None = None
+    slide_max_m_mean: float | None = Field(default=None, description="mean of the largest slide over the packings")
     slide_max_m_ci95: tuple[float, float] | None = Field(
         default=None, description="95 % confidence interval of the mean, by Student's distribution"
     )
@@ -138,11 +138,14 @@ class CaseAnswer(MovedSurface, CaseNumbers):
 
     @classmethod
     def of(cls, slide: "Slide", alone: "Slide", stiffness: float) -> Self:
-        """Return the numbers and the surface of a slide; ``stiffness`` is the factor on the stiffness of the layers
-        that liquefied.
+        """Return the numbers and the surface of a slide.
 
-        ``alone`` is the slide of the same ground under Kh without liquefaction. A disc counts as sliding if it moves at
-        least twice as far as in ``alone``.
+        Parameters
+        ----------
+        slide : the slide
+        alone : slide of the same ground under Kh without liquefaction; a disc of the surface counts as sliding if it
+            moves more than twice as far as in ``alone``
+        stiffness : factor on the stiffness of the layers that liquefied
         """
         return cls(stiffness=stiffness, **slide.as_json(alone))
 
@@ -164,14 +167,16 @@ def _range(values: Sequence[float] | np.ndarray) -> np.ndarray:
 
 
 class Spread(Part):
-    """Holds a number on several random packings: mean, standard deviation and confidence interval. Mean, deviation and
-    interval are None if there are too few packings; the confidence interval needs at least three.
+    """Holds a number on several random packings: mean, standard deviation and confidence interval.
+
+    All have the unit of the number. They are None if there are too few packings: the standard deviation needs two, the
+    confidence interval three.
     """
 
-    mean: float | None
+    mean: float | None = Field(description="mean over the packings")
     spread: float | None = Field(description="standard deviation over the packings")
     values: tuple[float, ...] = Field(description="the value of every packing")
-    median: float | None = None
+    median: float | None = Field(default=None, description="median of the packings")
     low: float | None = Field(default=None, description=f"{LOW_END} of the packings")
     high: float | None = Field(default=None, description=f"{HIGH_END} of the packings")
     mean_ci95: tuple[float, float] | None = Field(
@@ -207,11 +212,11 @@ class Spread(Part):
 
 
 class Profile(Part):
-    """Holds the surface over all packings, before and after the slide; x from left to right and elevations (m)."""
+    """Holds the surface over all packings, before and after the slide: elevations (m) of n points along x (m)."""
 
-    x: tuple[float, ...]
+    x: tuple[float, ...] = Field(description="x of the points, from left to right (m)")
     before: tuple[float, ...] = Field(description="elevations before the slide, median over all packings")
-    after: tuple[float, ...]
+    after: tuple[float, ...] = Field(description="elevations after the slide, median over all packings")
     after_low: tuple[float, ...] = Field(description=f"elevations after the slide: {LOW_END} of the packings at each x")
     after_high: tuple[float, ...] = Field(
         description=f"elevations after the slide: {HIGH_END} of the packings at each x"
@@ -229,18 +234,22 @@ class Profile(Part):
 
 
 class RandomCase(Part):
-    """Holds one case on random packings that fail at the same Kh, with slides and settlements by thirds of the
-    surface."""
+    """Holds one case on random packings that fail at the same Kh.
 
-    slide_max_m: Spread
-    settlement_uphill_m: Spread
-    settlement_middle_m: Spread
-    settlement_downhill_m: Spread | None = None
-    slide_uphill_m: Spread | None = None
-    slide_middle_m: Spread | None = None
-    slide_downhill_m: Spread | None = None
-    crack_opening_m: Spread | None = None
-    profile: Profile | None = None
+    Slides (m) are positive downhill, settlements (m) downwards.
+    """
+
+    slide_max_m: Spread = Field(description="largest slide of the surface, to either side")
+    settlement_uphill_m: Spread = Field(description="median settlement of the upslope third of the surface")
+    settlement_middle_m: Spread = Field(description="median settlement of the middle third")
+    settlement_downhill_m: Spread | None = Field(default=None, description="median settlement of the downslope third")
+    slide_uphill_m: Spread | None = Field(default=None, description="median slide of the upslope third of the surface")
+    slide_middle_m: Spread | None = Field(default=None, description="median slide of the middle third")
+    slide_downhill_m: Spread | None = Field(default=None, description="median slide of the downslope third")
+    crack_opening_m: Spread | None = Field(
+        default=None, description="widest gap between neighbouring discs of the surface"
+    )
+    profile: Profile | None = Field(default=None, description="surface before and after the slide")
 
     @property
     def spreads(self) -> dict[str, Spread]:
@@ -266,20 +275,23 @@ LENGTHS = ("slide_max_m", "crack_opening_m")
 class Seed(Part):
     """Holds the calibration of one random packing, which is identified by its seed."""
 
-    seed: int
-    kc_before: float | None
-    parameter: str
-    value: float
-    kc: float | None
-    verdict: str
-    reason: str
+    seed: int = Field(description="number that the random packing follows from")
+    kc_before: float | None = Field(description="uncalibrated critical Kh; null without one")
+    parameter: str = Field(description='constants of the discs that the factor multiplies, or "none"')
+    value: float = Field(description="factor on these constants")
+    kc: float | None = Field(description="critical Kh with this factor; null without a bracket")
+    verdict: str = Field(description='"calibrated", "out of reach", or "not asked for" without a calibration')
+    reason: str = Field(description="reason of the verdict, in words")
 
 
 class RandomPackings(Part):
-    """Holds the cases on random packings. A seed that could not be calibrated is named, and not counted."""
+    """Holds the cases on random packings.
 
-    seeds: tuple[Seed, ...]
-    cases: dict[int, RandomCase]
+    A packing that could not be calibrated is among the seeds, and does not count in the cases.
+    """
+
+    seeds: tuple[Seed, ...] = Field(description="calibration of every packing")
+    cases: dict[int, RandomCase] = Field(description="cases by number, over all packings that could be calibrated")
 
     @property
     def rising(self) -> int | None:
@@ -293,8 +305,16 @@ class RandomPackings(Part):
 
 
 def equal_cases(cases: Mapping[int, Answered], of: Iterable[int] | None = None) -> dict[tuple[int, ...], Answered]:
-    """Group cases with equal answers, so that each is shown once; their stiffness may differ. Return the numbers of the
-    cases of each group, in order, and the answer of the first of them. Templates group only the cases ``of`` a row.
+    """Group cases with equal answers, so that each is shown once; the factor on their stiffness may differ.
+
+    Parameters
+    ----------
+    cases : answers of the cases by number
+    of : numbers of the cases to be grouped, such as those of one row of a table; all cases by default
+
+    Returns
+    -------
+    The numbers of the cases of each group, in order, and the answer of the first of them.
     """
     groups: dict[str, list[int]] = {}
     for number in sorted(cases if of is None else set(of) & set(cases)):
@@ -303,12 +323,17 @@ def equal_cases(cases: Mapping[int, Answered], of: Iterable[int] | None = None) 
 
 
 class CasesAnswer(Answer):
-    """Holds all cases by number, for each set of springs. The set of springs "calibrated" governs if it exists."""
+    """Holds all cases by number, for each set of springs.
+
+    The set of springs "calibrated" governs if it exists.
+    """
 
     FILE: ClassVar[str] = "dem/cases.json"
 
-    sets: dict[str, dict[int, CaseAnswer]]
-    random: RandomPackings | None
+    sets: dict[str, dict[int, CaseAnswer]] = Field(
+        description='cases by number, by set of springs: "calibrated", and "table2" for those printed in the paper'
+    )
+    random: RandomPackings | None = Field(description="cases on random packings; null if they were not requested")
 
     def each(self) -> Iterator[tuple[str, int, CaseAnswer]]:
         """Yield every set, number and case, in the order of sets and numbers."""
@@ -323,8 +348,7 @@ class CasesAnswer(Answer):
 
 
 def smoothed(line: np.ndarray, size: float) -> np.ndarray:
-    """Return the surface that discs of a diameter ``size`` (m) resolve, without spikes by single additional or missing
-    discs.
+    """Return the surface that discs resolve, without spikes by single additional or missing discs.
 
     Parameters
     ----------
@@ -333,7 +357,7 @@ def smoothed(line: np.ndarray, size: float) -> np.ndarray:
 
     Returns
     -------
-    Points (m, 2) half a diameter apart.
+    Points (k, 2) half a diameter apart (m); the sorted points themselves if they span less than four diameters.
     """
     line = line[np.argsort(line[:, 0], kind="stable")]
     if len(line) < 2 or not size > 0.0 or np.ptp(line[:, 0]) < 4.0 * size:

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 class MeshCount(Part):
     """Holds the size of the mesh of an answer."""
 
-    quadrilaterals: int
-    nodes: int
+    quadrilaterals: int = Field(description="number of quadrilateral cells")
+    nodes: int = Field(description="number of corners of the cells")
     method: str = Field(description='method of the mesh: "mapped", "free", or "given" if the mesh was read from a file')
 
     @classmethod
@@ -40,8 +40,8 @@ class Gravity(Part):
 class StoredState(Part):
     """Holds one state of the continuum, at a Kh at which fields are stored."""
 
-    label: str
-    kh: float
+    label: str = Field(description="name of the state in legends")
+    kh: float = Field(description="seismic coefficient")
     past_equilibrium: bool = Field(description="whether there is no equilibrium at this Kh")
     largest_displacement_m: float = Field(description="largest displacement since the equilibrium under gravity")
     failed_share_by_stratum: dict[str, float] = Field(
@@ -53,12 +53,21 @@ class StoredState(Part):
 class FactorOfSafety(Part):
     """Holds the factor of safety at one Kh: the divisor of c and tan φ at which the section fails."""
 
-    kh: float
+    kh: float = Field(description="seismic coefficient at which the strength is divided")
     factor: float = Field(description="largest divisor of the strength at which an equilibrium was found")
     upper: float = Field(description="upper end of the bracket on this mesh")
-    verdict: PathVerdict
-    reason: str
-    curve: tuple[PathStep, ...]
+    verdict: PathVerdict = Field(
+        description=(
+            'how the path ended: "plateau" or "peak" (the section fails), "no failure" (it does not up to the '
+            'largest factor), or "undecided"'
+        )
+    )
+    reason: str = Field(description="reason of the verdict, in words")
+    curve: tuple[PathStep, ...] = Field(
+        description=(
+            "steps of the path: the factor over the control displacement; empty if limit analysis gave the factor"
+        )
+    )
     shallow_failure: float | None = Field(
         description="factor of safety against the shallow failure of a cohesionless face, if there is one"
     )
@@ -86,18 +95,20 @@ class FactorOfSafety(Part):
 class OtherCriticalKh(Part):
     """Holds the critical Kh for the opposite direction, or with another flow rule."""
 
-    kc: float
-    kc_upper: float
-    verdict: PathVerdict
-    reason: str
-    direction: Direction
+    kc: float = Field(description="critical Kh in this direction, or with this flow rule")
+    kc_upper: float = Field(description="upper end of the bracket on this mesh; no bound of the section")
+    verdict: PathVerdict = Field(description='how the path ended; there is a critical Kh for "plateau" and "peak" only')
+    reason: str = Field(description="reason of the verdict, in words")
+    direction: Direction = Field(description="direction of the seismic force, by the ends of the surface")
     at_sides: tuple[str, ...] = Field(description="sides, left or right, that the failing ground reaches")
     meshes: int = Field(default=1, description="number of meshes of the sequence that led to this critical Kh")
 
 
 class OwnDilationPart(Part):
-    """Holds an approximate critical Kh of ground that flows with the ψ of the strata. The critical Kh for these angles
-    depends on element and mesh by 5 to 15 %."""
+    """Holds an approximate critical Kh of ground that flows with the ψ of the strata.
+
+    The critical Kh for these angles depends on element and mesh by 5 to 15 %.
+    """
 
     kc: float | None = Field(description="critical Kh on the last of three meshes; null if the iteration has no answer")
     low: float | None = Field(description="smallest critical Kh of the three meshes")
@@ -109,10 +120,10 @@ class OwnDilationPart(Part):
 class ShallowFailurePart(Part):
     """Holds a cohesionless face that fails before the slope as a whole fails."""
 
-    stratum: str
-    start_x_m: float
-    end_x_m: float
-    angle_deg: float
+    stratum: str = Field(description="stratum of the face")
+    start_x_m: float = Field(description="x of the left end of the face")
+    end_x_m: float = Field(description="x of the right end of the face")
+    angle_deg: float = Field(description="slope of the face, positive")
     kh: float = Field(description="Kh at which the face fails; below 0 if it fails under its own weight")
 
     def is_edge(self, least_depth: float) -> bool:
@@ -124,16 +135,26 @@ class ShallowFailurePart(Part):
 class MeshStep(Part):
     """Holds one mesh of the sequence that was adapted to the mechanism."""
 
-    cells: int
-    kc: float
+    cells: int = Field(description="number of cells of the mesh")
+    kc: float = Field(description="critical Kh on this mesh")
 
 
 def displacement_at(path: Sequence[PathStep], kc: float, share: float) -> float:
-    """Return the displacement (m) at which a path of rising Kh reaches a share of the critical Kh, ``kc``.
+    """Return the displacement at which a path of rising Kh reaches a share of the critical Kh.
 
     If limit analysis gave the critical Kh, a path may end before it reaches the share. The path is then extrapolated:
     the difference to kc decays exponentially with displacement, at the rate of the last step. For S-13 in a rigid box,
     paths cut off at 0.8 and 0.95 of kc give the displacement at 0.99 of kc within 7 %.
+
+    Parameters
+    ----------
+    path : steps of the path, at least one
+    kc : critical Kh (-)
+    share : share of kc that is to be reached, below 1 (-)
+
+    Returns
+    -------
+    The control displacement (m).
     """
     near = [step.displacement for step in path if step.factor >= share * kc]
     if near or len(path) < 2:
@@ -151,9 +172,9 @@ class FailureAnswer(Answer):
 
     FILE: ClassVar[str] = "fem/failure.json"
 
-    section: SectionLabel
+    section: SectionLabel = Field(description="section to which the factor belongs")
     factor: float = Field(description="factor of safety at Kh = 0, below 1")
-    flow: Flow
+    flow: Flow = Field(description='flow rule of the factor: "associated" is ψ = φ, "davis" is Davis\'s estimate')
     davis: float | None = Field(description="Davis's estimate (low, no bound) if the factor is with ψ = φ")
     associated: float | None = Field(description="factor of safety with ψ = φ, if the factor is Davis's estimate")
     slip_surface: Line = Field(description="points [x, elevation] of the slip surface (m)")
@@ -165,20 +186,25 @@ class FemAnswer(Answer):
     FILE: ClassVar[str] = "fem/critical.json"
     VERSION: ClassVar[int] = 5
 
-    section: SectionLabel
+    section: SectionLabel = Field(description="section to which the critical Kh belongs")
     kc: float = Field(
         description="critical Kh: limit load of the mesh by finite element limit analysis, or else the largest Kh of "
         "the path in equilibrium"
     )
     kc_lower: float = Field(description="largest Kh in equilibrium on the path")
     kc_upper: float = Field(description="upper end of the bracket on this mesh; no bound of the section")
-    verdict: PathVerdict
-    reason: str
+    verdict: PathVerdict = Field(
+        description=(
+            'how the path ended: "plateau" or "peak" (the section fails), "no failure" (it stands up to '
+            'fem.kh_limit), or "undecided"'
+        )
+    )
+    reason: str = Field(description="reason of the verdict, in words")
     remedy: str = Field(description="advice on how to get a better answer; empty if there is none")
     judgement: Literal["sound", "doubtful"] = Field(description='"doubtful" if a warning contradicts the answer')
-    warnings: tuple[ResultWarning, ...]
+    warnings: tuple[ResultWarning, ...] = Field(description="reasons not to trust the answer, and notes")
     direction: Direction = Field(description="direction of the seismic force at failure, by the ends of the surface")
-    towards: Literal["left", "right"]
+    towards: Literal["left", "right"] = Field(description="side of the section towards which this seismic force acts")
     at_sides: tuple[str, ...] = Field(default=(), description="sides, left or right, that the failing ground reaches")
     opposite: OtherCriticalKh | None = Field(
         description="critical Kh for a seismic force in the opposite direction, if both were computed"
@@ -195,12 +221,19 @@ class FemAnswer(Answer):
     own_dilation: OwnDilationPart | None = Field(
         default=None, description="approximate critical Kh for the ψ of the strata, if fem.own_dilation = true"
     )
-    shallow_failures: tuple[ShallowFailurePart, ...]
-    flow: Flow
-    element: Element
-    settings: FemSettings
+    shallow_failures: tuple[ShallowFailurePart, ...] = Field(
+        description="cohesionless faces that fail at a smaller Kh; kc is that of a deeper failure"
+    )
+    flow: Flow = Field(
+        description=(
+            'flow rule of kc: "associated" is ψ = φ, "davis" is Davis\'s estimate, "non-associated" a path with the '
+            "given ψ"
+        )
+    )
+    element: Element = Field(description="finite element of the path")
+    settings: FemSettings = Field(description="settings of the finite elements, the table [fem]")
     dilation_deg: dict[str, float] = Field(description="dilation angle ψ by stratum (degrees), 0 if it is not given")
-    mesh: MeshCount
+    mesh: MeshCount = Field(description="size of the mesh of kc")
     meshes: tuple[MeshStep, ...] = Field(
         description="answers on the sequence of meshes that were adapted to the mechanism; empty if there were none"
     )
@@ -208,11 +241,13 @@ class FemAnswer(Answer):
     kc_limit: float | None = Field(
         description="limit of the critical Kh for infinitely small cells, extrapolated from two meshes"
     )
-    gravity: Gravity
-    linear_solves: int
-    curve: tuple[PathStep, ...]
-    states: tuple[StoredState, ...]
-    safety_factors: tuple[FactorOfSafety, ...]
+    gravity: Gravity = Field(description="the equilibrium under gravity, from which the path begins")
+    linear_solves: int = Field(description="number of linear systems that were factorised along the path")
+    curve: tuple[PathStep, ...] = Field(description="steps of the path: Kh over the mean horizontal displacement")
+    states: tuple[StoredState, ...] = Field(description="states at the Kh of fem.kh and at the end of the path")
+    safety_factors: tuple[FactorOfSafety, ...] = Field(
+        description="factors of safety at the Kh of fem.safety_factor_at"
+    )
     after_shaking: FactorOfSafety | None = Field(
         default=None,
         description="factor of safety at Kh = 0 with the excess pore pressure of shaking, which also acts with every "
@@ -274,14 +309,18 @@ class FemAnswer(Answer):
 
 
 class Variant(Part):
-    """Holds one change of the assumptions, and the critical Kh with this change (None without an answer)."""
+    """Holds one change of the assumptions, and the critical Kh with this change."""
 
-    name: str
+    name: str = Field(description='name of the assumption in [variants], such as "sides"')
     change: str = Field(description="changed assumption, in words")
-    kc: float | None
-    kc_upper: float | None
-    verdict: PathVerdict | Literal["no answer"]
-    reason: str
+    kc: float | None = Field(
+        description="critical Kh with the change; null without an answer, 0 if the section then fails by its weight"
+    )
+    kc_upper: float | None = Field(description="upper end of the bracket on its mesh; null without an answer")
+    verdict: PathVerdict | Literal["no answer"] = Field(
+        description='how the path ended; there is a critical Kh for "plateau" and "peak" only'
+    )
+    reason: str = Field(description="reason of the verdict, in words")
     seconds: float = Field(description="computing time (s)")
     kc_without: float | None = Field(
         default=None,
@@ -290,10 +329,10 @@ class Variant(Part):
     )
 
     def of(self, kc: float) -> float | None:
-        """Return the critical Kh with one assumption changed.
+        """Return the critical Kh with one assumption changed; None without an answer.
 
-        If the change was computed on a coarser mesh than the answer ``kc``, the critical Kh is ``kc`` times the ratio
-        on that mesh.
+        If the change was computed on a coarser mesh than the answer ``kc``, or with another element, the critical Kh is
+        ``kc`` times the ratio of both critical Kh by that mesh or element.
         """
         if self.kc is None or self.kc_without is None:
             return self.kc
@@ -305,4 +344,4 @@ class VariantsAnswer(Answer):
 
     FILE: ClassVar[str] = "fem/variants.json"
 
-    variants: tuple[Variant, ...]
+    variants: tuple[Variant, ...] = Field(description="one entry for each requested change")
