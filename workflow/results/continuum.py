@@ -95,7 +95,9 @@ class FactorOfSafety(Part):
 class OtherCriticalKh(Part):
     """Holds the critical Kh for the opposite direction, or with another flow rule."""
 
-    kc: float = Field(description="critical Kh in this direction, or with this flow rule")
+    kc: float = Field(
+        description="critical Kh in this direction, or with this flow rule; 0 if the ground then fails by its weight"
+    )
     kc_upper: float = Field(description="upper end of the bracket on this mesh; no bound of the section")
     verdict: PathVerdict = Field(description='how the path ended; there is a critical Kh for "plateau" and "peak" only')
     reason: str = Field(description="reason of the verdict, in words")

@@ -19,16 +19,18 @@ FLOWS: Mapping[Flow, str] = {
 
 
 class DemCounterpart(Answer):
-    """Holds the critical Kh with the sides of the DEM box and the dilation of the soil, for failures at least two discs
-    deep."""
+    """Holds the critical Kh with the sides of the DEM box and the dilation of the soil.
+
+    Only failures count that are deep enough for the discs to resolve.
+    """
 
     FILE: ClassVar[str] = "dem/continuum.json"
 
     kc: float = Field(description="critical Kh: the largest Kh at which an equilibrium was found")
     kc_upper: float = Field(description="upper end of the bracket on this mesh, not above the critical Kh with ψ = φ")
-    verdict: PathVerdict
-    reason: str
-    sides: Sides
+    verdict: PathVerdict = Field(description='how the path ended: "plateau", "peak", "no failure", or "undecided"')
+    reason: str = Field(description="reason of the verdict, in words")
+    sides: Sides = Field(description="boundary condition of the sides")
     flow: Flow = Field(description='flow rule; "non-associated" is a non-associated path with the given ψ')
     deeper_than_m: float | None = Field(
         default=None,
@@ -39,7 +41,7 @@ class DemCounterpart(Answer):
     )
     instead: str = Field(description="reason why ψ is not the given one; empty if it is")
     yielding_m: float = Field(description="mean displacement at which the path reaches 0.99 of its critical Kh")
-    curve: tuple[PathStep, ...]
+    curve: tuple[PathStep, ...] = Field(description="steps of the path: Kh over the mean horizontal displacement")
     slip_surface: Line = Field(description="points [x, elevation] of the slip surface (m)")
 
     @classmethod

@@ -12,7 +12,8 @@ from workflow.run.store import Store
 
 
 def grid_of(model: DiscModel, before: DiscModel, ground: Ground) -> pv.PolyData:
-    """Return discs as points with radius_m, stratum (-1: boundary), and displacement_m and velocity_m_s since `before`.
+    """Return discs as points with radius_m, stratum (-1: boundary), displacement_m since `before`, and velocity_m_s.
+
     Pore springs are lines, with cracked = 1 for cracked ones; the cells of points have cracked = -1.
     """
     x, z = ground.to_section(model.x, model.z)
@@ -37,10 +38,15 @@ def grid_of(model: DiscModel, before: DiscModel, ground: Ground) -> pv.PolyData:
 
 
 def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, ground: Ground, seconds: float) -> None:
-    """Write one state of a slide, with the seconds since its onset.
+    """Write one state of a slide: discs with radius, stratum, displacement and velocity, and their pore springs.
 
-    ``store``: the folder of the run; ``name``: name of the file; ``model``, ``before``: discs now and at rest;
-    ``ground``: the ground in which the discs lie.
+    Parameters
+    ----------
+    store : the folder of the run
+    name : file within the folder, as `frame_file` names it
+    model, before : discs in this state, and at rest before the slide
+    ground : place of the discs in the section
+    seconds : time since Kh began to rise (s)
     """
     grid = grid_of(model, before, ground)
     grid.field_data["seconds"] = np.array([seconds])
@@ -48,7 +54,14 @@ def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, gr
 
 
 def write_collection(store: Store, name: str, folder: str = "dem") -> None:
-    """Write <folder>/<name>.pvd over the frames of a case, with their times."""
+    """Write <folder>/<name>.pvd over the states of a case, with their times; nothing without any state.
+
+    Parameters
+    ----------
+    store : the folder of the run
+    name : case by the name of its files, as `case_name` returns it
+    folder : folder of the case within that of the run: "dem" for discs, "mpm" for material points
+    """
     states = [
         (float(pv.read(store.folder / file).field_data["seconds"][0]), file.removeprefix(f"{folder}/"))
         for file in frames(store, name, folder).values()
@@ -58,25 +71,61 @@ def write_collection(store: Store, name: str, folder: str = "dem") -> None:
 
 
 def case_name(springs: str, number: int) -> str:
-    """Return the name of the files of a case, which has no suffix for calibrated discs."""
+    """Return the name of the files of a case, which has no suffix for calibrated discs.
+
+    Parameters
+    ----------
+    springs : set of springs: "calibrated" or "table2"
+    number : number of the case; 0 is Kh alone
+
+    Returns
+    -------
+    The name, such as "case3" or "case3_table2".
+    """
     return f"case{number}" if springs == "calibrated" else f"case{number}_{springs}"
 
 
 def frame_file(name: str, number: int, folder: str = "dem") -> str:
-    """Return the file of a state of a case."""
+    """Return the file of a state of a case.
+
+    Parameters
+    ----------
+    name : case by the name of its files
+    number : number of the state, in time from 0
+    folder : folder of the case within that of the run
+
+    Returns
+    -------
+    The file within the folder of the run.
+    """
     return f"{folder}/{name}/frame_{number:03d}.vtp"
 
 
 def frames(store: Store, name: str, folder: str = "dem") -> dict[int, str]:
-    """Return the files of a case by their numbers, in time."""
+    """Return the files of all states of a case.
+
+    Parameters
+    ----------
+    store : the folder of the run
+    name : case by the name of its files
+    folder : folder of the case within that of the run
+
+    Returns
+    -------
+    The files within the folder of the run by the numbers of the states, in time.
+    """
     files = store.matching([f"{folder}/{name}/frame_*.vtp"])
     return dict(sorted((int(PurePath(file).stem.removeprefix("frame_")), file) for file in files))
 
 
 def copy_frames(store: Store, of: str, to: str, folder: str = "dem") -> None:
-    """Copy the states of one case to another with the same slide.
+    """Copy the states of one case to another with the same slide, in place of the states that this has.
 
-    ``store``: the folder of the run; ``of``, ``to``: the cases by the names of their files; ``folder``: folder of both.
+    Parameters
+    ----------
+    store : the folder of the run
+    of, to : both cases by the names of their files
+    folder : folder of both cases within that of the run
     """
     store.remove(list(frames(store, to, folder).values()))
     for number, file in frames(store, of, folder).items():

@@ -16,9 +16,9 @@ class DiscModelAnswer(Part):
     """Holds the discs at rest under their weight."""
 
     discs: DiscModelName = Field(description="kind of the discs: soil discs, or the discs of the paper")
-    packing: str
-    rows: int
-    radius_m: float
+    packing: str = Field(description='kind of the packing: "box", "lattice" or "random"')
+    rows: int = Field(description="number of rows of a box; 0 for other packings")
+    radius_m: float = Field(description="mean radius of the discs")
     elements: int = Field(description="number of discs that can move")
     boundary_elements: int = Field(description="number of discs that cannot move")
     tilt_deg: float = Field(
@@ -30,7 +30,7 @@ class DiscModelAnswer(Part):
     porosity: float = Field(description="area of the voids over the area of the section")
     unbalanced_ratio: float = Field(description="mean unbalanced force over mean contact force")
     settling_seconds: float = Field(description="model time of settling (s)")
-    pore_springs: int
+    pore_springs: int = Field(description="number of pore springs, the breakable springs that stand for pore water")
     surface_off_mean_m: float | None = Field(
         default=None,
         description=(
@@ -46,23 +46,34 @@ class DiscModelAnswer(Part):
 class Parameters(Part):
     """Holds the springs of the discs, and the factor of the calibration on one of their parameters."""
 
-    springs: Literal["soil", "table2", "element tests"]
-    stiffness_scale: float
-    mean: Mean
-    stiffness: float | None = None
-    friction: float | None = None
-    pore_strength: float | None = None
-    strength: float | None = None
-    all: float | None = None
+    springs: Literal["soil", "table2", "element tests"] = Field(
+        description=(
+            'source of the springs: "element tests" of soil discs, or of the paper\'s discs "soil" (its eqs. (5)-(13) '
+            'with the properties of the strata) or "table2" (its Table 2 as printed)'
+        )
+    )
+    stiffness_scale: float = Field(
+        description="factor dem.stiffness_scale on the springs of eqs. (9)-(13) of the paper"
+    )
+    mean: Mean = Field(description="kind of mean of the constants of two layers at a contact between them")
+    stiffness: float | None = Field(default=None, description="calibrated factor on all springs")
+    friction: float | None = Field(
+        default=None, description="calibrated factor on the friction of contacts and pore springs"
+    )
+    pore_strength: float | None = Field(
+        default=None, description="calibrated factor on cohesion, and on the stretch at which pore springs break"
+    )
+    strength: float | None = Field(default=None, description="calibrated factor on friction and cohesion")
+    all: float | None = Field(default=None, description="calibrated factor on all of these constants")
 
 
 class KhTrial(Part):
     """Holds whether the discs stand at one Kh, and the numbers on which the verdict is based; None for unknown
     numbers."""
 
-    kh: float
-    verdict: TrialVerdict
-    reason: str
+    kh: float = Field(description="seismic coefficient")
+    verdict: TrialVerdict = Field(description='"stands"; "fails"; "undecided", which counts as a failure')
+    reason: str = Field(description="reason of the verdict, in words")
     unbalanced_ratio: Known = Field(description="mean unbalanced force over mean contact force")
     kinetic_ratio: Known = Field(description="kinetic energy over stored energy")
     displacement_m: float = Field(description="mean displacement downhill, weighted by mass")
@@ -77,10 +88,10 @@ class DiscSearch(Part):
     kc: float | None = Field(description="critical Kh: the middle of the bracket; None without a bracket")
     kc_lower: float = Field(description="largest Kh at which the discs stood")
     kc_upper: float | None = Field(description="smallest Kh at which the discs did not stand")
-    verdict: SearchVerdict
-    reason: str
+    verdict: SearchVerdict = Field(description='"bracketed", or why there is no bracket')
+    reason: str = Field(description="reason of the verdict, in words")
     flexibility_m: float = Field(description="elastic displacement over Kh")
-    trials: tuple[KhTrial, ...]
+    trials: tuple[KhTrial, ...] = Field(description="every Kh that was tried, in the order of computation")
     curve: tuple[Point, ...] = Field(
         description="points [Kh, displacement in m] of the states in which the discs stood"
     )
@@ -89,7 +100,7 @@ class DiscSearch(Part):
 class RecordedDiscs(KhTrial):
     """Names the stored state of the discs at one Kh, before or after calibration."""
 
-    set: SetOfSprings
+    set: SetOfSprings = Field(description="set of springs: before calibration, after it, or those of the paper")
     file: str = Field(description="file of the discs, within the folder of the run")
     cracked_share_by_stratum: dict[str, float] = Field(
         description=(
@@ -126,8 +137,8 @@ class SlipSurfaces(Part):
 class PaperDiscs(Part):
     """Holds the packing and the critical Kh of the discs with the law "paper", computed in addition to soil discs."""
 
-    model: DiscModelAnswer
-    search: DiscSearch
+    model: DiscModelAnswer = Field(description="the discs at rest")
+    search: DiscSearch = Field(description="their critical Kh")
 
 
 class DiscsAnswer(Answer):
@@ -135,12 +146,12 @@ class DiscsAnswer(Answer):
 
     FILE: ClassVar[str] = "dem/critical.json"
 
-    section: SectionLabel
-    model: DiscModelAnswer
-    before: DiscSearch
-    after: DiscSearch
-    states: tuple[RecordedDiscs, ...]
-    slip_surface: SlipSurfaces
+    section: SectionLabel = Field(description="section of the discs")
+    model: DiscModelAnswer = Field(description="the discs at rest under their weight")
+    before: DiscSearch = Field(description="critical Kh before calibration")
+    after: DiscSearch = Field(description="critical Kh after calibration")
+    states: tuple[RecordedDiscs, ...] = Field(description="stored states at the Kh of dem.kh, for every set of springs")
+    slip_surface: SlipSurfaces = Field(description="slip surfaces of discs and continuum, and their distance")
     paper: PaperDiscs | None = Field(default=None, description="the discs of the paper, unchanged")
 
     @property

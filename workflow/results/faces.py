@@ -33,7 +33,7 @@ class FaceValue(Part):
 class FaceStrength(Part):
     """Holds one face of a structure by finite elements."""
 
-    structure: str
+    structure: str = Field(description="name of the structure")
     towards: Literal["left", "right"] = Field(description="side to which the face slides")
     critical: FaceValue | None = Field(description="critical Kh of the face; null without an answer")
     safety: FaceValue | None = Field(description="factor of safety of the face without shaking; null without an answer")
@@ -43,7 +43,7 @@ class FaceStrength(Part):
 class FaceAtRest(Part):
     """Holds the factor of safety of one face in ground after shaking or liquefaction, by finite elements."""
 
-    structure: str
+    structure: str = Field(description="name of the structure")
     towards: Literal["left", "right"] = Field(description="side to which the face slides")
     safety: FaceValue | None = Field(description="factor of safety without shaking; null without an answer")
     reason: str = Field(default="", description="reason why there is no factor of safety")
@@ -54,8 +54,8 @@ class FacesAnswer(Answer):
 
     FILE: ClassVar[str] = "fem/faces.json"
 
-    section: SectionLabel
-    faces: tuple[FaceStrength, ...]
+    section: SectionLabel = Field(description="section of the structures")
+    faces: tuple[FaceStrength, ...] = Field(description="faces of all structures, towards the left and the right")
     after_shaking: tuple[FaceAtRest, ...] = Field(
         default=(), description="factors of safety with the excess pore pressure of shaking; empty without any"
     )

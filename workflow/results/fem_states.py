@@ -16,13 +16,30 @@ COLLECTION = "fem/fields.pvd"
 
 
 def fields_file(number: int) -> str:
-    """Return the file name within fem/ of the fields of an equilibrium, by its number."""
+    """Return the file name of the fields of an equilibrium.
+
+    Parameters
+    ----------
+    number : number of the state of equilibrium along the path, from 0
+
+    Returns
+    -------
+    The name within the folder fem/.
+    """
     return f"fields_{number}.vtu"
 
 
 @dataclass(frozen=True)
 class FemResults:
-    """Holds the mesh, the ``answer`` in fem/critical.json, and the fields of each of its states."""
+    """Holds the answer of the stage `fem` with the fields of its states.
+
+    Attributes
+    ----------
+    mesh : mesh of the path, on which the fields are
+    answer : content of fem/critical.json
+    states : fields of each of the states of ``answer``, in their order; a state past equilibrium has those of the last
+        state of the path
+    """
 
     mesh: QuadMesh
     answer: FemAnswer
@@ -30,7 +47,20 @@ class FemResults:
 
     @classmethod
     def load(cls, section: Section, store: Store) -> "FemResults":
-        """Read fem/ and mesh/ of a folder; raises InputError if something is missing."""
+        """Read the results of the stage `fem` in a folder.
+
+        Parameters
+        ----------
+        section : the ground
+        store : the folder of the run
+
+        Raises
+        ------
+        InputError
+            If a file is missing, or its mesh is of another section.
+        OtherVersionError
+            If another version of the program wrote the answer.
+        """
         answer = FemAnswer.read(store)
         states: list[FieldState] = []
         for state_part in answer.states:

@@ -53,8 +53,15 @@ class GoverningKh:
 
 
 def governing_kh(results: Results) -> GoverningKh | None:
-    """Return the critical Kh that counts: the value by finite elements or, if this value lies beyond a strict bound,
-    the bound. Return None without any value.
+    """Return the critical Kh that counts.
+
+    Parameters
+    ----------
+    results : results of the run
+
+    Returns
+    -------
+    The value by finite elements or, if this value lies beyond a strict bound, the bound; None without a critical Kh.
     """
     kc, fem = results.kc, results.fem
     if kc is None or fem is None:
@@ -85,8 +92,18 @@ def _against_elements(results: Results, fem: FemAnswer, kc: float) -> GoverningK
 
 
 def governing_factor(results: Results, factor: FactorOfSafety) -> float:
-    """Return the factor of safety that counts: the value by finite elements or, if this value lies beyond a strict
-    bound, the bound. A factor that the strict upper bound of Kh limits is at most 1, see `is_limited_by_kh`."""
+    """Return the factor of safety that counts.
+
+    Parameters
+    ----------
+    results : results of the run, which include the bounds
+    factor : factor of safety by finite elements
+
+    Returns
+    -------
+    The value by finite elements or, if this value lies beyond a strict bound, the bound (-); at most 1 if the strict
+    upper bound of Kh limits it, see `is_limited_by_kh`.
+    """
     fem = results.fem
     if fem is None:
         return factor.factor
@@ -98,11 +115,20 @@ def governing_factor(results: Results, factor: FactorOfSafety) -> float:
 
 
 def is_limited_by_kh(results: Results, factor: FactorOfSafety) -> bool:
-    """Return whether a strict upper bound of Kh below 0 proves that a factor of safety is at most 1: that of the ground
-    which has this Kh, without a closer upper bound of its own.
+    """Return whether a strict upper bound of Kh below 0 proves that a factor of safety is at most 1.
 
     A factor without shaking is that between sides held horizontally. Its own lower bound above 1 and a mechanism that
     moves free-field sides do not contradict each other: between held sides the ground stands.
+
+    Parameters
+    ----------
+    results : results of the run, which include the bounds
+    factor : factor of safety by finite elements
+
+    Returns
+    -------
+    True for the factor at rest of the ground that has this Kh, if its own strict bounds are neither a lower one above 1
+    nor an upper one of at most 1, and the mechanism is also one between sides held horizontally.
     """
     fem, bounds = results.fem, results.bounds
     if fem is None or bounds is None or not results.fails_at_rest or factor != fem.at_rest:
@@ -115,16 +141,36 @@ def is_limited_by_kh(results: Results, factor: FactorOfSafety) -> bool:
 
 
 def stands_with_smooth_sides(results: Results, factor: FactorOfSafety) -> bool:
-    """Return whether ground that a mechanism at free-field sides proves to fail without a seismic force has a factor of
-    safety above 1 all the same, between sides held horizontally."""
+    """Return whether ground that fails without a seismic force at free-field sides stands between smooth sides.
+
+    Parameters
+    ----------
+    results : results of the run, which include the bounds
+    factor : factor of safety by finite elements, between sides held horizontally
+
+    Returns
+    -------
+    True if a strict bound proves the failure, and this factor is the one at rest and counts above 1.
+    """
     at_rest = results.fem is not None and factor == results.fem.at_rest
     return results.fails_at_rest and at_rest and governing_factor(results, factor) > 1.0
 
 
 def governing_value(value: float, lower: float | None, upper: float | None) -> float:
-    """Return the critical Kh or factor of safety that counts: the ``value`` of the finite elements, or the strict bound
-    that this value lies beyond. A mechanism proves that the ground does not resist more than the ``upper`` bound, a
-    stress field in equilibrium that it does not resist less than the ``lower`` one; finite elements prove neither."""
+    """Return the critical Kh or factor of safety that counts: of finite elements, or the strict bound it lies beyond.
+
+    A mechanism proves that the ground does not resist more than the upper bound, a stress field in equilibrium that it
+    does not resist less than the lower one; finite elements prove neither.
+
+    Parameters
+    ----------
+    value : critical Kh or factor of safety by finite elements (-)
+    lower, upper : its strict bounds (-); None for a missing one
+
+    Returns
+    -------
+    The value, or the bound (-).
+    """
     ends = {None: value, "lower": lower, "upper": upper}
     end = ends[_governing_bound(value, lower, upper)]
     return value if end is None else end
@@ -138,21 +184,48 @@ def _governing_bound(value: float, lower: float | None, upper: float | None) -> 
 
 
 def governing_face_value(value: FaceValue) -> float:
-    """Return the critical Kh or factor of safety of a face that counts: by finite elements, or its strict bound."""
+    """Return the critical Kh or factor of safety of a face that counts.
+
+    Parameters
+    ----------
+    value : critical Kh or factor of safety of the face by finite elements, with its strict bounds
+
+    Returns
+    -------
+    The value with ψ = φ by finite elements, or the strict bound that it lies beyond (-).
+    """
     return governing_value(value.value, value.lower, value.upper)
 
 
 def value_of_face(elements: FaceValue | None, circle: float | None) -> tuple[float | None, bool]:
-    """Return the critical Kh or factor of safety of a face, and whether it is by finite ``elements``: their value that
-    counts or, where their failure does not contain the crest, that of the slip ``circle``, which may be missing."""
+    """Return the critical Kh or factor of safety of a face, and whether it is by finite elements.
+
+    Parameters
+    ----------
+    elements : value of the face by finite elements; None without one
+    circle : value of the slip circle with which a part of the crest slides (-); None without one
+
+    Returns
+    -------
+    The value of the finite elements that counts (-) or, where no part of the crest slides in their failure, that of the
+    circle; and whether it is by finite elements.
+    """
     if elements is not None and elements.reaches_crest:
         return governing_face_value(elements), True
     return circle, False
 
 
 def estimates_of(results: Results) -> list[Estimate]:
-    """Return all estimates of displacement, with the critical Kh that counts; estimates of lateral spreads state
-    whether they apply to ground that flows."""
+    """Return all estimates of displacement by simple methods, with the critical Kh that counts.
+
+    Parameters
+    ----------
+    results : results of the run
+
+    Returns
+    -------
+    The estimates; those of lateral spreads do not apply if liquefied ground flows without shaking.
+    """
     cases = results.liquefied.cases if results.liquefied is not None else ()
     factors = [case.factor for case in cases if case.verdict == "flows" and case.factor is not None]
     governing, config = governing_kh(results), results.config
@@ -161,8 +234,17 @@ def estimates_of(results: Results) -> list[Estimate]:
 
 
 def faces_with_bounds(results: Results) -> FacesAnswer | None:
-    """Return the faces of structures with the strict bounds of each value: a face that fails first, without strong
-    zones, has the bounds of the section. None if the faces were not computed."""
+    """Return the faces of structures with the strict bounds of each value.
+
+    Parameters
+    ----------
+    results : results of the run, which include the bounds
+
+    Returns
+    -------
+    The faces; a face that fails first, without strong zones, has the bounds of the section, where there are any. None
+    if the faces were not computed.
+    """
     if results.faces is None:
         return None
     bounded = tuple(_with_bounds(results, face) for face in results.faces.faces)
@@ -185,7 +267,17 @@ def _with_bounds(results: Results, face: FaceStrength) -> FaceStrength:
 
 
 def section_kh_bounds(results: Results, towards: Literal["left", "right"]) -> tuple[float | None, float | None]:
-    """Return the strict bounds of the critical Kh of the section with the seismic force to one side."""
+    """Return the strict bounds of the critical Kh of the section with the seismic force to one side.
+
+    Parameters
+    ----------
+    results : results of the run, which include the bounds
+    towards : side of the section towards which the seismic force acts
+
+    Returns
+    -------
+    Lower and upper bound with ψ = φ (-), None for a missing one.
+    """
     bounds = results.bounds
     if bounds is None:
         return None, None
@@ -196,7 +288,16 @@ def section_kh_bounds(results: Results, towards: Literal["left", "right"]) -> tu
 
 
 def section_factor_bounds(results: Results) -> tuple[float | None, float | None]:
-    """Return the strict bounds of the factor of safety of the section without shaking."""
+    """Return the strict bounds of the factor of safety of the section without shaking.
+
+    Parameters
+    ----------
+    results : results of the run, which include the bounds
+
+    Returns
+    -------
+    Lower and upper bound with ψ = φ (-), None for a missing one.
+    """
     fem = results.fem
     factor = next((row for row in fem.safety_factors if row.kh == 0.0), None) if fem is not None else None
     if fem is not None and factor is not None:
@@ -244,8 +345,16 @@ class MethodSlides:
 
 
 def slides_by_weight(results: Results) -> tuple[MethodSlides, ...]:
-    """Return the slides by every method that computed any, first the method whose predictions were nearer to known
-    slides."""
+    """Return the slides by every method that computed any.
+
+    Parameters
+    ----------
+    results : results of the run
+
+    Returns
+    -------
+    The slides by discs and by material points, in the order of ``by_weight``; empty without any slide.
+    """
     discs = results.case_set()[1]
     points = dict(results.mpm.cases) if results.mpm is not None else {}
     flowing = {case.flows for case in discs.values()}
@@ -268,8 +377,16 @@ def slides_by_weight(results: Results) -> tuple[MethodSlides, ...]:
 
 
 def by_weight(errors: Sequence[SlideError | None]) -> list[SlideMethod]:
-    """Return the methods, first the one with the smaller error on half of the known slides; discs first if no error is
-    known."""
+    """Return the methods in the order of their weight: first the one whose predictions were nearer to known slides.
+
+    Parameters
+    ----------
+    errors : errors of the methods on known slides; None for an unknown one
+
+    Returns
+    -------
+    The methods by the factor that half of their predictions did not exceed, then those without an error, discs first.
+    """
     known = [error for error in errors if error is not None]
     methods = [error.method for error in sorted(known, key=lambda error: error.middle)]
     every: tuple[SlideMethod, ...] = ("discs", "mpm")

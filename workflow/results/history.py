@@ -17,7 +17,14 @@ COLUMNS = ["set", "case", *(field.name for field in fields(Row))]
 
 @dataclass(frozen=True)
 class SlideHistory:
-    """Holds one slide in time: set of springs, case (0: Kh alone), and a row for every recorded time."""
+    """Holds one slide in time.
+
+    Attributes
+    ----------
+    springs : set of springs: "calibrated" or "table2"
+    case : number of the case; 0 is Kh alone
+    rows : state of the slide at every recorded time
+    """
 
     springs: str
     case: int
@@ -25,7 +32,13 @@ class SlideHistory:
 
 
 def write_histories(store: Store, slides: Iterable[SlideHistory]) -> None:
-    """Write a line for every recorded time of every slide, sorted by set of springs and number of the case."""
+    """Write a line for every recorded time of every slide, sorted by set of springs and number of the case.
+
+    Parameters
+    ----------
+    store : the folder of the run
+    slides : all slides of the run
+    """
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(COLUMNS)
@@ -37,9 +50,22 @@ def write_histories(store: Store, slides: Iterable[SlideHistory]) -> None:
 
 
 def read_histories(store: Store) -> list[SlideHistory]:
-    """Return the slides of a folder in the order of the file.
+    """Return the slides of a folder.
 
-    Raises InputError if there is no file of slides, OtherVersionError if another version of the program wrote the file.
+    Parameters
+    ----------
+    store : the folder of the run
+
+    Returns
+    -------
+    The slides in the order of the file.
+
+    Raises
+    ------
+    InputError
+        If there is no file of slides.
+    OtherVersionError
+        If another version of the program wrote the file.
     """
     path = store.folder / FILE
     row_of = TypeAdapter(Row)

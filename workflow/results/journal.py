@@ -37,7 +37,13 @@ def _trial(stored: KhTrial) -> Trial:
 
 
 class Journal:
-    """Stores finished searches, by parameter and factor, in a file of the folder."""
+    """Stores finished searches, by parameter and factor, in a file of the folder.
+
+    Parameters
+    ----------
+    store : the folder of the run
+    name : file within the folder, such as "dem/trials.jsonl"
+    """
 
     def __init__(self, store: Store, name: str) -> None:
         self.path = store.folder / name

@@ -2,7 +2,16 @@
 
 
 def metres(value: float | None) -> str:
-    """Return a length (m) in two digits or so, to the centimetre below a metre, or a dash."""
+    """Return a length in words: to the centimetre below a metre, in two digits or so above.
+
+    Parameters
+    ----------
+    value : length (m); None without one
+
+    Returns
+    -------
+    The length with its unit; a dash without a length.
+    """
     if value is None:
         return "–"
     size = abs(value)

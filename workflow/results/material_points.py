@@ -32,8 +32,8 @@ class PointCase(SurfaceMovement, MovedSurface):
     )
     settlement_crest_m: float = Field(description="highest level of the ground before the slide less that after it")
     settled: bool = Field(description="whether the surface came to rest")
-    reason: str
-    seconds_simulated: float
+    reason: str = Field(description="reason why the computation of the slide ended")
+    seconds_simulated: float = Field(description="model time since the beginning of the slide (s)")
     transfer_loss_share: float = Field(
         description="energy lost between points and grid, over the total energy exchanged"
     )
@@ -58,7 +58,7 @@ class PointSlidesAnswer(Answer):
 
     FILE: ClassVar[str] = "mpm/slides.json"
 
-    section: SectionLabel
+    section: SectionLabel = Field(description="section of the points")
     points: int = Field(default=0, description="number of material points of the ground")
     cell_m: float = Field(default=0.0, description="side of a cell of the background grid")
     settled_by_m: float = Field(
@@ -68,5 +68,5 @@ class PointSlidesAnswer(Answer):
         default=(), description="strata whose stiffness was reduced, so that longer time steps are stable"
     )
     sides: Sides = Field(default="fixed", description="boundary condition of the sides")
-    cases: dict[int, PointCase] = Field(default={})
+    cases: dict[int, PointCase] = Field(default={}, description="cases by number")
     not_possible: str = Field(default="", description="reason why there are no slides by material points")

@@ -18,8 +18,10 @@ from meshes.section.section import Section
 
 
 class MeshGrid:
-    """Holds the quadrilaterals of a mesh for VTK, with the index of the stratum in every cell and the names as field
-    data."""
+    """Holds the quadrilaterals of a mesh for VTK.
+
+    Every cell has the number of its stratum; the names of the strata are field data.
+    """
 
     def __init__(self, mesh: QuadMesh) -> None:
         self._grid = vtkUnstructuredGrid()
@@ -90,7 +92,17 @@ class StoredGrid:
 
 
 def grid_of(section: Section, mesh: QuadMesh) -> MeshGrid:
-    """Return the mesh for VTK files, with the name of its section and whether the section is a reconstruction."""
+    """Return the mesh for VTK files, with the heading of its section and the note on a reconstruction.
+
+    Parameters
+    ----------
+    section : section of the mesh
+    mesh : its mesh, with lengths in m
+
+    Returns
+    -------
+    The grid, to which fields can be added.
+    """
     grid = MeshGrid(mesh)
     grid.add_texts("section", [section.heading])
     if section.reconstruction:

@@ -9,7 +9,16 @@ from workflow.run.store import Store
 
 
 def write_points(store: Store, name: str, slider: PointSlider) -> None:
-    """Write one state of a slide: points with radius_m, stratum (-1: rigid), displacement_m and velocity_m_s."""
+    """Write one state of a slide: points with radius_m, stratum (-1: rigid), displacement_m and velocity_m_s.
+
+    The radius is half the side of a square with the area of the point.
+
+    Parameters
+    ----------
+    store : the folder of the run
+    name : file within the folder, as `frame_file` of ``disc_grids.py`` names it
+    slider : the slide in this state
+    """
     points, offset = slider.ground.points, slider.ground.offset
     grid = pv.PolyData(_flat(points.x + offset))
     grid.point_data["radius_m"] = 0.5 * np.sqrt(points.state[:, VOLUME])

@@ -44,12 +44,30 @@ def _hold_for(bounds: BoundsAnswer, fem: FemAnswer) -> bool:
 
 @dataclass(frozen=True)
 class Results:
-    """Holds the results of a run. ``ends`` are the outcomes of the stages, ``missing`` the reasons why other stages
-    have no result, ``older`` the stages computed by another version of the program, and ``stages`` the stages of the
-    report.
+    """Holds the results of a run: the answers in its folder that are of this input.
 
-    The answers are those of the files, None if a stage has none. ``bounds`` is None unless both bounds of a quantity
-    were found, or an upper bound that proves failure without a seismic force.
+    Attributes
+    ----------
+    config : input of the run
+    store : the folder of the run
+    ends : outcomes of the stages with results, by name
+    missing : reasons why other stages have no result, by name
+    fem, failure : answers of the stage `fem`: critical Kh, or factor of safety of ground that fails without a seismic
+        force. All answers are None if their stage has none.
+    variants : critical Kh with other assumptions
+    bounds : strict bounds; None, too, unless both bounds of a quantity were found, or an upper bound that proves
+        failure without a seismic force
+    dem, calibration, dem_counterpart : answers of the stage `calibrate`: critical Kh of the discs, their calibration,
+        and the FEM model that they are calibrated to
+    cases : slides of discs
+    triggering : factors against liquefaction
+    slices : slip circles
+    faces : faces of structures by finite elements
+    liquefied, residual : stability after liquefaction, and with residual strength
+    response : response of the layers to the record
+    mpm : slides of material points
+    stages : stages of the report
+    older : stages that another version of the program computed, by name
     """
 
     config: Config

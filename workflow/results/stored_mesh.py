@@ -20,8 +20,24 @@ GMSH_FILE, VTK_FILE = "mesh/section.msh", "mesh/section.vtu"
 
 
 def given_mesh(section: Section, path: Path) -> QuadMesh:
-    """Read a mesh made elsewhere, with its strata in the order of the section; raise InputError if groups do not
-    fit."""
+    """Read the mesh of a section from a gmsh file.
+
+    Parameters
+    ----------
+    section : the ground
+    path : gmsh file with a surface group for each stratum, named as ``group_names`` does
+
+    Returns
+    -------
+    The mesh, with the strata in the order of the section and the method "given".
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or if its surface groups are not the strata of the section.
+    BadMeshError
+        If a cell is folded.
+    """
     mesh = read(path)
     names = [stratum.name for stratum in section.strata]
     groups = group_names(names)
@@ -38,7 +54,22 @@ def given_mesh(section: Section, path: Path) -> QuadMesh:
 
 
 def stored_mesh(section: Section, store: Store) -> QuadMesh:
-    """Return the mesh that the stage `mesh` wrote; raise InputError if it is missing or belongs to another section."""
+    """Return the mesh that the stage `mesh` wrote.
+
+    Parameters
+    ----------
+    section : the ground
+    store : the folder of the run
+
+    Returns
+    -------
+    The mesh, with its method.
+
+    Raises
+    ------
+    InputError
+        If the mesh is missing or belongs to another section.
+    """
     from workflow.results.mesh_grids import StoredGrid
 
     mesh = given_mesh(section, store.folder / GMSH_FILE)
@@ -46,14 +77,32 @@ def stored_mesh(section: Section, store: Store) -> QuadMesh:
 
 
 def fem_mesh(section: Section, store: Store, method: str) -> QuadMesh:
-    """Return the mesh of the critical Kh of the stage `fem`; raise InputError as ``stored_mesh`` does."""
+    """Return the mesh of the critical Kh of the stage `fem`.
+
+    Parameters
+    ----------
+    section : the ground
+    store : the folder of the run
+    method : method of the mesh: "mapped", "free" or "given"
+
+    Returns
+    -------
+    The mesh that was adapted to the mechanism, or the mesh that the stage started with.
+
+    Raises
+    ------
+    InputError
+        As ``stored_mesh`` does.
+    """
     return replace(given_mesh(section, store.folder / FEM_FILE), method=method)
 
 
 def path_mesh(section: Section, store: Store, method: str) -> QuadMesh:
-    """Return the mesh of the fields of the stage `fem`; raise InputError as ``stored_mesh`` does. Older versions of the
-    program followed the path on the last mesh, and wrote that one alone. A mesh of the path that the stage did not
-    write belongs to another version of the program."""
+    """Return the mesh of the fields of the stage `fem`; the parameters are those of ``fem_mesh``.
+
+    Older versions of the program followed the path on the last mesh, and wrote that one alone. A mesh of the path that
+    the stage did not write belongs to another version of the program.
+    """
     entry = Record(store)["fem"]
     is_written = store.has(PATH_FILE) and (entry is None or not entry.files or PATH_FILE in entry.files)
     file = PATH_FILE if is_written else FEM_FILE
