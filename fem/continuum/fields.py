@@ -56,8 +56,18 @@ class FieldState:
 
 
 def state_of(problem: "PlaneStrain", mesh: QuadMesh, label: str, kh: float) -> FieldState:
-    """Return the fields of the accepted state of ``problem`` on ``mesh``, gathered on every rank; ``label`` and ``kh``
-    name it.
+    """Return the fields of the accepted state of a problem, gathered on every rank.
+
+    Parameters
+    ----------
+    problem : the elements with their accepted state; its displacement and strains count from the state under gravity
+    mesh : the mesh from which the elements were made
+    label : name of the state, shown in legends and used in file names
+    kh : seismic coefficient of the state (-)
+
+    Returns
+    -------
+    The fields by corner and by cell; the mobilised strength is at most 1.
     """
     from fem.kernels import mohr_coulomb  # not needed to read a stored state
 
@@ -97,8 +107,17 @@ def _shear(strain: np.ndarray) -> np.ndarray:
 
 
 def touched_sides(mesh: QuadMesh, state: FieldState) -> tuple[str, ...]:
-    """Return the sides, "left" or "right", that move by more than a tenth of the largest displacement. With periodic
-    sides no side is returned, since the section repeats."""
+    """Return the sides that move by more than a tenth of the largest displacement.
+
+    Parameters
+    ----------
+    mesh : the mesh of the section, with its boundaries "left" and "right"
+    state : the state whose displacements are compared
+
+    Returns
+    -------
+    "left", "right", both or none; none with periodic sides, since the section repeats.
+    """
     if state.repeats:
         return ()
     moved = np.hypot(*state.displacement.T)
@@ -110,15 +129,34 @@ def touched_sides(mesh: QuadMesh, state: FieldState) -> tuple[str, ...]:
 
 
 def sliding_sides(mesh: QuadMesh, state: FieldState) -> tuple[int, ...]:
-    """Return the sides to which the ground slides in a state: -1 for left, 1 for right, or both if the ground spreads,
-    as an embankment on soft ground does."""
+    """Return the sides to which the ground slides in a state.
+
+    A side counts if a fifth of the horizontal displacement, summed over the area of the cells, is towards it.
+
+    Parameters
+    ----------
+    mesh : the mesh of the section
+    state : the state at failure
+
+    Returns
+    -------
+    -1 for left, 1 for right, or both if the ground spreads, as an embankment on soft ground does.
+    """
     moved = areas(mesh.points, mesh.cells) * state.displacement[mesh.cells, 0].mean(axis=1)
     total = max(float(np.abs(moved).sum()), 1e-300)
     return tuple(side for side in (-1, 1) if np.maximum(side * moved, 0.0).sum() >= SLIDING_SHARE * total)
 
 
 def is_mechanism(state: FieldState) -> bool:
-    """Return whether the ground fails: the largest plastic shear strain of the state is many times the elastic shear
-    strain."""
+    """Return whether the ground fails in a state.
+
+    Parameters
+    ----------
+    state : the state of the ground
+
+    Returns
+    -------
+    True if the largest plastic shear strain is more than ten times the largest elastic shear strain.
+    """
     elastic = (state.shear_strain - state.plastic_shear_strain).max()
     return bool(state.plastic_shear_strain.max() > MECHANISM_STRAIN_RATIO * max(elastic, 1e-300))

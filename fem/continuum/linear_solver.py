@@ -139,9 +139,14 @@ class LinearSolver:
 
 
 class CholmodMatrix:
-    """Holds the stiffness matrix on one rank by its lower triangle; ``rows`` (nc, border) are the numbers of the
-    displacement components of each cell, ``nested`` selects nested dissection as order of elimination, see
-    ``Cholesky``."""
+    """Holds the stiffness matrix on one rank by its lower triangle, which CHOLMOD factorises.
+
+    Parameters
+    ----------
+    rows (nc, border) : numbers of the displacement components of each cell that are in the matrix
+    size : number of all displacement components in the matrix
+    nested : whether the components are ordered by nested dissection, see ``Cholesky``
+    """
 
     @staticmethod
     def suits(rows: np.ndarray) -> bool:

@@ -18,8 +18,18 @@ LEAST_STRENGTH_RATIO = 1e-3
 
 
 def liquefied_section(section: Section, remains: Mapping[int, RemainingStrength]) -> Section:
-    """Return the section after liquefaction of the strata with these numbers; liquefied strata have ψ = 0 and ν =
-    0.49."""
+    """Return the section after liquefaction of some strata, which then have ψ = 0 and ν of at least 0.49.
+
+    Parameters
+    ----------
+    section : the ground before liquefaction
+    remains : retained strength of each stratum that liquefies, by the number of the stratum from the top, from 0
+
+    Returns
+    -------
+    The section with reduced c and tan φ. Where neither friction nor a residual strength ratio remains, the cohesion is
+    at least 0.001 of the mean vertical effective stress of the stratum.
+    """
     strata = list(section.strata)
     for k, remains_of in remains.items():
         friction = math.atan(remains_of.friction * math.tan(strata[k].friction_angle))

@@ -11,7 +11,7 @@ cuts through this strengthened ground.
 
 from collections.abc import Mapping
 
-from fem.continuum.shallow_failure import STRIP_SUFFIX, strip_bottom
+from fem.continuum.face_reinforcement import STRIP_SUFFIX, strip_bottom
 from meshes.section.polyline import Line
 from meshes.section.section import Section, Stratum
 
@@ -23,8 +23,7 @@ COHESION_SHARE = 0.5
 
 
 def with_strengthened_load_ends(section: Section, least_depth: float) -> Section:
-    """Return the section with an additional cohesion near the ends of surcharges on bare sand, within ``least_depth``
-    (m) of each end.
+    """Return the section with an additional cohesion near the ends of surcharges on bare sand.
 
     Parameters
     ----------
@@ -33,7 +32,8 @@ def with_strengthened_load_ends(section: Section, least_depth: float) -> Section
 
     Returns
     -------
-    The strengthened section; ``section`` itself where no surcharge ends on bare ground without cohesion.
+    The strengthened section; ``section`` itself where no surcharge ends on bare ground without cohesion. The cohesion
+    is half of the pressure of the load at its end.
     """
     cohesion: dict[float, float] = {}
     for number, x, _ in section.surface_loads.bare_ends():
@@ -72,8 +72,15 @@ def with_cohesion_around(section: Section, cohesion: Mapping[float, float], leas
 
 
 def soil_of_strip(name: str) -> str:
-    """Return the name of the stratum from which strengthened ground was cut, below a face or around a point of the
-    surface. Other names are returned unchanged.
+    """Return the name of the stratum from which strengthened ground was cut.
+
+    Parameters
+    ----------
+    name : name of a stratum of a section that is strengthened below faces or around points of the surface
+
+    Returns
+    -------
+    The name of the original stratum; ``name`` itself if the stratum is not strengthened.
     """
     for mark in (STRIP_SUFFIX, POINT_SUFFIX):
         name = name.rpartition(mark)[0] or name

@@ -28,7 +28,18 @@ POINTS_ON_EDGE = 3
 
 
 def hydrostatic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
-    """Return the nodal forces (dofs,) in N/m of static pore pressure, free water and surcharges; 0.0 without load."""
+    """Return the nodal forces of static pore pressure, free water and surcharges.
+
+    Parameters
+    ----------
+    problem : the elements of the mesh
+    mesh : a mesh of the section
+    section : the ground with its water and surcharges
+
+    Returns
+    -------
+    Forces (dofs,) in N/m on the skeleton, positive to the right and upwards; 0.0 without load.
+    """
     load: np.ndarray | float = 0.0
     water, surface = section.water_pressure, section.surface_loads
     if water.present:
@@ -39,7 +50,16 @@ def hydrostatic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> 
 
 
 def excess_pressure_load(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | None:
-    """Return the nodal forces (dofs,) in N/m of the excess pore pressure by shaking, None without any."""
+    """Return the nodal forces of the excess pore pressure by shaking.
+
+    Parameters
+    ----------
+    problem, mesh, section : as in `hydrostatic_load`
+
+    Returns
+    -------
+    Forces (dofs,) in N/m; None without excess pore pressure, or if the pore pressure at rest contains it.
+    """
     if not section.water_pressure.rises_by_shaking or section.water_pressure.after_shaking:
         return None
     return pore_force(problem, mesh, section.water_pressure.excess)
@@ -58,10 +78,16 @@ def seismic_surface_load(problem: PlaneStrain, mesh: QuadMesh, section: Section,
 
 
 def seismic_load(problem: PlaneStrain, mesh: QuadMesh, section: Section, sign: int) -> np.ndarray:
-    """Return the nodal forces (dofs,) in N/m of Kh = 1 on the soil, on surcharges and on free water.
+    """Return the nodal forces of Kh = 1 on the soil, on surcharges and on free water.
 
-    ``problem`` are the elements of ``mesh``, which is a mesh of ``section``; ``sign`` is 1 if the force acts to the
-    right, -1 to the left.
+    Parameters
+    ----------
+    problem, mesh, section : as in `hydrostatic_load`
+    sign : 1 if the force acts to the right, -1 to the left
+
+    Returns
+    -------
+    Forces (dofs,) in N/m: the seismic density times the acceleration of gravity on the soil.
     """
     soil = problem.body_force([s.density_seismic for s in problem.strata], (sign * GRAVITY, 0.0))
     return soil + seismic_surface_load(problem, mesh, section, sign)
@@ -91,7 +117,16 @@ def _free_water_forces(problem: PlaneStrain, mesh: QuadMesh, section: Section) -
 
 
 def pressed_sides(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.ndarray | float:
-    """Return the nodal forces (dofs,) in N/m of the static pore pressure on both sides; 0.0 without pore pressure."""
+    """Return the nodal forces of the static pore pressure on both sides, as of periodic sides.
+
+    Parameters
+    ----------
+    problem, mesh, section : as in `hydrostatic_load`
+
+    Returns
+    -------
+    Forces (dofs,) in N/m, -u n with the outward normal n; 0.0 without water.
+    """
     water = section.water_pressure
     if not water.present:
         return 0.0
@@ -103,10 +138,19 @@ def pressed_sides(problem: PlaneStrain, mesh: QuadMesh, section: Section) -> np.
 
 
 def ground_force(problem: PlaneStrain, mesh: QuadMesh, traction: Traction, boundary: str = "surface") -> np.ndarray:
-    """Return the nodal forces (dofs,) in N/m of a ``traction`` (Pa) on the ground surface, or on another ``boundary``
-    of ``mesh``.
+    """Return the nodal forces of a traction on a boundary of a mesh.
 
-    ``problem`` are the elements of the mesh.
+    Parameters
+    ----------
+    problem : the elements of the mesh
+    mesh : the mesh with its boundaries
+    traction : function of points (n, 2) on the boundary, points (n, 2) near them (the middles of their edges) and
+        outward unit normals (n, 2), which returns the traction (n, 2) in Pa
+    boundary : name of the boundary, such as "surface" or "left"
+
+    Returns
+    -------
+    Forces (dofs,) in N/m.
     """
     grid, degree = problem.grid, DEGREES[problem.grid.element]
     s, weight = np.polynomial.legendre.leggauss(POINTS_ON_EDGE)

@@ -28,8 +28,9 @@ HOURGLASS_SHARE = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class PartialProblem:
-    """Holds some cells of a section with their accepted state; components and cells are numbered from 0 within this
-    part.
+    """Holds some cells of a section, with their accepted state, as a problem of their own.
+
+    Components and cells are numbered from 0 within this part.
 
     Attributes
     ----------
@@ -37,7 +38,7 @@ class PartialProblem:
     dofs (nc, nd) : numbers of the components of every cell among the k components of this part
     matrix, weights, hourglass : strain-displacement matrix B (1/m), areas of the quadrature points (m²), and stiffness
         against hourglass modes, for the cells of this part
-    stress (points, 4) : accepted stress (Pa)
+    stress (points, 4) : accepted stress [xx, yy, zz, xy], tension positive (Pa)
     material (points,) : numbers of the soils in ``table``, for every quadrature point
     table : constants of the soils, as ``mohr_coulomb.table`` returns them
     regularisation (points, 4, 4) : small stiffness (Pa) that is added to the tangent, so that the stiffness matrix is

@@ -17,7 +17,17 @@ PRESSURE_TOLERANCE = 100.0
 
 
 def refuse_other_sides(section: Section) -> None:
-    """Raise InputError unless the layers, and the water, are the same at both sides."""
+    """Refuse a section that cannot have periodic sides, since its layers or its water differ at the two sides.
+
+    Parameters
+    ----------
+    section : the ground
+
+    Raises
+    ------
+    InputError
+        If the thicknesses of layers, or the water pressures, differ at the two sides.
+    """
     refuse_other_water(section)
     if not section.layering.repeats:
         remedy = 'expected layers of the same thickness at both; use sides = "smooth", "free-field" or "fixed"'
@@ -25,10 +35,20 @@ def refuse_other_sides(section: Section) -> None:
 
 
 def refuse_other_water(section: Section) -> None:
-    """Raise InputError unless the water is periodic: pressures in and on the ground at the two sides may differ by one
-    constant, excess pore pressures by shaking must be equal.
+    """Refuse a section whose water is not periodic.
 
-    The function does nothing for sections whose layers differ at the two sides, which ``refuse_other_sides`` refuses.
+    Pressures in and on the ground at the two sides may differ by one constant; excess pore pressures by shaking must be
+    equal. Sections that are thicker at one side pass; ``refuse_other_sides`` refuses them.
+
+    Parameters
+    ----------
+    section : the ground
+
+    Raises
+    ------
+    InputError
+        If the pressures differ otherwise, by more than 100 Pa, or if the inertia of free water acts (westergaard) and
+        the water is deeper at one side.
     """
     water, layers = section.water_pressure, section.layering
     ends = layers.left[0], layers.right[-1]

@@ -1,11 +1,9 @@
-"""Computes the Kh at which a cohesionless face fails in a shallow layer, and strengthens such faces so that deeper
-failures are found.
+"""Computes the Kh at which a cohesionless face fails in a shallow layer.
 
 Sand without cohesion fails first at its inclined surface, in a layer of no thickness along the face. No mesh resolves
 the failure of a layer without thickness, and practitioners want to know the failure of the whole slope. The Kh of the
-shallow failure is therefore computed in closed form. Where the shallow failure governs, the ground down to
-``least_depth`` below the face is given an apparent cohesion, with which it does not fail alone. Any failure then lies
-below the strengthened ground, or cuts through it.
+shallow failure is therefore computed in closed form. Where the shallow failure governs, `face_reinforcement`
+strengthens the ground below the face, so that deeper failures are found.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -17,15 +15,11 @@ import numpy as np
 
 from fem.continuum.loads import direction_of, seismic_sign
 from fem.settings import FemSettings
-from meshes.quad_mesh import QuadMesh
 from meshes.section.cutting import BELOW_WATER
 from meshes.section.layering import Layering
-from meshes.section.polyline import Line
 from meshes.section.quantity import GRAVITY
-from meshes.section.section import Section, Stratum
+from meshes.section.section import Section
 
-# Part of the name of a strip between the name of its stratum and the x of its start.
-STRIP_SUFFIX = ", strengthened face at x = "
 # Inclination (rad) up to which ground counts as level: its Kh equals that of level ground to four digits, and the
 # cohesion that would stabilise it is below the margin of stresses from the yield surface.
 LEVEL_ANGLE = 1e-4
@@ -45,15 +39,16 @@ KH_TOLERANCE, KH_SHARE = 5e-4, 0.03
 
 @dataclass(frozen=True)
 class ShallowFailure:
-    """Holds a straight piece of the surface of a cohesionless stratum. The piece is inclined in the direction of the
-    seismic force, and the pore pressure gradient below it is constant.
+    """Holds a straight face of a cohesionless stratum that is inclined in the direction of the seismic force.
+
+    The pore pressure gradient below the face is constant.
 
     Attributes
     ----------
     stratum : name of the stratum
     start, end : horizontal coordinates of both ends (m); ``start`` is the smaller coordinate
     angle : inclination of the face (rad), positive
-    kh : critical Kh of the face; it is negative if the face fails under its own weight
+    kh : critical Kh of the face (-); it is negative if the face fails under its own weight
     ratio : weight less vertical inertia and uplift, over the seismic weight (-)
     seepage : seepage force in the direction of the seismic force, over the seismic weight (-)
     into_water : whether the water table lies below the face, within the least depth, and so reduces the critical Kh of
@@ -106,7 +101,7 @@ def shallow_failures(
     friction: Sequence[float] | np.ndarray | None = None,
     excess_pressure: bool = True,
 ) -> list[ShallowFailure]:
-    """Find all cohesionless faces of a section from left to right; ``friction`` (rad) replaces the φ of the strata.
+    """Find all cohesionless faces of a section, from left to right, and the Kh at which each of them fails.
 
     On a face inclined by β a layer of any thickness slides when the resultant of weight γ - Kv γs and seismic force Kh
     γs makes the angle φ with the normal of the face: Kh = (γ / γs - Kv) tan(φ - β), γ the ordinary and γs the seismic
@@ -114,8 +109,18 @@ def shallow_failures(
     gradient just below the face reduces γ, and its component in the direction of the seismic force reduces Kh γs. Where
     the water table lies less than the least depth below the face, the layer down to the least depth counts instead if
     it slides first. A face ends where its slope, its stratum or its water change. Faces below a surcharge or free water
-    do not slide in this way and are left out. Excess pore pressure by shaking acts with ``excess_pressure``.
-    ``settings``: settings of the finite elements, with the direction of the seismic force and the least depth (m).
+    do not slide in this way and are left out.
+
+    Parameters
+    ----------
+    section : the ground
+    settings : settings of the finite elements, with the direction of the seismic force, Kv and the least depth (m)
+    friction (strata,) : friction angles (rad) that replace those of the strata
+    excess_pressure : whether the excess pore pressure by shaking acts
+
+    Returns
+    -------
+    The faces that are inclined in the direction of the force; none if there are none.
     """
     layers, sign = section.layering, seismic_sign(section, settings)
     faces: list[ShallowFailure] = []
@@ -147,19 +152,34 @@ def shallow_failures(
 def failing_at_rest(
     section: Section, settings: FemSettings, friction: Sequence[float] | np.ndarray | None = None
 ) -> list[ShallowFailure]:
-    """Find the cohesionless faces inclined against the seismic force that fail by their weight alone, for example
-    because seepage leaves the ground there.
+    """Find the cohesionless faces inclined against the seismic force that fail by their weight alone.
 
-    A face that fails by its weight has no stress field in equilibrium without a seismic force, and fails before the
-    slope fails in the direction of the force. ``section``, ``settings``, ``friction``: as in ``shallow_failures``.
+    Such a face has no stress field in equilibrium without a seismic force, for example because seepage leaves the
+    ground there, and fails before the slope fails in the direction of the force.
+
+    Parameters
+    ----------
+    section, settings, friction : as in `shallow_failures`
+
+    Returns
+    -------
+    The faces whose Kh, against the direction of the settings, is negative.
     """
     against = settings.changed(direction=direction_of(settings, opposite=True))
     return [face for face in shallow_failures(section, against, friction) if face.kh < 0.0]
 
 
 def merged_faces(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
-    """Merge neighbouring faces of one stratum, dry or wet, if their Kh is equal to the digits reported or to 3 %; the
-    merged face has the smallest Kh. ``faces``: as ``shallow_failures`` returns them.
+    """Merge neighbouring faces of one stratum, dry or wet, whose Kh is nearly equal.
+
+    Parameters
+    ----------
+    faces : faces from left to right, as `shallow_failures` returns them
+
+    Returns
+    -------
+    The faces; those whose Kh differs by less than 0.0005, or by less than 3 %, are merged into one face, which has the
+    smallest Kh.
     """
     failures: list[ShallowFailure] = []
     for face in faces:
@@ -173,16 +193,39 @@ def merged_faces(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
 
 
 def faces_at(section: Section, settings: FemSettings, kh: float) -> list[ShallowFailure]:
-    """Return the cohesionless faces inclined in the direction of the seismic force, or in any direction where Kh
-    is 0."""
+    """Return the cohesionless faces that may fail at a Kh.
+
+    Parameters
+    ----------
+    section : the ground
+    settings : settings of the finite elements, with the direction of the seismic force
+    kh : seismic coefficient (-)
+
+    Returns
+    -------
+    The faces inclined in the direction of the seismic force, or in any direction at Kh = 0, where no excess pore
+    pressure by shaking acts.
+    """
     directions = ("downhill", "uphill") if kh == 0.0 or settings.direction == "both" else (settings.direction,)
     variants = [settings.changed(direction=direction) for direction in directions]
     return [face for variant in variants for face in shallow_failures(section, variant, excess_pressure=kh != 0.0)]
 
 
 def has_uncounted_water(section: Section, face: ShallowFailure, depth: float) -> bool:
-    """Return whether water stands less than a ``depth`` (m) below a part of a dry face, and is not counted in the
-    critical Kh of the face since this part is short. In this part shallow ground may slip before the face fails.
+    """Return whether water that the critical Kh of a dry face does not count stands close below a part of the face.
+
+    In such a part, which is short, shallow ground may slip before the face fails.
+
+    Parameters
+    ----------
+    section : the ground with its water
+    face : a cohesionless face
+    depth : the least depth (m)
+
+    Returns
+    -------
+    True if there is pore pressure at the depth below either end of the face, a little inside, and none on the ground
+    there; False if the Kh of the face counts water.
     """
     shortest_part = min(SHORT_WATER_RATIO * depth, 0.5 * (face.end - face.start))
     x = np.array([face.start + shortest_part, face.end - shortest_part])
@@ -198,12 +241,21 @@ def has_uncounted_water(section: Section, face: ShallowFailure, depth: float) ->
 def least_rolling_factor(
     section: Section, faces: Sequence[ShallowFailure], kh: float, friction: Sequence[float] | np.ndarray
 ) -> float | None:
-    """Return the smallest factor of safety against shallow failure of ``faces`` whose strata have ``friction`` (rad);
-    None without faces.
+    """Return the smallest factor of safety against the shallow failure of cohesionless faces.
 
     The factor of a face is tan φ / tan(β + atan k) with k = Kh γs / (γ - Kv γs). Seepage out of the face increases k by
-    the amount by which it reduces the Kh of the face. ``section``: the section of the ground; ``kh``: seismic
-    coefficient, positive in the direction of the faces.
+    the amount by which it reduces the Kh of the face.
+
+    Parameters
+    ----------
+    section : the ground
+    faces : faces of the section
+    kh : seismic coefficient, positive in the direction of the faces (-)
+    friction (strata,) : friction angles of the strata (rad)
+
+    Returns
+    -------
+    The factor (-); None without faces that the forces can move.
     """
     factors = []
     for face in faces:
@@ -312,87 +364,5 @@ def _steepness(layers: Layering, piece: _Piece) -> float:
     return max(1.0, float(slopes.max()))
 
 
-def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: FemSettings) -> Section:
-    """Return the section with additional strata: the ground from each of the faces down to the least depth,
-    strengthened by a cohesion.
-
-    The additional strata have the soil of the face and an apparent cohesion, Δγ d sin 2β / (2 cos² φ) with Δγ = γ - Kv
-    γs and d the least depth, vertically. With this cohesion the additional strata resist Kh = (γ / γs - Kv) tan φ, at
-    which the same sand would fail on level ground. The cohesion goes to zero with the inclination: a depth of 0.5 m of
-    dry sand with φ = 33° at 1:3 gets 3.7 kPa. A stratum that is nowhere thicker than the least depth gets this cohesion
-    as a whole.
-    """
-    names = [stratum.name for stratum in section.strata]
-    strata: list[Stratum] = []
-    for k, stratum in enumerate(section.strata):
-        for face in faces:
-            if stratum.name in (face.stratum, face.stratum + BELOW_WATER):
-                strata += _strip(section, face, k, names.index(face.stratum), settings)
-        strata.append(stratum)
-    return section.with_strata(strata)
-
-
-def apparent_cohesion(face: ShallowFailure, soil: Stratum, friction: float, depth: float) -> float:
-    """Return the cohesion (Pa) with which ground of a ``friction`` angle (rad) down to a ``depth`` (m) below a face of
-    a ``soil`` does not fail alone: that of `strengthened`."""
-    weight = GRAVITY * face.ratio * soil.density_seismic
-    return max(float(weight * depth * np.sin(2.0 * face.angle) / (2.0 * np.cos(friction) ** 2)), 0.0)
-
-
-def without_strips(mesh: QuadMesh, section: Section) -> QuadMesh:
-    """Return a mesh of the strengthened ``section`` whose cells have the stratum numbers of the section without
-    strengthening."""
-    names = [stratum.name for stratum in section.strata]
-    stratum_of = [names.index(name if name in names else name.rpartition(STRIP_SUFFIX)[0]) for name in mesh.strata]
-    return replace(mesh, stratum=np.array(stratum_of)[mesh.stratum], strata=tuple(names))
-
-
 def _number(section: Section, face: ShallowFailure) -> int:
     return next(k for k, stratum in enumerate(section.strata) if stratum.name == face.stratum)
-
-
-def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, settings: FemSettings) -> Iterator[Stratum]:
-    """Yield the outlines of the ground of stratum k below a face, down to the least depth or to the bottom of the
-    stratum; nothing if there is no such ground."""
-    soil, face_soil = section.strata[k], section.strata[of_face]
-    points = strip_bottom(section.layering, face.start, face.end, k, settings.least_depth)
-    if points:
-        yield soil.model_copy(
-            update={
-                "name": f"{soil.name}{STRIP_SUFFIX}{face.start:.10g} m",
-                "bottom": Line(elevation=points),
-                "cohesion": apparent_cohesion(face, face_soil, soil.friction_angle, settings.least_depth),
-            }
-        )
-
-
-def strip_bottom(layers: Layering, start: float, end: float, k: int, depth: float) -> list[list[float]]:
-    """Return the bottom of a strip down to a ``depth`` (m) from ``start`` to ``end`` (m) in stratum k of ``layers``:
-    points [x, elevation] (m); none where the stratum is absent.
-    """
-    x = np.unique(np.concatenate([[start, end], layers.x]))
-    x = x[(x >= start) & (x <= end)]
-    points: list[list[float]] = []
-    is_thicker = False
-    for start, end in pairwise(x):
-        x_of_ends = np.array([start, end])
-        ground, top, bottom = layers.interfaces(x_of_ends, near=np.full(2, x_of_ends.mean()))[:, [0, k, k + 1]].T
-        shares = {0.0, 1.0}
-        for line in (top, bottom):  # where the least depth crosses it
-            excess_depth = ground - depth - line
-            if excess_depth[0] * excess_depth[1] < 0.0:
-                shares.add(float(excess_depth[0] / (excess_depth[0] - excess_depth[1])))
-        share = np.array(
-            sorted(
-                x_of_ends
-                for x_of_ends in shares
-                if x_of_ends in (0.0, 1.0) or ANGLE_TOLERANCE < x_of_ends < 1.0 - ANGLE_TOLERANCE
-            )
-        )
-        ground, top, bottom = (line[0] + share * (line[1] - line[0]) for line in (ground, top, bottom))
-        level = np.clip(ground - depth, bottom, top)
-        is_thicker = is_thicker or bool((top - level > layers.tolerance).any())
-        for place, z in zip((1.0 - share) * start + share * end, level, strict=True):  # both ends exactly
-            if not points or place > points[-1][0] or abs(z - points[-1][1]) > layers.tolerance:
-                points.append([float(place), float(z)])
-    return points if is_thicker else []

@@ -47,8 +47,21 @@ class SideStress:
 
 
 def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndarray) -> SideStress:
-    """Return the K0 stress on the "left" or "right" side. ``resultants`` (strata,) are the horizontal forces in every
-    stratum at this side by plane elasticity (N/m, tension positive).
+    """Return the K0 stress on a side of the section.
+
+    The stress is clipped half-way between ν / (1 - ν) of the weight and the active or passive stress of Rankine, since
+    loose ground at its limit would not stand any seismic force.
+
+    Parameters
+    ----------
+    section : the ground
+    side : "left" or "right"
+    resultants (strata,) : horizontal effective forces in every stratum at this side by plane elasticity, tension
+        positive (N/m)
+
+    Returns
+    -------
+    The horizontal effective stress of the strata that reach this side, tension positive.
     """
     layers = section.layering
     elevation = layers.left[0] if side == "left" else layers.right[-1]

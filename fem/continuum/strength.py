@@ -54,12 +54,15 @@ def davis_factor(friction: np.ndarray, dilation: np.ndarray) -> np.ndarray:
 
 
 def with_davis_strength(section: Section) -> Section:
-    """Return the section with c and tan φ of its strata multiplied by Davis's factor β, for methods that have no flow
-    rule.
+    """Return the section with Davis's reduced strength, for methods that have no flow rule.
 
     Parameters
     ----------
     section : the ground, with the dilation angles of its strata
+
+    Returns
+    -------
+    The section with c and tan φ of its strata multiplied by Davis's factor β.
     """
     strata = []
     for soil in section.strata:
@@ -93,9 +96,20 @@ def strength_of(
 ) -> StrataStrength:
     """Return the flow rule and the strength of the strata, divided by ``factor``; tension cut-offs are divided, too.
 
-    "non-associated" takes the given ψ, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and
-    tan φ in one of Davis's three forms and then sets ψ = φ; "auto" is "associated" or "davis" (``flow_of``). At a
-    tension cut-off the flow is associated, whatever the flow rule is. ``form``: Davis's form, "A", "B" or "C".
+    "non-associated" takes the given ψ, but not above the reduced φ; "associated" sets ψ = φ; "davis" reduces c and tan
+    φ in one of Davis's three forms and then sets ψ = φ. At a tension cut-off the flow is associated, whatever the flow
+    rule is.
+
+    Parameters
+    ----------
+    strata : the strata, with the dilation angles of the section file
+    flow : flow rule; "auto" is "associated" or "davis" (`flow_of`)
+    factor : divisor of c, tan φ and tension cut-offs (-)
+    form : Davis's form, "A", "B" or "C"
+
+    Returns
+    -------
+    The strength of each stratum; a cohesion that varies is represented by its constant part.
     """
     flow = flow_of(strata, flow)
     cohesion = np.array([s.cohesion for s in strata]) / factor
@@ -120,13 +134,31 @@ def strength_of(
 
 
 def davis_words(dilation: Iterable[float]) -> str:
-    """Return the name of Davis's estimate, which states the dilation angles."""
+    """Return the name of Davis's estimate, which states the dilation angles.
+
+    Parameters
+    ----------
+    dilation (strata,) : dilation angles of the strata (rad)
+
+    Returns
+    -------
+    A noun phrase for a report; "for ψ = 0" if all angles are 0.
+    """
     return "Davis's estimate for the given ψ" if any(dilation) else "Davis's estimate for ψ = 0"
 
 
 def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Return cohesion (Pa) and friction angle (rad) of the strata, reduced by Davis's factor if ``davis``. If the
-    cohesion of a stratum varies, return its constant part.
+    """Return cohesion and friction angle of the strata.
+
+    Parameters
+    ----------
+    strata : the strata
+    davis : whether c and tan φ are multiplied by Davis's factor β
+
+    Returns
+    -------
+    Cohesion (strata,) in Pa, of which a varying one is represented by its constant part, and friction angle (strata,)
+    in rad.
     """
     cohesion = np.array([s.cohesion for s in strata])
     friction = np.array([s.friction_angle for s in strata])
@@ -137,21 +169,58 @@ def strengths(strata: Sequence[Stratum], davis: bool = False) -> tuple[np.ndarra
 
 
 def davis_factors(strata: Sequence[Stratum]) -> np.ndarray:
-    """Return Davis's β (strata,) for the dilation angles of the strata."""
+    """Return Davis's β for the dilation angles of the strata.
+
+    Parameters
+    ----------
+    strata : the strata; those without a dilation angle have ψ = 0
+
+    Returns
+    -------
+    β (strata,), at most 1 (-).
+    """
     friction = np.array([s.friction_angle for s in strata])
     return davis_factor(friction, np.array([s.dilation for s in strata]))
 
 
 def tensile_strengths(strata: Sequence[Stratum]) -> np.ndarray:
-    """Return the tension cut-offs (strata,) in Pa, inf if there is none."""
+    """Return the tension cut-offs of the strata.
+
+    Parameters
+    ----------
+    strata : the strata
+
+    Returns
+    -------
+    The largest major principal effective stress (strata,), tension positive (Pa); inf without a cut-off.
+    """
     return np.array([np.inf if s.tension is None else s.tension for s in strata])
 
 
 def is_associated(strata: Sequence[Stratum], flow: FlowSetting) -> bool:
-    """Return whether the analysis has ψ = φ in every stratum, so that the limit load is unique."""
+    """Return whether the analysis has ψ = φ in every stratum, so that the limit load is unique.
+
+    Parameters
+    ----------
+    strata : the strata, with the dilation angles of the section file
+    flow : flow rule of the analysis; Davis's estimate is associated
+
+    Returns
+    -------
+    False only if the flow is non-associated and a stratum has ψ < φ.
+    """
     return flow != "non-associated" or is_dilating_fully(strata)
 
 
 def is_dilating_fully(strata: Sequence[Stratum]) -> bool:
-    """Return whether the section file has ψ = φ in every stratum, so that Davis's estimate changes nothing."""
+    """Return whether the section file has ψ = φ in every stratum, so that Davis's estimate changes nothing.
+
+    Parameters
+    ----------
+    strata : the strata; those without a dilation angle have ψ = 0
+
+    Returns
+    -------
+    True if ψ = φ in all of them, as in ground with φ = 0.
+    """
     return all(s.dilation == s.friction_angle for s in strata)

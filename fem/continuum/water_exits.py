@@ -11,7 +11,9 @@ ground.
 from collections.abc import Sequence
 from itertools import pairwise
 
-from fem.continuum.shallow_failure import ShallowFailure, apparent_cohesion, shallow_failures
+from fem.continuum.face_reinforcement import apparent_cohesion
+from fem.continuum.loads import direction_of
+from fem.continuum.shallow_failure import ShallowFailure, shallow_failures
 from fem.settings import FemSettings
 from meshes.section.cutting import BELOW_WATER
 from meshes.section.section import Section
@@ -44,11 +46,23 @@ def water_exits(section: Section, faces: Sequence[ShallowFailure], depth: float)
 
 
 def exits_of_directions(section: Section, fem: FemSettings) -> tuple[dict[float, float], dict[float, float]]:
-    """Return the exits of water with their apparent cohesion (Pa), by x (m): those on faces that the seismic force of
-    the settings pushes down, and those on faces inclined against it, where the few triangles at the exit may have no
-    stress in equilibrium with the weight at any Kh."""
+    """Return the exits of water on faces inclined in the direction of the seismic force, and on those against it.
+
+    On faces against the force the few triangles at the exit may have no stress in equilibrium with the weight at any
+    Kh.
+
+    Parameters
+    ----------
+    section : the ground
+    fem : settings of the finite elements, with one direction of the seismic force and the least depth (m)
+
+    Returns
+    -------
+    Two tables of apparent cohesion (Pa) by the x (m) of the exit, for faces in the direction of the force and against
+    it.
+    """
     exits, opposite = (
         water_exits(section, shallow_failures(section, fem.changed(direction=direction)), fem.least_depth)
-        for direction in (fem.direction, "uphill" if fem.direction == "downhill" else "downhill")
+        for direction in (direction_of(fem), direction_of(fem, opposite=True))
     )
     return exits, opposite

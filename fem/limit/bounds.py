@@ -11,15 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from fem.continuum.face_reinforcement import strengthened
 from fem.continuum.load_ends import with_cohesion_around, with_strengthened_load_ends
 from fem.continuum.loads import Direction, direction_of, excess_pressure_advice, seismic_sign, soils, uplift_error
-from fem.continuum.shallow_failure import (
-    ShallowFailure,
-    failing_at_rest,
-    has_uncounted_water,
-    shallow_failures,
-    strengthened,
-)
+from fem.continuum.shallow_failure import ShallowFailure, failing_at_rest, has_uncounted_water, shallow_failures
 from fem.continuum.strength import flow_of, is_dilating_fully
 from fem.continuum.water_exits import exits_of_directions
 from fem.errors import UnstableError

@@ -16,8 +16,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from fem.continuum.face_reinforcement import strengthened
 from fem.continuum.loads import Direction, direction_of
-from fem.continuum.shallow_failure import faces_at, has_uncounted_water, least_rolling_factor, strengthened
+from fem.continuum.shallow_failure import faces_at, has_uncounted_water, least_rolling_factor
 from fem.continuum.strength import strengths
 from fem.limit.bounds import COARSE_CELLS, KhBounds, as_analysed
 from fem.limit.factor_search import LARGEST_FACTOR, SMALLEST_FACTOR, FactorSearch

@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from fem.continuum.face_reinforcement import strengthened
 from fem.continuum.load_ends import with_strengthened_load_ends
 from fem.continuum.loads import soils
 from fem.continuum.nodal_loads import excess_pressure_load, ground_force, hydrostatic_load, pressed_sides
 from fem.continuum.plane_strain import PlaneStrain
 from fem.continuum.repetition import refuse_other_water
-from fem.continuum.shallow_failure import ShallowFailure, strengthened
+from fem.continuum.shallow_failure import ShallowFailure
 from fem.continuum.side_stress import SideStress, k0_stress
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError

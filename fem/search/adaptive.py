@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from fem.continuum.face_reinforcement import strengthened, without_strips
 from fem.continuum.loads import Direction, counting_directions
-from fem.continuum.shallow_failure import ShallowFailure, faces_at, strengthened, without_strips
+from fem.continuum.shallow_failure import ShallowFailure, faces_at
 from fem.continuum.strength import is_associated
 from fem.errors import UnstableError
 from fem.limit_load.limit_load import LimitLoadResult, LoadedGround, critical_limit_load, in_order, with_other_flow

@@ -5,7 +5,7 @@ then computed, and not an earlier failure elsewhere.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fem.continuum.shallow_failure import strip_bottom
+from fem.continuum.face_reinforcement import strip_bottom
 from meshes.section.polyline import Line
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section

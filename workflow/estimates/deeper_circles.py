@@ -4,8 +4,9 @@ the finite elements.
 
 import numpy as np
 
+from fem.continuum.face_reinforcement import strengthened
 from fem.continuum.loads import Direction, sign_of
-from fem.continuum.shallow_failure import ShallowFailure, least_rolling_factor, shallow_failures, strengthened
+from fem.continuum.shallow_failure import ShallowFailure, least_rolling_factor, shallow_failures
 from fem.settings import FemSettings
 from meshes.section.section import Section
 from meshes.section.tension_crack import TensionCrack

@@ -10,7 +10,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from fem.continuum.shallow_failure import shallow_failures, strengthened
+from fem.continuum.face_reinforcement import strengthened
+from fem.continuum.shallow_failure import shallow_failures
 from fem.errors import UnstableError
 from fem.search.adaptive import next_mesh
 from fem.search.mesh_sequence import FEWEST_CELLS, AdaptiveResult, MeshRound, MeshSequence, RefinementCriteria

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem.continuum.shallow_failure import shallow_failures, strengthened
+from fem.continuum.face_reinforcement import strengthened
+from fem.continuum.shallow_failure import shallow_failures
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
 from fem.limit.bounds import as_analysed, kh_bounds
 from fem.limit.bracket import Limits

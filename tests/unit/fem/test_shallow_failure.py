@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from fem.continuum.face_reinforcement import strengthened, strip_bottom
 from fem.continuum.liquefied_ground import liquefied_section
-from fem.continuum.shallow_failure import faces_at, shallow_failures, strengthened, strip_bottom
+from fem.continuum.shallow_failure import faces_at, shallow_failures
 from fem.limit.bounds import DirectionGround, kh_bounds
 from fem.settings import BoundsSettings, FemSettings
 from meshes.section.liquefies import RemainingStrength

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fem.continuum.face_reinforcement import strengthened
 from fem.continuum.shallow_failure import (
     ShallowFailure,
     faces_at,
     least_rolling_factor,
     merged_faces,
     shallow_failures,
-    strengthened,
 )
 from fem.limit.bounds import KhBounds, kh_bounds
 from fem.limit.first_mesh import first_mesh

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from fem.continuum.shallow_failure import shallow_failures, strengthened
+from fem.continuum.face_reinforcement import strengthened
+from fem.continuum.shallow_failure import shallow_failures
 from fem.limit.adaptive_bounds import proven_lower_bound, proven_upper_bound
 from fem.limit.first_mesh import first_mesh
 from fem.limit.limit_problem import LimitProblem, limit_problem, units_of
