@@ -9,11 +9,21 @@ from meshes.section.quantity import GRAVITY
 
 @dataclass(frozen=True)
 class Acceleration:
-    """Holds the external acceleration that acts on the full mass of all discs (m/s2), in the frame of the discs, linear
-    between the times (s).
+    """Holds the external acceleration of the discs as a function of time, linear between given times.
 
-    Before the first and after the last time it is constant. A constant seismic coefficient Kh is the constant
-    acceleration Kh g.
+    The acceleration acts on the full mass of all discs. Before the first and after the last time it is constant. A
+    constant seismic coefficient Kh is the constant acceleration Kh g.
+
+    Attributes
+    ----------
+    times (times,) : times (s), increasing; a single 0 by default
+    x, z (times,) : acceleration along the axes of the discs at these times (m/s2), positive to the right and up; no
+        acceleration by default
+
+    Raises
+    ------
+    ValueError
+        If the times do not increase, x or z has another length, or a value is not finite.
     """
 
     times: np.ndarray = field(default_factory=lambda: np.zeros(1))
@@ -85,7 +95,16 @@ def _unchecked(times: np.ndarray, x: np.ndarray, z: np.ndarray) -> Acceleration:
 
 
 def right_of(gravity: tuple[float, float]) -> tuple[float, float]:
-    """Return the horizontal direction to the right, perpendicular to gravity; the x axis without gravity."""
+    """Return the horizontal direction to the right, perpendicular to gravity.
+
+    Parameters
+    ----------
+    gravity (2,) : gravity along x and z (m/s2)
+
+    Returns
+    -------
+    Unit vector (2,): gravity rotated by 90° counter-clockwise; the x axis without gravity.
+    """
     size = float(np.hypot(*gravity))
     return (-gravity[1] / size, gravity[0] / size) if size > 0.0 else (1.0, 0.0)
 

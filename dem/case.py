@@ -144,11 +144,10 @@ PAPER_CASES = (Case(stiffness=0.1), Case(stiffness=0.02), Case(stiffness=0.01)) 
 
 
 def cases_of_loose_sand(section: Section) -> tuple[Case, ...]:
-    """Return the cases of slides if the section file gives none: residual strengths of loose sand (`LOOSE_SAND`), each
-    constant within a soil.
+    """Return the cases of slides by residual strengths of loose sand (`LOOSE_SAND`), for a section file without cases.
 
-    A strength in proportion to the local stress would be zero at the face of a bank. The parts of a soil above and
-    below the water table have the same strength.
+    The residual strength is constant within a soil, since a strength in proportion to the local stress would be zero at
+    the face of a bank. The parts of a soil above and below the water table have the same strength.
 
     Parameters
     ----------
@@ -157,7 +156,7 @@ def cases_of_loose_sand(section: Section) -> tuple[Case, ...]:
     Returns
     -------
     Cases whose residual strength is the ratio in `LOOSE_SAND` times the mean vertical effective stress of each
-    liquefying soil (Pa).
+    liquefying soil (Pa), at least the smallest of `RESIDUAL_STRENGTH_RANGE`.
     """
     areas, parts = section.layering.areas(), dict[str, list[int]]()
     for k, stratum in enumerate(section.strata):

@@ -15,19 +15,45 @@ FEW_DISCS = 20_000  # below which one thread is faster than several
 
 
 class Ranges(Protocol):
-    """Calls `work` with begin and end of ranges that cover all numbers below n, and returns the results in order."""
+    """Calls a function for ranges that cover all numbers below n, and returns the results in their order.
+
+    Parameters
+    ----------
+    work : function of begin and end of a range; the end is not part of the range
+    n : count of the numbers
+    """
 
     def __call__(self, work: Callable[[int, int], Any], n: int) -> list[Any]:
         """Return the results of all ranges, in their order."""
 
 
 def serial(work: Callable[[int, int], Any], n: int) -> list[Any]:
-    """Call `work` with one range of all numbers."""
+    """Call a function with one range of all numbers, in this thread.
+
+    Parameters
+    ----------
+    work : function of begin and end of a range
+    n : count of the numbers
+
+    Returns
+    -------
+    List of the one result.
+    """
     return [work(0, n)]
 
 
 def threaded(pool: ThreadPoolExecutor | None, threads: int) -> Ranges:
-    """Call `work` with as many ranges as threads, if there are so many discs that threads save time."""
+    """Return a way to call a function with one range per thread, as far as threads save time.
+
+    Parameters
+    ----------
+    pool : threads beside the calling one; None without any
+    threads : number of ranges, one of which the calling thread takes
+
+    Returns
+    -------
+    Function of ``work`` and ``n`` as of `serial`. It uses one range for fewer than `FEW_DISCS` numbers.
+    """
 
     def shared(work: Callable[[int, int], Any], n: int) -> list[Any]:
         if pool is None or threads == 1 or n < FEW_DISCS:

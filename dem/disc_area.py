@@ -9,10 +9,19 @@ LONGEST_SIDE = 4.0  # mean radii: distance of neighbours at most; triangles with
 
 
 def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
-    """Return the area of the ground of each stratum with its voids, over the area of its discs at the start (n,).
+    """Return the area of the ground of each stratum with its voids, over the area of its discs at the start.
 
-    The area is that of Delaunay triangles, each divided among its corners by their angles. The ratio is 2 sqrt(3)/pi
-    where equal discs just touch, NaN for a stratum without triangles.
+    The area of the ground is that of Delaunay triangles of the centres, each divided among its corners by their angles.
+    Triangles with a side of `LONGEST_SIDE` mean radii or more lie outside the ground.
+
+    Parameters
+    ----------
+    model : present positions and layers of the discs
+    start : the same discs at the start, whose radii give the area of the discs
+
+    Returns
+    -------
+    Ratio (strata,), such as 2 sqrt(3)/pi where equal discs just touch; NaN for a stratum without triangles.
     """
     points = np.column_stack([model.x, model.z])
     corners = Delaunay(points).simplices
@@ -32,10 +41,16 @@ def area_per_disc(model: DiscModel, start: DiscModel) -> np.ndarray:
 
 
 def area_with_voids(model: DiscModel) -> np.ndarray:
-    """Return the area of every disc with its voids (n,) in m2: the area of its stratum is shared in proportion to the
-    discs.
+    """Return the area of every disc with its voids, in proportion to the area of the disc.
 
-    Fixed discs, and strata without triangles, have the mean ratio of the other discs.
+    Parameters
+    ----------
+    model : the discs at their present positions
+
+    Returns
+    -------
+    Area (n,) in m2: area of the disc times the ratio of its stratum by `area_per_disc`. Fixed discs of the boundary,
+    and strata without triangles, have the mean ratio of the strata.
     """
     ratio = area_per_disc(model, model)
     mean = np.nanmean(ratio)

@@ -43,7 +43,17 @@ def usual_disc_count(section: Section) -> int:
 
 
 def lattice_count(section: Section, radius: float) -> float:
-    """Return the number of discs with a ``radius`` (m) that fill the section as a lattice."""
+    """Return the number of discs that fill the section as a triangular lattice.
+
+    Parameters
+    ----------
+    section : ground whose area is filled
+    radius : radius of the discs (m)
+
+    Returns
+    -------
+    Area of the ground over 2 sqrt(3) radius², not rounded.
+    """
     return float(section.layering.areas().sum()) / (np.sqrt(12.0) * radius**2)
 
 

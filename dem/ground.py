@@ -255,8 +255,22 @@ def _box(section: Section, radius: float) -> Ground:
 
 
 def in_stratum(section: Section, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Return the stratum of each place (m). Places above the surface have the stratum at the surface, places below the
-    base the stratum at the base."""
+    """Return the stratum of each place; a place outside has the nearest stratum on its vertical line.
+
+    Parameters
+    ----------
+    section : ground with the strata
+    x, z (n,) : places (m); x beyond a side counts as the side
+
+    Returns
+    -------
+    Number (n,) of the stratum: above the surface the one at the surface, below the base the one at the base.
+
+    Raises
+    ------
+    ValueError
+        If a place lies in no stratum.
+    """
     inside = np.clip(x, *section.extent)
     ends = section.layering.interfaces(inside)
     layer = np.asarray(section.stratum_at(inside, np.clip(z, ends[:, -1], ends[:, 0])), np.int32)

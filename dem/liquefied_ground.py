@@ -75,8 +75,17 @@ class Onset(NamedTuple):
 
 
 def elastic_strain(model: DiscState, strength: np.ndarray) -> np.ndarray:
-    """Return the strain of bonds (n,) at which ground with the shear modulus of its stratum reaches a strength (n,) in
-    Pa."""
+    """Return the strain of bonds at which ground with the shear modulus of its stratum reaches a strength.
+
+    Parameters
+    ----------
+    model : discs with the contact stiffness kn of their layers; the shear modulus is `SHEAR_MODULUS` kn
+    strength (n,) : shear strength of the ground at each disc (Pa)
+
+    Returns
+    -------
+    Strain (n,): `BOND_STRAIN_RATIO` times strength over shear modulus.
+    """
     modulus = SHEAR_MODULUS * np.append([layer.kn for layer in model.springs.layers], 1.0)[model.layer]
     return np.asarray(BOND_STRAIN_RATIO * strength / modulus)
 
@@ -142,9 +151,20 @@ def _in_pairs(state: DiscState) -> np.ndarray:
 
 
 def liquefy(model: DiscState, onset: Onset) -> None:
-    """Start the liquefaction of discs, at degree 0 until `set_share`; discs whose liquefaction began earlier are
-    unchanged. The present overburden and density are the reference of the pore pressure. Raises ValueError for discs
-    with the law "paper", and for a period that is too short.
+    """Start the liquefaction of discs, at degree 0 until `set_share`.
+
+    Discs whose liquefaction began earlier are unchanged. The present overburden and density are the reference of the
+    pore pressure.
+
+    Parameters
+    ----------
+    model : soil discs; their fields and pairs of liquefied ground are changed
+    onset : discs that liquefy, with overburden and residual strength
+
+    Raises
+    ------
+    ValueError
+        For discs with the law "paper", and for a period shorter than three times the reach of the pore water.
     """
     if model.law != "soil":
         raise ValueError(
@@ -187,11 +207,18 @@ def liquefy(model: DiscState, onset: Onset) -> None:
 
 
 def longest_look(model: DiscState) -> tuple[float, int]:
-    """Return the longest time (s) for which forces of liquefied ground may be constant, and the disc that limits it;
-    (inf, -1) without liquefied ground.
+    """Return the longest time for which forces of liquefied ground may be constant.
 
-    The time follows from the highest frequency of a disc on its bonds and pore water: twice the sum of their stiffness
-    over its mass, as for contacts.
+    The time is `LONGEST_INTERVAL` over the highest angular frequency of a disc on its bonds and pore water: the square
+    of this frequency is twice the sum of their stiffness over the mass, as for contacts.
+
+    Parameters
+    ----------
+    model : discs with the fields of liquefied ground
+
+    Returns
+    -------
+    The time (s), and the number of the disc that limits it; (inf, -1) without liquefied ground.
     """
     which = np.flatnonzero(is_liquefying(model))
     if not len(which):
@@ -207,7 +234,17 @@ def longest_look(model: DiscState) -> tuple[float, int]:
 
 
 def steps_between_looks(model: DiscState, dt: float) -> int:
-    """Return the number of steps of dt (s) for which forces of liquefied ground are constant."""
+    """Return the number of time steps for which forces of liquefied ground are constant.
+
+    Parameters
+    ----------
+    model : discs with the fields of liquefied ground
+    dt : time step (s)
+
+    Returns
+    -------
+    `BALANCED_INTERVAL` times the longest time of `longest_look` over the step, from 1 to `MOST_STEPS`.
+    """
     return int(np.clip(BALANCED_INTERVAL * longest_look(model)[0] / dt, 1, MOST_STEPS))
 
 
@@ -230,26 +267,55 @@ def change_areas(model: DiscState, factor: np.ndarray) -> None:
 
 
 def is_liquefying(model: DiscState) -> np.ndarray:
-    """Return the mask (n,) of the discs whose liquefaction has begun."""
+    """Return which discs have begun to liquefy, to any degree.
+
+    Parameters
+    ----------
+    model : discs, with or without liquefied ones
+
+    Returns
+    -------
+    Mask (n,).
+    """
     return model.liquefied[:, bond.STIFFNESS] > 0.0 if len(model.liquefied) else np.zeros(len(model), bool)
 
 
 def set_share(model: DiscState, share: np.ndarray) -> None:
-    """Set the degree of liquefaction of each disc (n,), 0 to 1; discs whose liquefaction has not begun are
-    unchanged.
+    """Set the degree of liquefaction of discs, 0 to 1.
+
+    Parameters
+    ----------
+    model : discs after `liquefy`; their column SHARE is changed
+    share (n,) : degree of liquefaction; of no effect for discs whose liquefaction has not begun
     """
     wet = model.liquefied
     wet[:, bond.SHARE] = np.where(is_liquefying(model), share, 0.0)
 
 
 def change_strength(model: DiscState, factor: np.ndarray) -> None:
-    """Multiply the strength of liquefied discs by a factor (n,); the stiffness of their bonds is unchanged."""
+    """Multiply the strength of liquefied discs by a factor; the stiffness of their bonds is unchanged.
+
+    Parameters
+    ----------
+    model : discs after `liquefy`; strength (Pa) and strain of their bonds are changed
+    factor (n,) : factor for each disc
+    """
     model.liquefied[:, bond.STRENGTH] *= factor
     model.liquefied[:, bond.STRAIN] *= factor
 
 
 def pressure_forces(model: DiscState) -> np.ndarray:
-    """Return the force (N per metre) of the pore pressure on the diameter of each disc that has liquefied."""
+    """Return the force of the pore pressure on the diameter of each disc that has liquefied.
+
+    Parameters
+    ----------
+    model : discs, with or without liquefied ones
+
+    Returns
+    -------
+    Force (discs whose liquefaction has begun,) in N per metre: diameter times degree of liquefaction times effective
+    overburden; empty without liquefied discs.
+    """
     if not len(model.liquefied):
         return np.zeros(0)
     which = is_liquefying(model)

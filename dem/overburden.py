@@ -9,11 +9,19 @@ SPREADING_WIDTH = 2.0  # mean diameters to either side over which weight is spre
 
 
 def effective_overburden(model: DiscModel) -> np.ndarray:
-    """Return the vertical effective stress (n,) in Pa at the centres of all discs.
+    """Return the vertical effective stress at the centres of all discs.
 
     The stress is the weight of all higher discs and of half the disc itself, with the forces of water and of loads on
     the ground; the weight of each disc is distributed over `SPREADING_WIDTH` mean diameters to either side. Fixed discs
     have no weight.
+
+    Parameters
+    ----------
+    model : discs with gravity and the accelerations by water and loads
+
+    Returns
+    -------
+    Stress (n,) in Pa, positive in compression; 0 where the forces of water exceed the weight.
     """
     free = np.flatnonzero(~model.fixed)
     down = -model.mass * model.pull[1]

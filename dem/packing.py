@@ -125,11 +125,25 @@ def random_packing(
 ) -> Packing:
     """Pack discs of random radii at random places; they grow in steps and are pushed apart until overlaps are small.
 
-    radius: mean radius (m); spread: half the width of the uniform distribution of radii over the mean; porosity: voids
-    over area; seed: seed of the random numbers; equal seeds give equal packings. outline: (n, 2) polygon (m);
-    stratum_at: number of the stratum at points x, z. Raises
-    ValueError, with the porosity that was reached, if the discs do not fit; 2-D packings jam at a porosity of about
-    0.16.
+    Parameters
+    ----------
+    outline (n, 2) : corners of a polygon (m), counter-clockwise; edges to the left are the free surface
+    stratum_at : function of x and z (m) of n places; numbers (n,) of their strata, -1 outside
+    radius : mean radius (m)
+    spread : half the width of the uniform distribution of radii over the mean
+    porosity : area of the voids over the area of the outline
+    seed : seed of the random numbers; equal seeds give equal packings
+
+    Returns
+    -------
+    The discs inside the outline, then boundary discs of mean radius outside its walls, with rigid lines. No overlap is
+    larger than `OVERLAP` times the mean radius.
+
+    Raises
+    ------
+    ValueError
+        If the discs do not fit (packings in the plane jam at a porosity of about 0.16), the outline is no polygon, or
+        spread or porosity is out of range.
     """
     outline = _checked_outline(outline)
     x, z, sizes = _grown_discs(outline, outline, NO_PERIOD, (radius, spread, porosity), seed)
@@ -146,13 +160,24 @@ def periodic_packing(
     porosity: float = 0.2,
     seed: int = 0,
 ) -> Packing:
-    """Pack discs of random size, as `random_packing` does, between two lines whose right ends continue at their left
-    ends.
+    """Pack discs of random size, as `random_packing` does, in ground whose right side continues at its left side.
 
     There are neither boundary discs nor rigid lines.
-    lower, upper: (n, 2) corners of the lines from left to right (m), between the same two x, both with the same rise
-    from end to end; radius, spread, porosity, stratum_at, seed: as of `random_packing`.
-    Raises ValueError if the discs do not fit, or if one line rises by more than the other from end to end.
+
+    Parameters
+    ----------
+    lower, upper (n, 2) : corners of base and surface from left to right (m), between the same two x, both with the same
+        rise from end to end
+    stratum_at, radius, spread, porosity, seed : as of `random_packing`
+
+    Returns
+    -------
+    The discs, with length and rise of the period (m).
+
+    Raises
+    ------
+    ValueError
+        If the discs do not fit, or if one line rises by more than the other from end to end.
     """
     length, rise = upper[-1] - upper[0]
     if not np.allclose(lower[-1] - lower[0], (length, rise)):
@@ -172,17 +197,12 @@ def _with_images(line: np.ndarray, shift: np.ndarray) -> np.ndarray:
 
 
 def _grown_discs(
-    outline: np.ndarray,
-    walls: np.ndarray,
-    period: Period,
-    grains: tuple[float, float, float],
-    seed: int,
+    outline: np.ndarray, walls: np.ndarray, period: Period, grains: tuple[float, float, float], seed: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return positions and radii of discs of random size in an outline, pushed apart until overlaps are small.
 
     outline, walls: polygons (m) in which discs are initially placed, and which they may not leave; they differ for
-    periodic ground;
-    grains: mean radius (m), spread and porosity.
+    periodic ground; grains: mean radius (m), spread and porosity.
     """
     radius, spread, porosity = grains
     if not (0.0 <= spread < 1.0 and 0.0 < porosity < 1.0):
@@ -215,8 +235,18 @@ def _grown_discs(
 
 
 def brought_back(x: np.ndarray, z: np.ndarray, left: float, period: Period) -> tuple[np.ndarray, np.ndarray]:
-    """Return the images of the positions `x`, `z` (m) in the period that begins at `left` (m); the positions themselves
-    if the period is infinite."""
+    """Return the images of positions in the period that begins at a given x.
+
+    Parameters
+    ----------
+    x, z (n,) : positions (m)
+    left : x at which the period begins (m)
+    period : length along x and rise along z of a period (m)
+
+    Returns
+    -------
+    x and z (n,) of the images (m); the positions themselves if the period is infinite.
+    """
     if period.length == NO_PERIOD.length:
         return x, z
     times = np.floor((x - left) / period.length)
@@ -224,13 +254,36 @@ def brought_back(x: np.ndarray, z: np.ndarray, left: float, period: Period) -> t
 
 
 def one_stratum(x: np.ndarray, _z: np.ndarray) -> np.ndarray:
-    """Return stratum 0 for every place: the ``stratum_at`` of homogeneous ground."""
+    """Return stratum 0 for every place: the ``stratum_at`` of homogeneous ground.
+
+    Parameters
+    ----------
+    x, _z (n,) : places (m)
+
+    Returns
+    -------
+    Zeros (n,).
+    """
     return np.zeros(len(x), np.int32)
 
 
 def densest(pack: Callable[[float], Packing], porosities: Iterable[float]) -> Packing:
-    """Return the packing of the first of some rising porosities at which the discs fit. Raises the ValueError of the
-    largest porosity if the discs fit at no porosity."""
+    """Return the packing of the first of some rising porosities at which the discs fit.
+
+    Parameters
+    ----------
+    pack : function of a porosity that makes a packing, or raises ValueError if the discs do not fit
+    porosities : porosities to be tried, in this order
+
+    Returns
+    -------
+    The packing.
+
+    Raises
+    ------
+    ValueError
+        If the discs fit at no porosity; the error is that of the last porosity.
+    """
     for porosity in porosities:
         try:
             return pack(porosity)

@@ -31,7 +31,13 @@ SOIL = LayerSprings(
 
 
 def precompile(executor: Executor, tell: Tell) -> None:
-    """Compile the kernels that take some seconds each, unless they are already compiled."""
+    """Compile the kernels that take some seconds each, unless they are already compiled.
+
+    Parameters
+    ----------
+    executor : computes the two compilations side by side
+    tell : is called with one sentence before the compilation
+    """
     mark = kernel_folder() / f"{MARK_FILE}-{_conditions()}"
     if not config.DISABLE_JIT and not mark.exists():
         tell("the step loop of the discs is compiled, once for this version of the program")

@@ -30,8 +30,7 @@ Law = Literal["paper", "soil"]
 
 @dataclass(frozen=True)
 class LayerSprings:
-    """Holds the constants of one layer: the constants in a column of Table 2 of the paper, and additional constants of
-    soil discs.
+    """Holds the constants of one layer: a column of Table 2 of the paper, and further constants of soil discs.
 
     Attributes
     ----------
@@ -142,7 +141,25 @@ SMOOTH = Strength(0.0, rolling_friction=0.0)  # of a rigid line that discs slide
 
 
 def wave_speeds(youngs_modulus: float, poissons_ratio: float, density: float) -> tuple[float, float]:
-    """Return the wave velocities V_p and V_s (m/s), equations 7 and 8 of the paper; modulus in Pa, density in kg/m3."""
+    """Return the velocities of compression and shear waves in elastic soil.
+
+    V_p = sqrt((1 - nu) E/(rho (1 - 2 nu) (1 + nu))) and V_s = sqrt(E/(2 rho (1 + nu))), equations 7 and 8 of the paper.
+
+    Parameters
+    ----------
+    youngs_modulus : E (Pa), positive
+    poissons_ratio : nu, at least 0 and less than 0.5
+    density : rho (kg/m3), positive
+
+    Returns
+    -------
+    V_p and V_s (m/s).
+
+    Raises
+    ------
+    ValueError
+        For constants out of these ranges.
+    """
     e, nu, rho = youngs_modulus, poissons_ratio, density
     if not (e > 0.0 and 0.0 <= nu < 0.5 and rho > 0.0):
         raise ValueError(f"these are no constants of an elastic soil: E = {e} Pa, nu = {nu}, density = {rho} kg/m3")

@@ -41,7 +41,13 @@ DISTURBING_ROTATION = np.radians(20.0)  # rad
 
 
 def mark_undisturbed(state: DiscState) -> None:
-    """Mark the present contacts of soil discs as contacts of undisturbed ground."""
+    """Mark the present contacts of soil discs as contacts of undisturbed ground.
+
+    Parameters
+    ----------
+    state : discs at rest; the mask of their undisturbed contacts, and the positions to which it refers (m), are
+        replaced. Discs with the law "paper" are unchanged.
+    """
     if state.law == "soil":
         state.undisturbed_x, state.undisturbed_z = state.x.copy(), state.z.copy()
         state.undisturbed = state.distance() < state.radius[state.pair_i] + state.radius[state.pair_j]
