@@ -57,8 +57,19 @@ class StableStep:
 
 
 def largest_step(model: DiscModel) -> StableStep:
-    """Return the largest stable time step of a model in its present state, by the bound of `stable_step`, by the pairs
-    of liquefied ground, and by the speed of the discs."""
+    """Return the largest stable time step of a model in its present state.
+
+    The step is the smallest of three: the bound of `stable_step` for contacts, `longest_look` for the pairs of
+    liquefied ground, and `step_at_speed` for fast discs.
+
+    Parameters
+    ----------
+    model : discs with a neighbour list for their present positions
+
+    Returns
+    -------
+    The step (s), infinite if nothing limits it, and the disc that limits it.
+    """
     return step_finder(model)()
 
 
@@ -176,7 +187,15 @@ class Engine:
 
 
 class EngineRun:
-    """Runs the engine once: holds the layout in memory and the threads, and calls the stepping kernel."""
+    """Runs the engine once: holds the layout in memory and the threads, and calls the stepping kernel.
+
+    Parameters
+    ----------
+    engine : settings of the run
+    model : discs with a neighbour list for their present positions. Their state is written back by `advance` and
+        `close`; while there is a layout, the model has no pairs.
+    dt : time step (s)
+    """
 
     def __init__(self, engine: Engine, model: DiscModel, dt: float) -> None:
         self.engine, self.model, self.dt = engine, model, dt

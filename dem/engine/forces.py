@@ -41,7 +41,16 @@ class ContactForces:
 
 
 def contact_forces(model: DiscModel) -> ContactForces:
-    """Compute the forces of all contacts, by the stepping kernel from a copy of the state of the model."""
+    """Compute the forces of all contacts at the present time, by the stepping kernel from a copy of the state.
+
+    Parameters
+    ----------
+    model : discs with a neighbour list for their present positions; not changed
+
+    Returns
+    -------
+    Forces of the listed pairs, and of the contacts with rigid lines, in the order of the model.
+    """
     layout = _evaluated_layout(model)
     slices = len(layout.chunk_start) - 1
     owner = model.places[model.pair_i]
@@ -62,6 +71,10 @@ def keep_slip(model: DiscModel) -> None:
     """Store the slip of the last step in the springs, as the next step would do.
 
     Call this function before velocities are set, since the slip follows from the velocities of the last step.
+
+    Parameters
+    ----------
+    model : discs; the history variables of their contacts are changed
     """
     unpack(_evaluated_layout(model), model)
 
@@ -80,7 +93,17 @@ def _evaluated_layout(model: DiscModel) -> Layout:
 
 
 def neighbour_forces(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.ndarray]:
-    """Return the force (x, z) on each disc from contacts, rigid lines and liquefied ground (N per metre)."""
+    """Return the force on each disc from contacts, rigid lines and liquefied ground.
+
+    Parameters
+    ----------
+    model : the discs
+    forces : contact forces by `contact_forces`
+
+    Returns
+    -------
+    Components (n,) along x and z, in N per metre.
+    """
     wet_x, wet_z = model.liquefied_forces
     return (
         wet_x + _on_discs(model, forces.fx, -forces.fx, forces.line_fx),
@@ -89,8 +112,18 @@ def neighbour_forces(model: DiscModel, forces: ContactForces) -> tuple[np.ndarra
 
 
 def resultants(model: DiscModel, forces: ContactForces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return force (x, z) and moment on each disc from contacts, weight, water, loads and external acceleration (N, N m
-    per metre)."""
+    """Return force and moment on each disc from contacts, weight, water, loads and external acceleration.
+
+    Parameters
+    ----------
+    model : the discs; the external acceleration is that of their time
+    forces : contact forces by `contact_forces`
+
+    Returns
+    -------
+    Components (n,) of the force along x and z (N per metre), and moment (n,) about the centre, positive
+    counter-clockwise (N m per metre).
+    """
     ax, az, level = acceleration_on_discs(model).with_level(model.gravity)[:, 0]
     pull_x, pull_z = model.pull
     fx, fz = neighbour_forces(model, forces)

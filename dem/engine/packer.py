@@ -43,9 +43,16 @@ def pack(
 ) -> Layout:
     """Return the layout of a model for the stepping kernel; the same model always gives the same layout.
 
-    keep_pairs: False removes the pairs from the model until `unpack` restores them, so that they are not stored twice.
-    room: reusable memory for the largest arrays; an earlier layout in it becomes invalid. in_ranges: function that runs
-    loops over contacts, in this thread or in several.
+    Parameters
+    ----------
+    model : discs with their neighbour list
+    keep_pairs : False removes the pairs from the model until `unpack` restores them, so that they are not stored twice
+    in_ranges : runs loops over contacts, in this thread or in several
+    room : reusable memory for the largest arrays; an earlier layout in it becomes invalid. New memory if None.
+
+    Returns
+    -------
+    The layout, with the discs in their spatial order.
     """
     room = ReusedMemory() if room is None else room
     n = len(model)
@@ -178,7 +185,14 @@ def unpack_velocities(layout: Layout, model: DiscModel) -> None:
 
 
 def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = serial) -> None:
-    """Write everything that a run has changed back into the model."""
+    """Write everything that a run has changed back into the model.
+
+    Parameters
+    ----------
+    layout : layout of the model, by `pack`
+    model : discs; their motion, pairs, history variables of contacts and liquefied ground are replaced
+    in_ranges : runs loops over contacts, in this thread or in several
+    """
     unpack_motion(layout, model)
     start = count_links(layout, len(model))
     count = int(start[-1])

@@ -11,11 +11,16 @@ from dem.model import DiscModel
 
 
 class ShortRuns:
-    """Runs discs in short sections. Inside the ``with`` block, positions and velocities of the model are current, but
-    its contacts only after a call of `whole`.
+    """Runs discs in short sections, as a context manager.
 
-    The energy balance is not computed in short sections. The time step is at most a share of the stable step at the
-    time when the neighbour list was made.
+    Inside the ``with`` block, positions and velocities of the model are current, but its contacts only after a call of
+    `whole`. The energy balance is not computed in short sections.
+
+    Parameters
+    ----------
+    model : discs, which are changed
+    share : time step over the stable step at the time when the neighbour list was made, at most
+    threads : number of threads of the engine
     """
 
     def __init__(self, model: DiscModel, share: float, threads: int = 1) -> None:
