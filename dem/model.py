@@ -14,15 +14,8 @@ from dem.chunked_map import Ranges, pairs_near, serial
 from dem.kernels.arguments import ENERGY_COLUMNS
 from dem.kernels.contact import ATTRACTION_REACH, KN, KPN, KPS, KS, STOP_OVERLAP, STOP_STIFFNESS
 from dem.kernels.layout import LANES
-from dem.kernels.neighbours import (
-    Near,
-    carry_over,
-    find_lines,
-    known_pairs,
-    reversal_signs,
-    share_out,
-    spatial_order,
-)
+from dem.kernels.neighbours import Near, find_lines, known_pairs, spatial_order
+from dem.kernels.ownership import carry_over, reversal_signs, share_out
 from dem.kernels.period import folded
 from dem.liquefied_ground import change_areas, list_liquefied, match_strength
 from dem.pair_table import PairTable, pair_table, with_line_strengths
@@ -181,7 +174,7 @@ class DiscModel(DiscState):
         return np.asarray((self.springs.pairs[KN] == 0.0) & (self.springs.pairs[KPN] == 0.0))
 
     def _carry(self, old: np.ndarray, sign: np.ndarray, in_ranges: Ranges) -> None:
-        """Return the history variables of the contacts of a new list, see `carry_over`."""
+        """Copy the history variables of the contacts to a new list; old, sign, in_ranges: see `carry_over`."""
         before = tuple(getattr(self, name) for name in self.memory)
         after = tuple(np.empty(len(old)) for _ in before)
         turns = np.array([name in SIGN_CHANGES for name in self.memory])

@@ -55,12 +55,12 @@ class DiscState:
     line_disc, line_id (contacts with lines,) : numbers of discs near rigid lines, and numbers of these lines
     line_shear, line_force_x, line_force_z, line_rolled, line_torque (contacts with lines,) : history variables of
         contacts with lines, as for pairs (N)
-    energy_sums (slices, 10) : work and losses so far (J/m), columns as in `kernels.stepping`
+    energy_sums (slices, ENERGY_COLUMNS) : work and losses so far (J/m), columns as in `kernels.arguments`
     springs : constants by kind of pair
     liquefied (n, FIELDS) : fields of liquefied discs, see `kernels.liquefied_pairs`; (0, FIELDS) before liquefaction
     liquefied_i, liquefied_j (wide pairs,) : numbers of the discs of pairs with a liquefied disc within the reach of its
         pore water, sorted in space
-    bonds (wide pairs, 8) : history variables of the bonds of these pairs
+    bonds (wide pairs, MEMORY) : history variables of the bonds of these pairs
     strength_factor (n,) : strength of the bonds of liquefied discs over the prescribed strength; empty before
         liquefaction
     reach : reach of the kernel of the pore water (m), 0 before liquefaction

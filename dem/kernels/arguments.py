@@ -20,7 +20,8 @@ class Springs(NamedTuple):
     ----------
     pairs (CONSTANTS, kinds) : constants of contacts between discs, a column for each kind of pair
     records (kinds * CONSTANT_RECORD,) : the constants in ``pairs``, one record for each kind of pair
-    lines (CONSTANTS, layers + 1) : constants of contacts with rigid lines, a column for each layer
+    lines (CONSTANTS, blocks * (layers + 1)) : constants of contacts with rigid lines, a column for each layer, in one
+        block for the lines with the strength of the layers, and one for each other strength of lines
     walls (k, 6) : geometry of the rigid lines: see `LINE_X` and the names after it in `interaction`
     """
 

@@ -21,7 +21,16 @@ SPINS_BEFORE_YIELD = 500  # checks of a counter after which a waiting thread yie
 
 
 def new_barrier(threads: int) -> np.ndarray:
-    """Return the counters that the threads of one run share."""
+    """Return the counters that the threads of one run share.
+
+    Parameters
+    ----------
+    threads : number of threads
+
+    Returns
+    -------
+    Zeros (PROGRESS + COUNTER_SPACING threads,), integers.
+    """
     return np.zeros(PROGRESS + COUNTER_SPACING * threads, np.int64)
 
 

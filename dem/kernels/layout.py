@@ -112,11 +112,19 @@ def place(disc: int, field: int) -> np.uint64:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def count_slots(member: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the number of every entry of `member` (disc numbers) among the entries of the same disc, and the first
-    slot of each slice.
+    """Return the number of each entry among the entries of the same disc, and the first slot of each slice.
 
     A slot has one entry for each disc of the slice, so that a slice has as many slots as its most frequent disc has
     entries.
+
+    Parameters
+    ----------
+    member (entries,) : number of the disc of each entry, in spatial order
+    slices : number of slices
+
+    Returns
+    -------
+    The numbers (entries,) from 0, and the first slots (slices + 1,).
     """
     seen = np.zeros(slices * LANES, np.int32)
     turn = np.empty(len(member), np.int32)
@@ -148,14 +156,20 @@ def place_links(
     begin: int,
     end: int,
 ) -> None:
-    """Write the contacts from begin to end into their lanes; `links` to `kind` are prefilled with entries of lanes
-    without contact.
+    """Write a range of the contacts into their lanes.
 
-    owner, partner: the disc that owns a contact, in whose slice the contact is stored, and the other disc of the
-    contact; turn: number of the contact among the contacts of its owner; chunk_start: as in `Layout`; radii: radii of
-    the discs (m); kinds: column of the constants; memory: history variables of each contact, as named in
-    `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for discs with the law "paper"); links, rolling, where, kind:
-    arrays of the layout to fill.
+    Parameters
+    ----------
+    owner, partner (contacts,) : disc that owns a contact, in whose slice the contact is stored, and the other disc
+    turn (contacts,) : number of the contact among the contacts of its owner
+    chunk_start (slices + 1,) : as in `Layout`
+    radii (n,) : radii of the discs (m), in spatial order
+    kinds (contacts,) : column of the table of constants
+    memory : history variables (contacts,), as named in `state.MEMORY`, then in `state.ROLLING_MEMORY` (empty for discs
+        with the law "paper")
+    links, rolling, where, kind : `links`, `rolling`, `partner` and `kinds` of the layout, filled here; before, they
+        have the entries of lanes without contact
+    begin, end : range of the contacts
     """
     for c in range(begin, end):
         i = owner[c]
@@ -179,8 +193,18 @@ def place_links(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def find_changed(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find the groups of lanes whose contacts have other constants than the same lanes of the chunk before: `changed`
-    and `changed_start` of a `Layout`. Lanes without a contact take the kind of the same lane in the chunk before.
+    """Find the groups of lanes whose contacts have other constants than the same lanes of the chunk before.
+
+    Parameters
+    ----------
+    where (lanes,) : partner in every lane
+    nobody : number of discs: lanes with a partner from there on have no contact
+    kind (lanes,) : column of the table of constants, changed here: lanes without a contact take that of the same lane
+        in the chunk before
+
+    Returns
+    -------
+    `changed` and `changed_start` of a `Layout`.
     """
     chunks = len(kind) // LANES
     for at in range(LANES, len(kind)):
@@ -205,12 +229,21 @@ def find_changed(where: np.ndarray, nobody: int, kind: np.ndarray) -> tuple[np.n
 def place_incoming(
     where: np.ndarray, chunk_start: np.ndarray, line_disc: np.ndarray, discs: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """For every disc, return the places of the forces of contacts that the disc does not own: partners first, then
-    lines.
+    """Find the places of the forces on every disc of contacts that the disc does not own: partners, then lines.
 
-    where: partner in every lane; chunk_start, line_disc: as in `Layout`; discs: number of discs. The places are in the
-    order of the lanes, so that a sum of these forces depends only on the layout, and not on the order of the contact
-    list. Also returns the lowest and highest slice that owns a contact of each slice.
+    The places are in the order of the lanes, so that a sum of these forces depends only on the layout, and not on the
+    order of the contact list.
+
+    Parameters
+    ----------
+    where (lanes,) : partner in every lane
+    chunk_start (slices + 1,) : as in `Layout`
+    line_disc (contacts with lines,) : as in `Layout`
+    discs : number of discs
+
+    Returns
+    -------
+    `incoming`, `incoming_start`, `lowest_owner` and `highest_owner` of a `Layout`.
     """
     slices = len(chunk_start) - 1
     chunks = chunk_start[-1]
@@ -248,7 +281,17 @@ def place_incoming(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def count_links(layout: Layout, discs: int) -> np.ndarray:
-    """Return the first contact of each slice in the contact list, and the end of the list (slices + 1,)."""
+    """Return the place in the contact list at which the contacts of each slice begin.
+
+    Parameters
+    ----------
+    layout : discs and contacts
+    discs : number of discs
+
+    Returns
+    -------
+    Places (slices + 1,), the last of which is the number of contacts.
+    """
     slices = len(layout.chunk_start) - 1
     start = np.zeros(slices + 1, np.int64)
     for p in range(slices):
@@ -271,11 +314,18 @@ def list_links(
     kind: np.ndarray,
     memory: tuple[np.ndarray, ...],
 ) -> None:
-    """List the contacts of slices begin to end from their lanes, slice by slice, slot by slot, lane by lane.
+    """List the contacts of a range of slices from their lanes, slice by slice, slot by slot, lane by lane.
 
-    start: as from `count_links`; layout: discs and contacts; order: original number of every disc. Writes `owner` and
-    `other` (original numbers), `kind` (column of the table of springs) and `memory`, as named in `state.MEMORY`, then
-    in `state.ROLLING_MEMORY` (empty for discs with the law "paper").
+    Parameters
+    ----------
+    begin, end : range of the slices
+    start (slices + 1,) : places by `count_links`
+    layout : discs and contacts
+    order (n,) : original number of every disc
+    owner, other (contacts,) : original numbers of both discs, filled here
+    kind (contacts,) : column of the table of springs, filled here
+    memory : history variables (contacts,), filled here, as named in `state.MEMORY`, then in `state.ROLLING_MEMORY`
+        (empty for discs with the law "paper")
     """
     discs = len(order)
     for p in range(begin, end):

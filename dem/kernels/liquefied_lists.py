@@ -15,8 +15,16 @@ FIRST_DENSITY, SECOND_DENSITY = int(WIDTH_1), int(WIDTH_2)  # contribution to th
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lane (pairs,) of every pair, and the first block (slices + 1,) of every slice. Each slice begins with
-    a new block of lanes.
+    """Return the lane of every pair of liquefied ground. Each slice begins with a new block of lanes.
+
+    Parameters
+    ----------
+    first (pairs,) : first disc of each pair, in spatial order; the pairs are sorted by it
+    slices : number of slices
+
+    Returns
+    -------
+    Lanes (pairs,), and the first block (slices + 1,) of each slice.
     """
     start = np.zeros(slices + 1, np.int64)
     for c in range(len(first)):
@@ -34,7 +42,14 @@ def place_pairs(first: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_bonds(lane: np.ndarray, bonds: np.ndarray, memory: np.ndarray) -> None:
-    """Write the history variables of the bonds (pairs, MEMORY) into their lanes; lane: see `place_pairs`."""
+    """Write the history variables of the bonds into their lanes.
+
+    Parameters
+    ----------
+    lane (pairs,) : lane of every pair, by `place_pairs`
+    bonds (pairs, MEMORY) : history variables
+    memory (blocks * MEMORY * LANES,) : the same by lanes, filled here
+    """
     for c in range(len(lane)):
         at = lane[c] // LANES * MEMORY * LANES + lane[c] % LANES
         for field in range(MEMORY):
@@ -43,7 +58,14 @@ def place_bonds(lane: np.ndarray, bonds: np.ndarray, memory: np.ndarray) -> None
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def list_bonds(lane: np.ndarray, memory: np.ndarray, bonds: np.ndarray) -> None:
-    """Read the history variables of the bonds (pairs, MEMORY) from their lanes; lane: see `place_pairs`."""
+    """Read the history variables of the bonds from their lanes.
+
+    Parameters
+    ----------
+    lane (pairs,) : lane of every pair, by `place_pairs`
+    memory (blocks * MEMORY * LANES,) : history variables by lanes
+    bonds (pairs, MEMORY) : the same by pairs, filled here
+    """
     for c in range(len(lane)):
         at = lane[c] // LANES * MEMORY * LANES + lane[c] % LANES
         for field in range(MEMORY):
@@ -52,9 +74,17 @@ def list_bonds(lane: np.ndarray, memory: np.ndarray, bonds: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def members_of(first: np.ndarray, second: np.ndarray, lane: np.ndarray, slots: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return `member` and `members` of pairs, which list for every disc its pairs in the order of the list.
+    """List for every disc where its pairs contribute to its density, in the order of the pairs.
 
-    first, second: discs of each pair; lane: lane of each pair; slots: number of discs including padding.
+    Parameters
+    ----------
+    first, second (pairs,) : discs of each pair, in spatial order
+    lane (pairs,) : lane of each pair, by `place_pairs`
+    slots : number of discs, filled up to whole slices
+
+    Returns
+    -------
+    `member` and `members` of `Liquefied`.
     """
     members = np.zeros(slots + 1, np.int64)
     for c in range(len(first)):
@@ -77,10 +107,21 @@ def members_of(first: np.ndarray, second: np.ndarray, lane: np.ndarray, slots: i
 def densities(
     x: np.ndarray, z: np.ndarray, area: np.ndarray, first: np.ndarray, second: np.ndarray, reach: float, period: Period
 ) -> np.ndarray:
-    """Return the density of areas (m2) at all discs (n,), summed over the listed pairs.
+    """Return the density of the areas of discs, rho_i = sum_j V_j W(r_ij), the disc itself included.
 
-    x, z: places (m); area: area of each disc (m2); first, second: discs of each pair; reach: reach of the kernel (m);
-    period: length after which periodic ground repeats itself.
+    W is the kernel C2 of Wendland (1995), see `liquefied_pairs`.
+
+    Parameters
+    ----------
+    x, z (n,) : places (m)
+    area (n,) : areas V of the discs with their voids (m2)
+    first, second (pairs,) : discs of each pair
+    reach : reach of the kernel (m); pairs further apart count nothing
+    period : length along x and rise along z of a period (m)
+
+    Returns
+    -------
+    Densities (n,), without dimension.
     """
     out = area * (7.0 / (math.pi * reach * reach))
     for c in range(len(first)):

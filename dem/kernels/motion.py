@@ -11,7 +11,14 @@ IGNORED_DISTANCE = 1e3  # radii behind a rigid line beyond which the line does n
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_motion(order: np.ndarray, state: tuple[np.ndarray, ...], shared: np.ndarray) -> None:
-    """Write the arrays of `state` into the shared fields of every disc, in their order."""
+    """Write positions and velocities of the discs into their shared fields.
+
+    Parameters
+    ----------
+    order (n,) : original number of every disc
+    state : the SHARED arrays (n,) of the model in the order of the fields X to VRS of `layout`
+    shared (slices * 64 * SHARED,) : as in `Layout`, filled here
+    """
     for i in range(len(order)):
         disc = order[i]
         for field in range(SHARED):
@@ -20,7 +27,14 @@ def place_motion(order: np.ndarray, state: tuple[np.ndarray, ...], shared: np.nd
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_fields(order: np.ndarray, fields: tuple[np.ndarray, ...], discs: np.ndarray) -> None:
-    """Write the other fields of every disc into its slice, a row of the slice for each field."""
+    """Write the fields of the discs that only their own slice reads, a row of the slice for each field.
+
+    Parameters
+    ----------
+    order (n,) : original number of every disc
+    fields : arrays (n,) in the order of the fields INVMASS to MASS of `layout`
+    discs (slices * DISC,) : as in `Layout`, filled here
+    """
     for i in range(len(order)):
         disc = order[i]
         for field in range(DISC_FIELDS):
@@ -29,10 +43,14 @@ def place_fields(order: np.ndarray, fields: tuple[np.ndarray, ...], discs: np.nd
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def list_motion(layout: Layout, order: np.ndarray, state: tuple[np.ndarray, ...], roll: np.ndarray) -> None:
-    """Write the shared fields of every disc, and the distance that it has rolled, into the arrays of `state`, in their
-    order.
+    """Write positions, velocities and rolled distances of the layout into arrays of the model.
 
-    layout: discs and contacts; order: original number of every disc; roll: (n,) rolled distance (m), filled here.
+    Parameters
+    ----------
+    layout : discs and contacts
+    order (n,) : original number of every disc
+    state : arrays (n,) as of `place_motion`, filled here
+    roll (n,) : radius times angle of rotation (m), filled here
     """
     for i in range(len(order)):
         disc = order[i]
@@ -43,9 +61,13 @@ def list_motion(layout: Layout, order: np.ndarray, state: tuple[np.ndarray, ...]
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def list_half_velocities(shared: np.ndarray, order: np.ndarray, vx: np.ndarray, vz: np.ndarray) -> None:
-    """Write the velocities of every disc in the middle of a step into the arrays `vx` and `vz` (m/s).
+    """Write the velocities of the discs in the middle of the last step into arrays of the model.
 
-    shared: shared fields of the layout; order: original number of every disc.
+    Parameters
+    ----------
+    shared (slices * 64 * SHARED,) : as in `Layout`
+    order (n,) : original number of every disc
+    vx, vz (n,) : velocities (m/s), filled here
     """
     for i in range(len(order)):
         disc = order[i]
@@ -55,7 +77,17 @@ def list_half_velocities(shared: np.ndarray, order: np.ndarray, vx: np.ndarray, 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def all_finite(x: np.ndarray, z: np.ndarray, vx: np.ndarray, vz: np.ndarray, vr: np.ndarray) -> bool:
-    """Return whether all places x, z and velocities vx, vz, vr are finite numbers."""
+    """Return whether all positions and velocities are finite numbers.
+
+    Parameters
+    ----------
+    x, z (n,) : positions (m)
+    vx, vz, vr (n,) : velocities, and radius times angular velocity (m/s)
+
+    Returns
+    -------
+    False if there is any NaN or infinity.
+    """
     fine = True
     for i in range(len(x)):
         fine &= np.isfinite(x[i]) & np.isfinite(z[i]) & np.isfinite(vx[i]) & np.isfinite(vz[i]) & np.isfinite(vr[i])
@@ -66,11 +98,19 @@ def all_finite(x: np.ndarray, z: np.ndarray, vx: np.ndarray, vz: np.ndarray, vr:
 def first_behind(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, lines: np.ndarray
 ) -> tuple[int, int]:
-    """Return (line, disc) of a free disc whose centre has passed a rigid line by a radius or more, (-1, -1) without
-    one.
+    """Return a rigid line, and a free disc whose centre has passed the line by a radius or more.
 
-    x, z: places (m); radius: radii (m); fixed: whether the disc is held; lines: (k, 6) point, inward normal, begin and
-    end (m).
+    Parameters
+    ----------
+    x, z (n,) : positions (m)
+    radius (n,) : radii (m)
+    fixed (n,) : whether the disc is fixed
+    lines (k, 6) : point, inward normal, begin and end along the line (m), see `DiscState`
+
+    Returns
+    -------
+    Numbers of the line and the disc; (-1, -1) without one. A disc further behind a line than `IGNORED_DISTANCE` radii
+    does not count.
     """
     for k in range(len(lines)):
         px, pz, nx, nz, begin, end = lines[k]

@@ -3,8 +3,7 @@ margin, the skin.
 
 The neighbour list is valid until some disc has moved half the margin. The list also contains every pair with a pore
 spring, intact or cracked, at any distance. A cracked spring resists again when its discs return to the length of the
-spring. If the cracked spring were removed from the list, the result would depend on the margin of the list. History
-variables of springs are copied to the new list.
+spring. If the cracked spring were removed from the list, the result would depend on the margin of the list.
 """
 
 from typing import NamedTuple
@@ -19,15 +18,26 @@ PANEL_WIDTH = 192  # discs across a panel of the spatial order: two rows of it s
 
 
 def spatial_order(x: np.ndarray, z: np.ndarray, spacing: float) -> np.ndarray:
-    """Return the numbers of the discs, sorted by panels of x, then rows of z, then x; spacing: typical diameter (m)."""
+    """Return the numbers of the discs, sorted by panels of x, then rows of z, then x.
+
+    Parameters
+    ----------
+    x, z (n,) : positions (m)
+    spacing : typical diameter (m): a panel is `PANEL_WIDTH` wide in it, a row sqrt(3)/2 high
+
+    Returns
+    -------
+    Numbers (n,).
+    """
     panel = np.floor((x - x.min()) / (PANEL_WIDTH * spacing))
     row = np.floor((z - z.min()) / (spacing * np.sqrt(0.75)) + 0.5)
     return np.lexsort((x, row, panel)).astype(np.int32)
 
 
 class Near(NamedTuple):
-    """Holds discs in spatial order, and the criterion of neighbours: their distance is below factor (r_i + r_j) + skin,
-    and they are not both fixed.
+    """Holds discs in spatial order, and the criterion of neighbours.
+
+    Two discs are neighbours if their distance is below factor (r_i + r_j) + skin, and they are not both fixed.
 
     Attributes
     ----------
@@ -89,8 +99,15 @@ class Known(NamedTuple):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def cell_grid(near: Near) -> Grid:
-    """Sort discs into cells that are no smaller than the largest distance of neighbours. If the ground is periodic, the
-    columns fill the period.
+    """Sort discs into cells that are no smaller than the largest distance of neighbours.
+
+    Parameters
+    ----------
+    near : discs and criterion of neighbours
+
+    Returns
+    -------
+    The cells. If the ground is periodic, their columns fill the period.
     """
     x, z, radius, period = near.x, near.z, near.radius, near.period
     n = len(x)
@@ -128,7 +145,17 @@ def cell_grid(near: Near) -> Grid:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def known_pairs(i: np.ndarray, j: np.ndarray, number: np.ndarray) -> Known:
-    """Return the pairs of an old list by their lower number; number: number of each disc in spatial order."""
+    """Return the pairs of an old list by their lower number in spatial order.
+
+    Parameters
+    ----------
+    i, j (pairs,) : original numbers of the discs of each pair
+    number (n,) : number of each disc in spatial order
+
+    Returns
+    -------
+    The pairs, grouped by their lower number.
+    """
     start = np.zeros(len(number) + 1, np.int32)
     for c in range(len(i)):
         start[min(number[i[c]], number[j[c]]) + 1] += 1
@@ -216,11 +243,20 @@ def near_pairs(begin: int, end: int, near: Near, grid: Grid) -> tuple[np.ndarray
 def find_pairs(
     begin: int, end: int, near: Near, grid: Grid, known: Known, old_length: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Find all neighbouring pairs, and the old pairs with a pore spring.
+    """Find all neighbouring pairs, and the old pairs with a pore spring, for a range of the lower numbers.
 
-    begin, end: range of the lower numbers; near: discs and distance of neighbours; grid: the discs sorted
-    into cells; known: old pairs, by their numbers in spatial order; old_length: length of their pore springs (m).
-    Returns (i, j, old) with i < j, sorted by both; old is the number of the old pair with the same discs, or -1.
+    Parameters
+    ----------
+    begin, end : range of the lower numbers
+    near : discs and criterion of neighbours
+    grid : the discs sorted into cells
+    known : old pairs, by their numbers in spatial order
+    old_length (old pairs,) : length of their pore springs (m), 0 without one
+
+    Returns
+    -------
+    Numbers i < j (pairs,) in spatial order, sorted by both, and the number of the old pair with the same discs, -1 for
+    a new pair.
     """
     listed, others = near_pairs(begin, end, near, grid)
     pair, higher, old_start = known.pair, known.higher, known.start
@@ -249,10 +285,19 @@ def find_pairs(
 def pairs_within(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, period: Period
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Find all pairs (i, j), i < j, nearer than the sum of their radii and the margin skin (m), not both fixed.
+    """Find all pairs of discs that are nearer than the sum of their radii and a margin, and not both fixed.
 
-    x, z, radius: places and radii (m); fixed: whether a disc is held; period: length after which periodic ground
-    repeats itself.
+    Parameters
+    ----------
+    x, z (n,) : positions (m)
+    radius (n,) : radii (m)
+    fixed (n,) : whether discs are fixed
+    skin : margin (m)
+    period : length along x and rise along z of a period (m)
+
+    Returns
+    -------
+    Numbers i < j (pairs,), sorted by both.
     """
     none = np.zeros(0, np.int32)
     near = Near(x, z, radius, fixed, 1.0, skin, period)
@@ -262,67 +307,23 @@ def pairs_within(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def share_out(i: np.ndarray, j: np.ndarray, n: int) -> None:
-    """Exchange i and j of pairs in place, so that the first disc of a pair owns the contact, and each disc owns about
-    three contacts.
-
-    Three is the mean of a triangular lattice; computing lanes without a contact is wasted work. Owners are near their
-    partners in the order, since a slice can move only after the last owner of its contacts is computed.
-    """
-    owned = np.zeros(n, np.int32)
-    for c in range(len(i)):
-        a, b = i[c], j[c]
-        if owned[a] >= 3 and owned[b] < owned[a] and b - a < 2 * PANEL_WIDTH:
-            i[c], j[c] = b, a
-            a = b
-        owned[a] += 1
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def reversal_signs(owner: np.ndarray, other: np.ndarray, old: np.ndarray) -> np.ndarray:
-    """Return -1 for pairs whose owner has changed, 1 for all others; old: as returned by `find_pairs`."""
-    sign = np.ones(len(old))
-    for c in range(len(old)):
-        if old[c] >= 0 and owner[old[c]] == other[c]:
-            sign[c] = -1.0
-    return sign
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def carry_over(
-    begin: int,
-    end: int,
-    before: tuple[np.ndarray, ...],
-    old: np.ndarray,
-    sign: np.ndarray,
-    turns: np.ndarray,
-    after: tuple[np.ndarray, ...],
-) -> None:
-    """Copy the history variables of the old list to the pairs from begin to end of the new list, and zero to new pairs.
-
-    before, after: arrays of history variables, one value for every pair of the old and of the new list; old: number of
-    each pair in the old list, -1 for a new pair; sign: -1 where the first and second disc of the pair have been
-    exchanged, 1 elsewhere; turns: whether the history variables of an array change sign with this exchange.
-    """
-    for k in range(len(before)):
-        memory, values, turning = before[k], after[k], turns[k]
-        for c in range(begin, end):
-            if old[c] < 0:
-                values[c] = 0.0
-            else:
-                values[c] = memory[old[c]] * sign[c] if turning else memory[old[c]]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def find_lines(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, fixed: np.ndarray, skin: float, lines: np.ndarray, depth: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Find (disc, line) of all discs that can touch a rigid line: those less than r + skin in front of the line, or
-    beyond it.
+    """Find all free discs that can touch a rigid line: less than r + skin in front of the line, or behind it.
 
-    x, z, radius: places and radii (m); fixed: whether a disc is held; skin: margin of the neighbour list (m); lines:
-    (k, 6) point, inward normal, begin and end (m); depth: largest distance (m) behind a line at which the line still
-    acts on a disc.
+    Parameters
+    ----------
+    x, z (n,) : positions (m)
+    radius (n,) : radii (m)
+    fixed (n,) : whether discs are fixed
+    skin : margin of the neighbour list (m), also beyond the ends of the line
+    lines (k, 6) : point, inward normal, begin and end along the line (m), see `DiscState`
+    depth : largest distance behind a line at which the line still acts on a disc (m)
+
+    Returns
+    -------
+    Numbers of disc and line (contacts,), sorted by both.
     """
     n = 0
     disc = np.empty(64, np.int32)

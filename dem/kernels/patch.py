@@ -31,12 +31,22 @@ def share_inside(x: float, z: float, along_x: float, along_z: float, region: np.
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray) -> tuple[np.ndarray, float, int]:
-    """Compute the mean stress in a patch from the contact forces of the last step, dashpots included.
+    """Compute the sums for the mean stress in a patch from the contact forces of the last step, dashpots included.
 
-    layout: discs and contacts; discs: number of discs; back: (2, 2), the inverse of the deformation, since `region` is
-    given in undeformed coordinates. Returns (sum of pair force times the part of the branch vector inside the region (N
-    m, 2 x 2, tension positive), mean unbalanced force on a free disc over the mean pair force, number of cracked pore
-    springs).
+    The mean stress is the sum over pairs of force times branch vector, over the area (virial of Love 1927).
+
+    Parameters
+    ----------
+    layout : discs and contacts
+    discs : number of discs
+    back (2, 2) : inverse of the deformation gradient, since ``region`` is given in undeformed coordinates
+    region (2, 2) : low and high corner of a rectangle (m)
+
+    Returns
+    -------
+    Sum (2, 2) of pair force times the part of the branch vector inside the region (N m per metre, tension positive);
+    mean unbalanced force on a free disc over the mean pair force, 0 without contact forces; number of cracked pore
+    springs.
     """
     shared, links = layout.shared, layout.links
     stress = np.zeros((2, 2))
@@ -81,8 +91,18 @@ def pair_forces(layout: Layout, discs: int, back: np.ndarray, region: np.ndarray
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def outside(layout: Layout, discs: int, back: np.ndarray) -> int:
-    """Return the number in spatial order of a free disc that is not within the frame; -1 if all free discs are within
-    it. The parameters are explained in `pair_forces`. A disc whose position is NaN counts as outside.
+    """Return a free disc that is not within the frame, the rectangle of the fixed discs.
+
+    Parameters
+    ----------
+    layout : discs and contacts
+    discs : number of discs
+    back (2, 2) : inverse of the deformation gradient, with which the frame is a rectangle about the origin
+
+    Returns
+    -------
+    Number of the disc in spatial order; -1 if all free discs are within the frame. A disc whose position is NaN counts
+    as outside.
     """
     shared = layout.shared
     most_x, most_z = 0.0, 0.0
@@ -101,9 +121,14 @@ def outside(layout: Layout, discs: int, back: np.ndarray) -> int:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def turn(layout: Layout, radius: np.ndarray, change: np.ndarray, rates: np.ndarray) -> None:
-    """Add the `change` of a velocity gradient (2, 2) to all discs; discs of the frame move exactly with `rates` (1/s).
+    """Add a change of the velocity gradient to all free discs, and move the discs of the frame with the new gradient.
 
-    layout: discs and contacts, changed here; radius: of every disc (m), in spatial order.
+    Parameters
+    ----------
+    layout : discs and contacts; the velocities are changed here
+    radius (n,) : radius of every disc (m), in spatial order
+    change (2, 2) : change of the velocity gradient (1/s), whose antisymmetric part is added to the spin of all discs
+    rates (2, 2) : new velocity gradient (1/s)
     """
     shared = layout.shared
     spin = 0.5 * (change[1, 0] - change[0, 1])

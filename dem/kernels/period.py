@@ -40,8 +40,16 @@ def image(dx: float, dz: float, period: Period) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def folded(x: np.ndarray, z: np.ndarray, period: Period) -> tuple[np.ndarray, np.ndarray]:
-    """Return the images of all positions (m) in the period that begins with the leftmost position. If the ground is not
-    periodic, return the positions unchanged.
+    """Return the images of all positions in the period that begins with the leftmost position.
+
+    Parameters
+    ----------
+    x, z (n,) : positions (m)
+    period : length along x and rise along z of a period (m)
+
+    Returns
+    -------
+    x and z (n,) of the images (m); the positions themselves if the ground is not periodic.
     """
     if period.length == NO_PERIOD.length:
         return x, z

@@ -35,8 +35,19 @@ def nearest_edge(px: float, pz: float, outline: np.ndarray) -> tuple[float, floa
 def deepest_in_pairs(
     x: np.ndarray, z: np.ndarray, radius: np.ndarray, i: np.ndarray, j: np.ndarray, period: Period
 ) -> float:
-    """Return the largest overlap of pairs of discs (m); 0 if none overlap. x, z, radius: places and radii (m); i, j:
-    pairs that may overlap; period: length after which periodic ground repeats itself."""
+    """Return the largest overlap of pairs of discs.
+
+    Parameters
+    ----------
+    x, z (n,) : positions (m)
+    radius (n,) : radii (m)
+    i, j (pairs,) : pairs that may overlap
+    period : length along x and rise along z of a period (m)
+
+    Returns
+    -------
+    Overlap (m), 0 if none overlap.
+    """
     deepest = 0.0
     for c in range(len(i)):
         a, b = i[c], j[c]
@@ -58,8 +69,14 @@ def spread_out(
 ) -> None:
     """Push overlapping discs apart, and discs too near the outline inwards.
 
-    x, z: places (m), changed here; radius: radii (m); i, j: pairs that may overlap; outline: (n, 2) polygon (m);
-    sweeps: number of sweeps; period: period of the ground, infinite for a box.
+    Parameters
+    ----------
+    x, z (n,) : positions (m), changed here
+    radius (n,) : radii (m)
+    i, j (pairs,) : pairs that may overlap
+    outline (corners, 2) : corners of a polygon (m), counter-clockwise
+    sweeps : number of sweeps over all pairs, then all discs
+    period : length along x and rise along z of a period (m), infinite for a box
     """
     for _ in range(sweeps):
         for c in range(len(i)):
@@ -85,7 +102,17 @@ def spread_out(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def clearance(x: np.ndarray, z: np.ndarray, outline: np.ndarray) -> np.ndarray:
-    """Return the distance of each point to the outline (m), negative outside."""
+    """Return the distance of points to an outline.
+
+    Parameters
+    ----------
+    x, z (n,) : points (m)
+    outline (corners, 2) : corners of a polygon (m), counter-clockwise
+
+    Returns
+    -------
+    Distance (n,) in m, negative outside.
+    """
     out = np.empty(len(x))
     for a in range(len(x)):
         out[a] = nearest_edge(x[a], z[a], outline)[0]

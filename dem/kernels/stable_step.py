@@ -260,10 +260,20 @@ def _add_all(
 def stable_step(
     bodies: Bodies, pairs: Pairs, skin: float, at_lines: LineContacts, springs: Springs, period: Period
 ) -> tuple[float, int]:
-    """Return the largest stable time step (s) and the disc that limits it; (inf, -1) without contacts.
+    """Return the largest stable time step of discs in contact, by the bound in the docstring of this module.
 
-    bodies: the discs; pairs: listed pairs; skin: decrease of the distance of a pair before the list is renewed (m);
-    at_lines: contacts with rigid lines; springs: constants; period: period of the ground.
+    Parameters
+    ----------
+    bodies : the discs
+    pairs : pairs of the neighbour list
+    skin : decrease of the distance of a pair before the list is renewed (m)
+    at_lines : contacts with rigid lines
+    springs : constants of the contacts
+    period : length along x and rise along z of a period (m)
+
+    Returns
+    -------
+    The step (s), and the disc that limits it if all discs have equal weights; (inf, -1) without contacts.
     """
     discs = len(bodies.x)
     blocks = np.zeros(discs * BLOCK_DOUBLES)
@@ -317,9 +327,17 @@ def _add_layout(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def stable_step_of_layout(layout: Layout, discs: int, skin: float, springs: Springs, period: Period) -> float:
-    """Return the stable time step (s) from the arrays of the kernels; equal to `stable_step` to rounding.
+    """Return the largest stable time step from the arrays of the kernels; equal to `stable_step` to rounding.
 
-    layout: discs and contacts; discs: number of discs; skin, springs, period: as in `stable_step`.
+    Parameters
+    ----------
+    layout : discs and contacts
+    discs : number of discs
+    skin, springs, period : as in `stable_step`
+
+    Returns
+    -------
+    The step (s), inf without contacts.
     """
     blocks, weights, largest = np.zeros(discs * BLOCK_DOUBLES), np.zeros(discs), 0.0
     for a in range(discs):

@@ -307,15 +307,28 @@ def take_steps(
     need: np.ndarray,
     buffer: np.ndarray,
 ) -> tuple[int, float, int]:
-    """Advance the discs by the steps that ``clock`` requests, or by fewer; each thread calls this function with its
-    number in the ``team``.
+    """Advance the discs by a number of time steps, or by fewer if the neighbour list ends or an overlap is too large.
 
-    team: the threads; clock: steps to take and the time; layout: discs and contacts; springs: constants; law: law of
-    the contacts; loads: acceleration; entries: entries of the energy balance; reach: square of the displacement after
-    which a disc needs a new neighbour list (m2); shared, need: see `sharing.neighbour_slices`; buffer: see
-    `new_buffer`. If there are no steps to take, the function computes the contacts in the present state and moves no
-    disc. Returns (steps taken, time, reason): MOVED if the neighbour list must be made anew before the next step,
-    OVERLAP if two discs overlap by more than allowed, DONE otherwise.
+    Each thread calls this function with its number in the ``team``. If there are no steps to take, the function
+    computes the contacts in the present state and moves no disc.
+
+    Parameters
+    ----------
+    team : the threads
+    clock : steps to take, and the time
+    layout : discs and contacts, changed here
+    springs : constants of the contacts
+    law : law of the contacts
+    loads : external acceleration
+    entries : entries of the energy balance, changed here
+    reach : square of the displacement after which a disc needs a new neighbour list (m2)
+    shared, need : see `sharing.neighbour_slices`
+    buffer (BUFFER_SIZE,) : rows of the thread, by `new_buffer`
+
+    Returns
+    -------
+    Number of steps taken, time (s), and reason of the end: MOVED if the neighbour list must be made anew before the
+    next step, OVERLAP if two discs overlap by more than allowed, DONE otherwise.
     """
     thread, threads, barrier = team.thread, team.threads, team.barrier
     slices = len(layout.chunk_start) - 1

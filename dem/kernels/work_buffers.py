@@ -33,7 +33,12 @@ CACHED_LINKS = 2**22  # doubles, 32 MiB: fewer lie in the last cache, from where
 
 @njit(cache=True, nogil=True)
 def new_buffer() -> np.ndarray:
-    """Return rows of zeros that are aligned to cache lines, since access across cache lines or pages is slow."""
+    """Return rows of zeros that are aligned to cache lines, since access across cache lines or pages is slow.
+
+    Returns
+    -------
+    Zeros (BUFFER_SIZE,).
+    """
     room = np.zeros(BUFFER_SIZE + 7)
     begin = -room.ctypes.data % 64 // 8
     return room[begin : begin + BUFFER_SIZE]
