@@ -57,11 +57,20 @@ def element_tests(
     seed: int = 0,
     executor: Executor = SERIAL,
 ) -> list[dict[str, Any]]:
-    """Test every layer as a lattice and as a random packing. A test that fails is replaced by the reason of its
-    failure.
+    """Test the discs of every layer as a lattice and as a random packing.
 
-    section: the ground; layers: springs of each stratum; radius: mean radius of the discs (m); seed: seed of the random
-    packing; executor: computes the tests.
+    Parameters
+    ----------
+    section : the ground, which determines the confining pressures
+    layers : springs of each stratum
+    radius : mean radius of the discs (m)
+    seed : seed of the random packing
+    executor : computes the tests
+
+    Returns
+    -------
+    One row for each test, as of `ElementTest.as_json`. Instead of the results, the row of a test that failed has the
+    reason of its failure. Strata without effective stress are not tested.
     """
     stresses = middle_stresses(section)
     tests = [

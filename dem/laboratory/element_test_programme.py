@@ -67,7 +67,17 @@ class ElementTestProgramme:
 
 
 def compressed(task: Task, _: Tell) -> TestOutcome:
-    """Return the result of one compressed patch, or the reason why it has no strength."""
+    """Compress one patch, as a task of an executor.
+
+    Parameters
+    ----------
+    task : dimensionless numbers of the contacts, and seed of the packing
+    _ : messages to the executor, of which there are none
+
+    Returns
+    -------
+    The strength of the patch at `contact_numbers.PRESSURE`, or the reason why it has none.
+    """
     return strength_of_patch(*task)
 
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class LayerCheck:
-    """Compares a stratum with its discs at three confining pressures. Each number is a mean over several random
-    packings, or None if it is missing.
+    """Compares a stratum with its discs at three confining pressures.
+
+    Each number is a mean over several random packings, or None if it is missing.
 
     Attributes
     ----------
