@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from dem.ground import Ground, ground_of, springs_of
     from dem.laboratory.soil_contacts import SoilContacts, soil_contacts, soil_layers
     from dem.model import DiscModel
-    from dem.search.calibration import Calibrator, calibrate
+    from dem.search.calibration import calibrate
+    from dem.search.calibrator import Calibrator
     from dem.search.critical import critical_kh
     from dem.search.deposit import deposit
     from dem.search.equilibrium import settle

@@ -217,7 +217,19 @@ def _in_strata(section: Section, packing: Packing) -> Packing:
 
 
 def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) -> Ground:
-    """Return the ground of a checkpoint of settled soil discs."""
+    """Return the ground of a checkpoint of settled soil discs.
+
+    Parameters
+    ----------
+    section : ground that the discs fill
+    settings : settings of the discs, from which their mean radius follows
+    settled : the discs of the checkpoint
+
+    Returns
+    -------
+    The discs at their present positions, as a random packing in the frame of the section. Discs of periodic ground are
+    moved into the section.
+    """
     packing = _packing_of(section, settled)
     radius = settings.mean_radius(section)
     return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)

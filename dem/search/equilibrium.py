@@ -93,8 +93,17 @@ class Trial:
 
 
 def unbalanced_ratio(model: DiscModel) -> float:
-    """Return the mean resultant force on free discs, over the mean force of loaded contacts, or of pore pressure on a
-    diameter."""
+    """Return the unbalanced force ratio: how near discs are to rest.
+
+    Parameters
+    ----------
+    model : the discs
+
+    Returns
+    -------
+    Mean resultant force on free discs, over the mean force of loaded contacts, and of pore pressure on the diameter of
+    liquefied discs; inf without such forces.
+    """
     forces = contact_forces(model)
     fx, fz, _ = resultants(model, forces)
     size = np.hypot(np.append(forces.fx, forces.line_fx), np.append(forces.fz, forces.line_fz))
@@ -269,15 +278,27 @@ def try_kh(
     rise: KhRise,
     threads: int = 1,
 ) -> Trial:
-    """Raise Kh for discs that stand at a smaller Kh, and decide whether they still stand. `model` is changed.
+    """Raise Kh for discs that stand at a smaller Kh, and decide whether they still stand.
 
     Kh rises by `KH_PER_PERIOD` in a period of the ground, and is then constant, with kinetic damping as in `settle`:
     dashpots of contacts hardly damp the vibration of the whole ground, which is not the subject of the test. The discs
     stand if the unbalanced force ratio and the kinetic energy ratio are below their limits. The discs fail if both
-    ratios are above their limits and the displacement since `before` exceeds `growth` times the elastic one and grew at
+    ratios are above their limits and the displacement exceeds `DemSettings.ductility` times the elastic one and grew at
     every record of the last period. Otherwise the trial is undecided: after `patience` periods, or when a DemError
-    stopped the discs. settings: settings of the
-    discs; rise: start and end of Kh, and the elastic displacement per Kh (m); threads: threads of the engine.
+    stopped the discs.
+
+    Parameters
+    ----------
+    model : discs at rest under the Kh at which the rise begins; changed
+    before : the same discs without Kh, from which displacements count
+    ground : packing of the discs, and its place in the section
+    settings : limits of rest and of failure
+    rise : begin and end of Kh, and elastic displacement over Kh (m)
+    threads : threads of the engine
+
+    Returns
+    -------
+    The verdict, with the state at the last record.
     """
     from_kh, kh, flexibility = rise
     cycle = period(model, ground)

@@ -24,12 +24,20 @@ INSERTION_OVERLAP = 0.02  # mean radii: overlap of an inserted disc with others,
 
 
 def misfit(section: Section, model: DiscModel, radius: float) -> np.ndarray:
-    """Return the height of the discs above the surface of the section (m), column by column of two diameters or a
-    little less.
+    """Return the height of the discs above the surface of the section, by columns.
 
-    The value of a column is the largest height of the top of one of its discs above the surface vertically below this
-    top. (Across a column a face may fall by more than the tolerance.) Discs among the fixed discs of the sides are left
-    out.
+    The value of a column, two diameters wide or a little less, is the largest height of the top of one of its discs
+    above the surface vertically below this top. (Across a column a face may fall by more than the tolerance.)
+
+    Parameters
+    ----------
+    section : ground with the surface
+    model : the discs; fixed discs, and discs beyond the sides, are left out
+    radius : mean radius of the discs (m)
+
+    Returns
+    -------
+    Height (columns,) in m, negative below the surface; empty columns are left out.
     """
     left, right = section.extent
     free = ~model.fixed & (model.x >= left) & (model.x <= right)

@@ -110,14 +110,29 @@ def pushover_critical_kh(
     on_trial: OnTrial | None = None,
     until_failed: bool = True,
 ) -> tuple[Search, DiscModel]:
-    """Compute the critical Kh of settled discs, the load-displacement curve, and the discs at the end of the test. With
-    ``until_failed`` the test continues beyond the end of the load-displacement curve until a slip surface has formed, a
-    part of the discs has separated, or the displacement is large enough. The settled discs are not changed.
+    """Compute the critical Kh of settled soil discs by displacement control.
 
-    on_trial is called with every point of the curve. The verdict is "undecided" if a DemError stops the discs before
-    the end of the curve; after a later one, the discs are those at the end of the curve. ground: place of the discs;
-    settings: settings of the discs; continuum: critical Kh and yield displacement (m) of the finite elements; threads:
-    threads of the engine.
+    Parameters
+    ----------
+    settled : discs at rest under their weight; not changed
+    ground : packing of the discs, and its place in the section
+    settings : settings of the discs; the curve ends at `DemSettings.ductility` times the yield displacement
+    continuum : critical Kh and yield displacement of the finite elements
+    threads : threads of the engine
+    on_trial : is called with every point of the curve, and the discs there
+    until_failed : whether the test continues beyond the end of the curve until a slip surface has formed, a part of the
+        discs has separated, or the displacement is large enough
+
+    Returns
+    -------
+    The critical Kh, with a bracket of one standard error to either side and the load-displacement curve, and the discs
+    at the end of the test. The verdict is "undecided" if a DemError stops the discs before the end of the curve; after
+    a later one, the discs are those at the end of the curve.
+
+    Raises
+    ------
+    ValueError
+        If the critical Kh or the yield displacement of the continuum is not positive.
     """
     if min(continuum.kc, continuum.yielding) <= 0.0:
         raise ValueError(f"{continuum}: expected a critical Kh and a displacement above 0")

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from dem.search.calibration import Key
+from dem.search.calibrator import Key
 from dem.search.critical import Search
 from dem.search.equilibrium import Trial
 from workflow.results.answer import Part

@@ -20,7 +20,8 @@ from dem.laboratory.layer_check import LayerCheck
 from dem.laboratory.soil_contacts import soil_layers
 from dem.model import DiscModel
 from dem.precompile import precompile
-from dem.search.calibration import SINGLE_PARAMETERS, Calibration, Key, calibrated, changed, key_of, middle
+from dem.search.calibration import SINGLE_PARAMETERS, Calibration, calibrated
+from dem.search.calibrator import Key, changed, key_of, middle
 from dem.search.critical import Search
 from dem.search.deposit import Deposit
 from dem.search.equilibrium import Trial, unbalanced_ratio

@@ -7,7 +7,7 @@ from typing import Literal
 
 from dem.ground import Ground, ground_of, springs_of
 from dem.model import DiscModel
-from dem.search.calibration import Calibrator
+from dem.search.calibrator import Calibrator
 from dem.search.deposit import Deposit, deposit, ground_at_rest
 from dem.search.equilibrium import Trial, settle
 from dem.search.pushover import Continuum

@@ -12,7 +12,7 @@ from dem.kernels.contact import MU, MU_OTHER
 from dem.laboratory.soil_contacts import DILATION_SHARE, soil_contacts
 from dem.model import DiscModel
 from dem.pair_table import pair_table
-from dem.search.calibration import changed
+from dem.search.calibrator import changed
 from dem.springs import ROLLING, LayerSprings, Strength, soil_discs
 from dem.undisturbed_contacts import DISTURBING_ROTATION, mark_undisturbed
 

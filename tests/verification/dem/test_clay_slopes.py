@@ -5,7 +5,7 @@ import pytest
 
 from dem.case import Case
 from dem.kernels.liquefied_pairs import SHARE, STRENGTH
-from dem.search.calibration import changed
+from dem.search.calibrator import changed
 from dem.search.deposit import Deposit, deposit
 from dem.search.equilibrium import settle
 from dem.search.pushover import Continuum, pushover_critical_kh

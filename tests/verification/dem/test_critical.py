@@ -10,7 +10,8 @@ from dem.assembly import DiscMaterials
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
-from dem.search.calibration import Calibrator, calibrate, changed, choose, sensitivities
+from dem.search.calibration import calibrate, choose, sensitivities
+from dem.search.calibrator import Calibrator, changed
 from dem.search.critical import critical_kh
 from dem.search.equilibrium import KhRise, displacement, period, settle, step_on, stop, try_kh, unbalanced_ratio
 from dem.settings import DemSettings

@@ -14,7 +14,8 @@ from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import Packing, lattice_box
 from dem.search import pushover
-from dem.search.calibration import Calibrator, calibrate, calibrated
+from dem.search.calibration import calibrate, calibrated
+from dem.search.calibrator import Calibrator
 from dem.search.critical import Search
 from dem.search.equilibrium import Trial, settle, step_on, stop
 from dem.search.pushover import BAND_DISPLACEMENT, LAST_DISPLACEMENT, LAST_REACH, Continuum, pushover_critical_kh
