@@ -24,13 +24,12 @@ TAPER_CYCLES = 1.0  # cycles of the taper at the beginning and at the end; half 
 
 @dataclass(frozen=True, eq=False)
 class Shaking:
-    """Holds a record of the base, or the acceleration of the ground, and the time at which each stratum begins to
-    liquefy.
+    """Holds the acceleration of a slide in time, and the time at which each stratum begins to liquefy.
 
-    Base and fixed discs move as one rigid body. In the frame of the base, the acceleration of the base, with the
-    opposite sign, acts on the full mass of the discs. For a box and for periodic sides the change of frame is exact.
-    Cycles of Kh, and the average acceleration of the soil, contain the response of the ground already, so that the base
-    is compliant then (`dem.engine.compliant_base`).
+    The acceleration is a record of the base, or that of the ground. Base and fixed discs move as one rigid body. In the
+    frame of the base, the acceleration of the base, with the opposite sign, acts on the full mass of the discs. For a
+    box and for periodic sides the change of frame is exact. Cycles of Kh, and the average acceleration of the soil,
+    contain the response of the ground already, so that the base is compliant then (`dem.engine.compliant_base`).
 
     Attributes
     ----------
@@ -158,8 +157,7 @@ def recorded_motion(
 
 
 def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the acceleration Kh g cos(2 π t / T), whose amplitude rises in the first cycle and fades in the last
-    cycle.
+    """Return the acceleration Kh g cos(2 π t / T), which rises in the first cycle and fades in the last one.
 
     The acceleration is the derivative of a velocity Kh g T/(2 π) w(t) sin(2 π t / T) with w a half cosine at either
     end, so that the base has no mean velocity: without the half cosines it would drift away from liquefied ground.
@@ -172,12 +170,12 @@ def cyclic_acceleration(kh: float, cycles: float, period: float) -> tuple[np.nda
 
     Returns
     -------
-    time, acceleration (n,) : times from 0 (s), and acceleration of the mass of the ground (m/s²), which begins and ends
-        with 0
+    Times (n,) from 0 (s), and acceleration (n,) of the mass of the ground (m/s2), which begins and ends with 0.
 
     Raises
     ------
-    ValueError : if cycles or period are not positive
+    ValueError
+        If cycles or period are not positive.
     """
     if not (cycles > 0.0 and period > 0.0):
         raise ValueError(f"expected positive cycles and a positive period, not {cycles} and {period} s")

@@ -53,13 +53,22 @@ def liquefied(
 
 
 def effect_of(case: Case, section: Section, strata: Sequence[int], law: Law) -> Hashable:
-    """Return all parameters of the discs that a case changes. Two cases with equal parameters have the same slide, to
-    the last bit.
+    """Return all parameters of the discs that a case changes.
 
-    For discs with the law "paper" the changed parameters are the factors of the case. For soil discs they are the
-    residual strength of each stratum, and its stiffness unless it follows from a strain potential (see `onset`). case:
-    stiffness and strength after liquefaction; section: the ground; strata: numbers of those that liquefy; law: contact
-    law.
+    Two cases with equal parameters have the same slide, to the last bit. For discs with the law "paper" the changed
+    parameters are the factors of the case. For soil discs they are the residual strength of each stratum, and its
+    stiffness unless it follows from a strain potential (see `onset`).
+
+    Parameters
+    ----------
+    case : stiffness and strength after liquefaction
+    section : the ground
+    strata : numbers of the strata that liquefy
+    law : contact law of the discs
+
+    Returns
+    -------
+    Parameters, to be compared with those of another case.
     """
     felt = tuple(strata), case.volumetric_strain, bool(case.residual or case.residual_strength)  # notes name the last
     if law == "paper":

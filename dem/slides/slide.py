@@ -13,7 +13,16 @@ SLIDING_RATIO = 2.0  # displacement over that under Kh alone from which a disc o
 
 
 def stopped_at(side: str) -> str:
-    """Return the reason of a slide that a side of the box, "left" or "right", brought to rest."""
+    """Return the reason of a slide that a side of the box brought to rest.
+
+    Parameters
+    ----------
+    side : "left" or "right"
+
+    Returns
+    -------
+    Sentence for the report.
+    """
     return f"the {side} side of the box stopped the slide: in a longer section it would continue"
 
 

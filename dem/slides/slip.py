@@ -36,7 +36,16 @@ class Agreement:
 
 
 def cracked_shares(model: DiscModel) -> dict[str, float]:
-    """Return the share of cracked pore springs in each layer; a spring between two layers counts in both."""
+    """Return the share of cracked pore springs in each layer.
+
+    Parameters
+    ----------
+    model : the discs
+
+    Returns
+    -------
+    Share by name of the layer, 0 without pore springs; a spring between two layers counts in both.
+    """
     set_, cracked = model.pore_length != 0.0, model.pore_length < 0.0
     first, second = model.layer[model.pair_i], model.layer[model.pair_j]
     shares = {}
@@ -47,10 +56,19 @@ def cracked_shares(model: DiscModel) -> dict[str, float]:
 
 
 def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndarray:
-    """Return the slip surface between discs that moved since `before` and discs at rest, see `slip_line`; empty if none
-    moved.
+    """Return the slip surface between discs that moved and discs at rest, see `slip_line`.
 
     The displacement at a point is the mean displacement of the discs within `NEIGHBOUR_RADIUS`, fixed discs included.
+
+    Parameters
+    ----------
+    model : discs after the movement
+    before : the same discs before the movement
+    ground : packing of the discs, and its place in the section
+
+    Returns
+    -------
+    x and z (k, 2) in the frame of the section before the movement (m), from left to right; empty if no disc moved.
     """
     x, z = ground.to_section(before.x, before.z)
     moved = np.column_stack(ground.to_section_axes(model.x - before.x, model.z - before.z))
@@ -66,8 +84,16 @@ def slip_surface(model: DiscModel, before: DiscModel, ground: Ground) -> np.ndar
 
 
 def compare(section: Section, first: np.ndarray, second: np.ndarray) -> Agreement | None:
-    """Compare two slip surfaces, at the columns of the first surface that lie within the extent of the second; return
-    None if there are no such columns.
+    """Compare two slip surfaces, at the columns of the first surface that lie within the extent of the second.
+
+    Parameters
+    ----------
+    section : ground with the strata
+    first, second (k, 2) : x and z of the two surfaces (m), from left to right
+
+    Returns
+    -------
+    Distances, and share of the columns in the same stratum; None if there are no such columns.
     """
     if len(first) == 0 or len(second) < 2:
         return None

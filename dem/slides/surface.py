@@ -58,12 +58,19 @@ class Surface:
 
 
 def topmost(x: np.ndarray, z: np.ndarray, width: float) -> np.ndarray:
-    """Return the numbers of the highest discs of all columns of a width (m), from left to right.
+    """Return the numbers of the highest discs of all columns, from left to right.
 
     The last column is up to twice as wide: a narrower one at the right side may contain only discs far below the
     surface.
 
-    x, z : (n,) positions of the discs (m)
+    Parameters
+    ----------
+    x, z (n,) : positions of the discs (m)
+    width : width of a column (m)
+
+    Returns
+    -------
+    Numbers (columns with discs,).
     """
     last = max(int(np.ptp(x) / width) - 1, 0)
     column = np.minimum(((x - x.min()) / width).astype(int), last)
