@@ -16,7 +16,6 @@ from workflow.estimates.estimate import (
     DOES_NOT_APPLY,
     LEAST_GRADIENT,
     Estimate,
-    EstimateKind,
     flow_words,
     mean_inclination,
 )
@@ -37,12 +36,18 @@ S13_STRATA = ("1 Ts", "2 Ac1", "3 Asd", "4 Asd", "5 Asd", "6 As1", "7 Ac2", "8 A
 
 NO_LINE = np.zeros((0, 2))
 
-__all__ = ["BlockDrive", "Estimate", "EstimateKind", "block_drive", "constant_kh", "estimates", "mean_inclination"]
-
 
 def constant_kh(settings: Tables) -> float:
-    """Return the constant Kh in the settings of the sliding block or, if it is not given there, in the settings of the
-    slides."""
+    """Return the Kh that drives a sliding block without a record.
+
+    Parameters
+    ----------
+    settings : tables [sliding_block] and [slide]
+
+    Returns
+    -------
+    Kh (-) of the block or, if it has none, of the slides.
+    """
     return settings.slide.kh if settings.sliding_block.kh is None else settings.sliding_block.kh
 
 
@@ -72,7 +77,17 @@ class BlockDrive:
 
 
 def block_drive(settings: Tables) -> BlockDrive:
-    """Return the loading of the block by Kh, for the duration in the settings of the block, or else of the slides."""
+    """Return the loading of a sliding block without a record, for the duration of the block, or else of the slides.
+
+    Parameters
+    ----------
+    settings : tables [sliding_block] and [slide]
+
+    Returns
+    -------
+    Cycles of Kh if the slides have cycles and the block has no duration; else a constant Kh for its duration, which is
+    infinite if none is given.
+    """
     slide, seconds = settings.slide, settings.sliding_block.seconds
     if seconds is None and slide.kh_cycles is not None and slide.kh_period is not None:
         return BlockDrive(slide.kh_cycles * slide.kh_period, slide.kh_cycles, slide.kh_period)
@@ -80,18 +95,36 @@ def block_drive(settings: Tables) -> BlockDrive:
 
 
 def is_s13(section: Section) -> bool:
-    """Return whether a section is S-13, the section of the paper, by its name and its ten strata."""
+    """Return whether a section is S-13, the section of the paper.
+
+    Parameters
+    ----------
+    section : the ground
+
+    Returns
+    -------
+    True if its name and its ten strata are those of S-13.
+    """
     return section.name == "s13" and tuple(stratum.name for stratum in section.strata) == S13_STRATA
 
 
 def estimates(
     section: Section, settings: Tables, kc: float | None, slip_surface: np.ndarray = NO_LINE
 ) -> list[Estimate]:
-    """Return all estimates that this input allows. Estimates by a sliding block with friction need the critical Kh.
+    """Return all estimates of displacements that an input allows.
 
-    ``slip_surface`` (n, 2) in m is the slip surface by the finite elements; it may be empty. The estimates of the paper
-    on S-13 are only made for the section S-13. ``settings``: settings of all tables; ``kc``: critical Kh, None if there
-    is none.
+    Sliding blocks with friction need the critical Kh. The estimates of the paper are made for section S-13 only.
+
+    Parameters
+    ----------
+    section : the ground
+    settings : settings of all tables
+    kc : critical Kh (-); None if there is none
+    slip_surface : slip surface (n, 2) by the finite elements (m); may be empty
+
+    Returns
+    -------
+    The estimates, also of methods that do not apply to this ground.
     """
     rows: list[Estimate] = []
     if kc is not None and kc > 0.0:
@@ -107,7 +140,13 @@ def estimates(
 
 @dataclass(frozen=True)
 class BlockSlide:
-    """Holds the slide of a rigid block (m), in both directions of a record or under Kh, and the loading in words."""
+    """Holds the slide of a rigid block in both directions of a record, or under Kh.
+
+    Attributes
+    ----------
+    low, high : smaller and larger slide of both directions (m); equal under Kh
+    description : loading in words
+    """
 
     low: float
     high: float
@@ -121,10 +160,16 @@ class BlockSlide:
 
 
 def block_slide(settings: Tables, kc: float) -> BlockSlide | None:
-    """Compute the slide of a rigid block with yield coefficient ``kc`` (above 0), in both directions of the record, or
-    else under Kh.
+    """Compute the slide of a rigid block in both directions of the record, or else under Kh (Newmark 1965).
 
-    The slide is None if Kh is constant without end and exceeds ``kc``, so that the block never stops.
+    Parameters
+    ----------
+    settings : tables [sliding_block] and [slide]
+    kc : yield coefficient of the block (-), above 0
+
+    Returns
+    -------
+    The slide; None if Kh is constant without end and exceeds ``kc``, so that the block never stops.
     """
     if not settings.sliding_block.accelerogram:
         kh, drive = constant_kh(settings), block_drive(settings)

@@ -55,7 +55,7 @@ def crest_between(ground: np.ndarray, start: float, end: float) -> Crest:
 
 
 def embankments(ground: np.ndarray) -> tuple[Crest, ...]:
-    """Find the crests that stand out on both sides, from left to right.
+    """Find the crests that stand out on both sides.
 
     The prominence of a crest is its height above the higher one of two points: the lowest ground on its left and on its
     right, as far as the ground is lower than the crest. The crest belongs to an embankment if its prominence is at
@@ -63,7 +63,11 @@ def embankments(ground: np.ndarray) -> tuple[Crest, ...]:
 
     Parameters
     ----------
-    ground (n, 2) : points of the ground surface (m), x ascending
+    ground : points (n, 2) of the ground surface (m), x ascending
+
+    Returns
+    -------
+    The crests from left to right; of crests whose embankments overlap only the highest one.
     """
     crests: list[Crest] = []
     for crest in sorted(_standing_out(ground), key=lambda bank: -bank.elevation):

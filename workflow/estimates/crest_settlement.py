@@ -75,12 +75,16 @@ def reconsolidation_settlement(thickness: Sequence[float], volumetric_strain: Se
 
 
 def freeboard(elevation: float, settlement: float, water: float) -> float:
-    """Return the height of the crest above the water after the earthquake (m); negative if water flows over the crest.
+    """Return the height of a crest above the water after the earthquake.
 
     Parameters
     ----------
     elevation : elevation of the crest before the earthquake (m)
     settlement : settlement of the crest (m), down positive
     water : elevation of the water beside the structure (m)
+
+    Returns
+    -------
+    Freeboard (m); negative if water flows over the crest.
     """
     return elevation - settlement - water

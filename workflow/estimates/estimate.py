@@ -51,13 +51,33 @@ def mean_inclination(section: Section) -> float:
 
 
 def depth_below_ground(section: Section, line: np.ndarray) -> np.ndarray:
-    """Return the depth (n,) below the ground (m) of the points of a ``line`` (n, 2), such as a slip surface."""
+    """Return the depth of the points of a line below the ground.
+
+    Parameters
+    ----------
+    section : the ground
+    line : points (n, 2) of a line in the ground, such as a slip surface (m)
+
+    Returns
+    -------
+    Depths (n,) in m, vertically below the ground surface, down positive.
+    """
     depth: np.ndarray = np.interp(line[:, 0], *section.ground.T) - line[:, 1]
     return depth
 
 
 def flow_words(section: Section, setting: FlowSetting) -> str:
-    """Return the flow rule, in words, of the critical Kh that is the yield coefficient of sliding blocks."""
+    """Return the flow rule of the critical Kh that is the yield coefficient of sliding blocks.
+
+    Parameters
+    ----------
+    section : the ground, with the dilation angles of its strata
+    setting : the setting ``fem.flow``
+
+    Returns
+    -------
+    The flow rule in words, such as "with ψ = φ".
+    """
     flow = flow_of(section.strata, setting)
     if flow == "davis":
         return f"by {davis_words(stratum.dilation for stratum in section.strata)}"
@@ -65,8 +85,7 @@ def flow_words(section: Section, setting: FlowSetting) -> str:
 
 
 def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -> list[Estimate]:
-    """Return the estimates, with an additional sentence in those of lateral spreads if the liquefied ground does not
-    stand without shaking.
+    """Mark estimates of lateral spreads as not applicable if the liquefied ground does not stand without shaking.
 
     The data of lateral spreads are of ground that stands once shaking ends: it moves in each half cycle of the shaking,
     up to its strain potential. Ground with a factor of safety below 1 moves by its weight until it is as flat as its
@@ -77,6 +96,11 @@ def with_flow_failure(estimates: Iterable[Estimate], factors: Sequence[float]) -
     ----------
     estimates : estimates of all methods
     factors : factors of safety without shaking of the cases of liquefied ground that flow; empty if none flows
+
+    Returns
+    -------
+    All estimates; those of lateral spreads with a displacement do not apply if any case flows, with the reason in
+    words.
     """
     rows = list(estimates)
     if not factors:

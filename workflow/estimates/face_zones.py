@@ -17,8 +17,19 @@ FACE_THICKNESS = 0.1
 
 
 def is_of_face(structure: CrestedStructure, towards: int, surface: Surface, sides: Sequence[int] = ()) -> bool:
-    """Return whether a part of the crest of a ``structure`` slides in a failure ``towards`` a side; ``surface``: points
-    (m) of the slip surface, from left to right; ``sides``: as in `zones_against`."""
+    """Return whether a failure is one of a face: part of the crest slides, towards the side of the face.
+
+    Parameters
+    ----------
+    structure : structure with its crest
+    towards : LEFT (-1) or RIGHT (1), the side to which the face slides
+    surface : points (n, 2) of the slip surface from left to right (m); may be empty
+    sides : sides to which the failure slides; if none are given, that of the lower end of the slip surface
+
+    Returns
+    -------
+    False also for an empty slip surface.
+    """
     points = [(float(x), float(z)) for x, z in surface]
     return bool(points) and structure.slides_with(points) and towards in (sides or _slides(points))
 

@@ -27,11 +27,10 @@ class SlidingGround(NamedTuple):
 
 
 def sliding_level_ground(section: Section, side: str, vertical: float) -> SlidingGround | None:
-    """Find the smallest Kh at which the level ground at a side slides: min (c + σ'v tan φ) / σv, σv the weight of the
-    mass that shakes.
+    """Find the smallest Kh at which the level ground at a side of a section slides, min (c + σ'v tan φ) / σv.
 
-    Strength over weight is monotone within a stratum whose cohesion is linear, so that the ends of the strata are
-    examined.
+    σv is the weight of the mass that shakes, and σ'v is reduced by Kv and by excess pore pressure. Strength over weight
+    is monotone within a stratum whose cohesion is linear, so that the ends of the strata are examined.
 
     Parameters
     ----------

@@ -47,8 +47,8 @@ def circle_of_longer_section(
     Parameters
     ----------
     section : the section as given; its ground, layers and water continue level past both sides
-    ends (left, right) : x (m) of the ends of the critical circle of the section
-    critical : the critical Kh of that circle
+    ends : x (m) of the left and the right end of the critical circle of the section
+    critical : the critical Kh of that circle (-)
     towards, least_depth, vertical, crack : as in `ground_of_circles`
 
     Returns

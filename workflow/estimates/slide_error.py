@@ -59,8 +59,9 @@ class SlideError:
 
 
 def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> SlideError | None:
-    """Return the error in predicting known field slides. Only flow failures, or only lateral spreads, are compared if
-    the collection has enough cases of this kind.
+    """Return the error in predicting known field slides.
+
+    Only flow failures, or only lateral spreads, are compared if the collection has at least 3 cases of this kind.
 
     Parameters
     ----------
@@ -69,7 +70,7 @@ def slide_error(flows: bool | None = None, method: SlideMethod = "discs") -> Sli
 
     Returns
     -------
-    None if no field case of the collection was computed.
+    The error; None if no field case of the collection was computed.
     """
     rows = _rows(method)
     field = [(kind, ratio) for group, kind, ratio in rows if group == "field"]

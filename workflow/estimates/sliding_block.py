@@ -30,15 +30,27 @@ class RigidSlide:
 
 
 def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> RigidSlide:
-    """Compute the slide of a rigid block that resists kc g, under a record of the ground's acceleration.
+    """Compute the slide of a rigid block that resists kc g, under a record of the ground's acceleration (Newmark 1965).
 
     N. M. Newmark, Effects of earthquakes on dams and embankments, Géotechnique 15 (1965) 139-160: from the moment when
     the ground acceleration exceeds kc g, the relative acceleration of the block is the excess over kc g, until both
-    have the same velocity again; the block does not slide back. ``time`` (n,) in s must not fall, and has two equal
-    times for a step; ``acceleration`` (n,) in m/s² is linear in between, and positive where it drives the block; kc >
-    0. The motion is integrated in closed form from corner to corner of the record, so that there is no time step. If
-    the record ends while the block slides, the block slides on, with no acceleration, until it stops. Raises ValueError
-    if kc is not above 0.
+    have the same velocity again; the block does not slide back. The motion is integrated in closed form from corner to
+    corner of the record, so that there is no time step. If the record ends while the block slides, the block slides on,
+    with no acceleration of the ground, until it stops.
+
+    Parameters
+    ----------
+    time : times (n,) in s, which must not fall; two equal times make a step of the acceleration
+    acceleration : acceleration (n,) of the ground in m/s², linear between the times, positive where it drives the block
+    kc : yield coefficient (-), above 0
+
+    Returns
+    -------
+    The motion of the block relative to the ground.
+
+    Raises
+    ------
+    ValueError : ``kc`` is not above 0.
     """
     if not kc > 0.0:
         raise ValueError(f"kc = {kc:g}: expected a critical Kh above 0, since a block without resistance does not stop")
@@ -110,7 +122,12 @@ def rectangular_pulse(kc: float, k: float, duration: float) -> float:
 
 @dataclass(frozen=True)
 class SmoothPlane:
-    """Describes a block without friction on a plane with a ``slope`` (rad), as in Sec. 5 of the paper."""
+    """Describes a block without friction on a plane, as in Sec. 5 of the paper.
+
+    Parameters
+    ----------
+    slope : inclination of the plane β (rad)
+    """
 
     slope: float
 

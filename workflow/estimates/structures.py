@@ -14,7 +14,14 @@ EDGE = 1e-6  # m, up to which the end of a slip circle lies at the edge of a cre
 
 @dataclass(frozen=True)
 class CrestedStructure:
-    """Holds a structure of the section file, or an embankment found in the ground surface, with its crest."""
+    """Holds a structure of the section file, or an embankment found in the ground surface.
+
+    Attributes
+    ----------
+    name : name in the section file, or "embankment at x = … m"
+    kind : kind in the section file; "levee" for an embankment of the ground surface
+    crest : its crest and its feet
+    """
 
     name: str
     kind: Kind
@@ -39,8 +46,16 @@ class CrestedStructure:
 
 
 def structures_of(section: Section) -> tuple[CrestedStructure, ...]:
-    """Return the structures of a section: the structures in the section file or, if it has none, the embankments found
-    in the ground surface."""
+    """Return the structures of a section with their crests.
+
+    Parameters
+    ----------
+    section : the ground
+
+    Returns
+    -------
+    The structures of the section file, in its order; if it has none, the embankments of the ground from left to right.
+    """
     ground = section.ground
     if section.structures:
         return tuple(
@@ -63,12 +78,23 @@ def face_circle(
     vertical: float,
     crack: TensionCrack = NO_CRACK,
 ) -> SlipCircle | None:
-    """Find the critical slip circle of one face of a structure, which is a circle ``towards`` a side with which a part
-    of the crest slides.
+    """Find the critical slip circle of one face of a structure, with which a part of the crest slides towards a side.
 
-    ``critical`` is the critical circle of the ``section`` towards this side; it is also the circle of the face if a
-    part of the crest slides with it. The other arguments, ``kh``, ``least_depth``, ``vertical`` and ``crack``, are
-    those of `critical_circle`.
+    Parameters
+    ----------
+    section : strata cut at the water, as `Section.parse` returns them
+    structure : structure with its crest
+    towards : LEFT or RIGHT, the side to which the face slides
+    critical : critical circle of the section towards this side, which is also the circle of the face if a part of the
+        crest slides with it; None if there is none
+    kh : seismic coefficient (-) at which the factor of safety is sought; None to seek the least critical Kh
+    least_depth : smallest depth of circles (m)
+    vertical : vertical seismic coefficient (-), positive upwards
+    crack : depth of the crack at which circles end, and the water in it
+
+    Returns
+    -------
+    The circle; None if no part of the crest slides.
     """
     if critical is not None and structure.slides_on([(x, z) for x, z in critical.surface]):
         return critical
