@@ -32,6 +32,7 @@ lint: setup ## style, types, who may import whom, and the words of the documenta
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python docs/prose.py
+	$(BIN)/python -m docs.usage
 	$(BIN)/python docs/docstrings.py
 	$(BIN)/python docs/names.py
 

@@ -247,7 +247,7 @@ class SlideSettings(Model):
         ge=0.0,
         le=1.0,
         description=(
-            'seismic coefficient Kh of the slides, constant or in kh_cycles cycles. "k_max" is the Kh by '
+            'seismic coefficient Kh of the slides, constant or cyclic (kh_cycles). "k_max" is the Kh by '
             '[site_response]; "earthquake" is the cyclic Kh that is equivalent to [earthquake], and the '
             "default if the file has this table. If the file gives no shaking, Kh is 0.1 in 15 cycles, as "
             "in an earthquake of magnitude 7.5"

@@ -194,7 +194,7 @@ def test_a_wrong_setting_of_the_command_line_is_no_fault_of_the_file(
 @pytest.mark.parametrize(
     ("command", "expected"),
     [
-        (("liquefied",), "no stratum liquefies in any case; expected liquefies_in in at least one stratum"),
+        (("liquefied",), "no stratum liquefies in any case; expected liquefies_in for at least one stratum"),
         (("residual",), "no stratum has a post-peak strength; expected residual_cohesion and residual_friction_angle"),
         (("faces",), "structures: missing; expected one table [[structures]] for each structure"),
         (("fem", "--out", "{file}"), "is a file; expected a folder for the results"),

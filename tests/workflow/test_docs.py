@@ -261,6 +261,20 @@ def test_words_that_the_glossary_replaced_are_seen_in_a_page() -> None:
     assert [word for _, word, _ in prose.faults("What Kh hangs on, `hangs on`.\n\n    hangs on\n")] == ["hangs on"]
 
 
+def test_usage_that_proselint_refuses_is_seen_in_a_page() -> None:
+    """That no page has any is a check of `make lint`; terms of the glossary and code are never refused."""
+    usage = program("usage")
+    usage.CheckRegistry().register_many(usage.__register__)
+    text = "The slope\nis a very very unique slope (R) with x x 3.\n\nWith x x 3 discs."
+    findings = [(line, message.rpartition(" [")[2]) for line, message in usage.faults(text, frozenset())]
+    assert {name.partition(".")[0].strip("]") for line, name in findings if line == 2} == {
+        "lexical_illusions", "uncomparables", "weasel_words",
+    }  # fmt: skip
+    assert len(findings) == sum(line == 2 for line, _ in findings)
+    assert list(usage.faults("It is a weak layer of sand sand.", frozenset({"sand sand"}))) == []
+    assert "seismic coefficient" in usage.glossary()
+
+
 def test_names_without_a_noun_are_refused() -> None:
     names = program("names")
     source = (

@@ -31,7 +31,7 @@ def refuse_unless_liquefying(section: Section) -> None:
     """Raise InputError if no stratum of a section liquefies."""
     if not section.liquefies:
         raise InputError(
-            section.name, ["no stratum liquefies in any case; expected liquefies_in in at least one stratum"]
+            section.name, ["no stratum liquefies in any case; expected liquefies_in for at least one stratum"]
         )
 
 
