@@ -170,13 +170,29 @@ def conic_limit_load(
     live: np.ndarray,
     start: cone_program.Warm | None = None,
 ) -> ConicLimitLoad:
-    """Find the largest λ at which the ground resists the nodal forces ``dead`` + λ ``live``, both (dofs,) in N/m.
+    """Find the largest λ at which the ground resists the nodal forces ``dead`` + λ ``live``.
 
     The flow is associated, the element "reduced"; the result does not depend on initial stress and stiffness. All MPI
-    ranks get the answer of the first rank. Raises UnstableError if no stress balances the forces, NoAnswerError if the
-    solver leaves no answer. ``problem``: the elements of ``mesh``, with their strength and the components that are
-    fixed; ``start``: the ``start`` of another limit load with the same mesh, fixed components and loads, which saves
-    half of the work.
+    ranks get the answer of the first rank.
+
+    Parameters
+    ----------
+    problem : the elements of the mesh, with their strength and their fixed components
+    mesh : the mesh
+    dead, live (dofs,) : constant and growing nodal forces (N/m)
+    start : the ``start`` of another limit load with the same mesh, fixed components and loads, which saves half of the
+        work
+
+    Returns
+    -------
+    The limit load with its mechanism; an infinite one if the live forces do no work in any mechanism.
+
+    Raises
+    ------
+    UnstableError
+        If no stress balances the forces, whatever λ is.
+    NoAnswerError
+        If the solver leaves no answer.
     """
     ground = gathered(problem, mesh, dead, live)
     answer: ConicLimitLoad | NoAnswerError | None = None

@@ -85,12 +85,29 @@ def conic_safety_factor(
     guess: float = 1.0,
     start: FactorStart | None = None,
 ) -> ConicSafetyFactor:
-    """Find the divisor of c and tan φ at which the ground just resists nodal forces (dofs,) in N/m, and the mechanism.
+    """Find the divisor of c and tan φ at which the ground just resists nodal forces, and the mechanism.
 
-    ``problem`` are the elements of ``mesh``; ``forces`` are nodal forces (N/m); ``guess`` is the factor at which the
-    search begins; ``kh`` labels the mechanism; ``start`` is the start from the factor by another flow rule, which
-    replaces the guess. The flow is associated, the element "reduced". The strength of the ``problem`` is divided by the
-    factor afterwards. Raises UnstableError if the factor is below 1/20, NoAnswerError if the solver leaves no answer.
+    The flow is associated, the element "reduced". The strength of the problem is divided by the factor afterwards.
+
+    Parameters
+    ----------
+    problem : the elements of the mesh, with their fixed components
+    mesh : the mesh
+    forces (dofs,) : nodal forces (N/m)
+    kh : seismic coefficient of the forces, which labels the mechanism (-)
+    guess : factor at which the search begins (-)
+    start : start from the factor by another flow rule, which replaces the guess
+
+    Returns
+    -------
+    The factor of safety (-), its mechanism, and a start for another flow rule.
+
+    Raises
+    ------
+    UnstableError
+        If the factor is below 1/20.
+    NoAnswerError
+        If the factor is above 20, or the solver leaves no answer.
     """
     grid = problem.grid
     mean = _elastic_mean(problem, forces)
@@ -114,7 +131,14 @@ def conic_safety_factor(
 def too_weak(kh: float, moving: np.ndarray | None = None) -> UnstableError:
     """Return the error for a factor of safety below the smallest factor that is searched for.
 
-    ``moving`` are the points (n, 2) in m that move most in the mechanism; without them the error names no place.
+    Parameters
+    ----------
+    kh : seismic coefficient (-)
+    moving (n, 2) : points that move most in the mechanism (m); without them the error names no place
+
+    Returns
+    -------
+    The error, to be raised.
     """
     load_words = "its own weight" + (f" and Kh = {kh:g}" if kh else "")
     failure_words = f"the section fails under {load_words} even at {LARGEST_FACTOR:g} times its strength"

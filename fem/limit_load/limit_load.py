@@ -95,10 +95,28 @@ class LimitLoadResult:
 def critical_limit_load(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any = None, faces: list[ShallowFailure] | None = None
 ) -> LimitLoadResult:
-    """Compute the limit load of the seismic force in the direction of ``settings``, always with the "reduced" element.
+    """Compute the limit load of the seismic force in one direction, always with the "reduced" element.
 
-    ``faces`` as in ``loaded_ground``. Raises InputError, UnstableError, NoAnswerError if the solver leaves no answer.
-    ``section``: the section of the ground; ``mesh``: a mesh of the section; ``comm``: MPI communicator.
+    Parameters
+    ----------
+    section : the ground
+    mesh : a mesh of the section
+    settings : settings of the finite elements, with the direction of the seismic force; of "both", downhill
+    comm : MPI communicator; None for this process alone
+    faces : cohesionless faces to be strengthened; None to choose them as in `loaded_ground`
+
+    Returns
+    -------
+    The critical Kh of the mesh with its mechanism, and the ground with its loads for further limit loads.
+
+    Raises
+    ------
+    InputError
+        If the section cannot be analysed.
+    UnstableError
+        If the ground fails without a seismic force.
+    NoAnswerError
+        If the solver leaves no answer, or the limit load is not unique (ψ < φ).
     """
     ground = loaded_ground(section, mesh, settings.changed(element="reduced"), comm, faces)
     if ground.limit is None:
@@ -109,10 +127,23 @@ def critical_limit_load(
 def with_other_flow(
     result: LimitLoadResult, section: Section, mesh: QuadMesh, settings: FemSettings
 ) -> LimitLoadResult:
-    """Compute the limit load of the ground of ``result`` with the flow rule and the sides of other ``settings``.
+    """Compute the limit load of the same ground with another flow rule or other sides.
 
-    ``section``: the section of the ground; ``mesh``: the mesh of ``result``. Raises NoAnswerError if the solver leaves
-    no answer.
+    Parameters
+    ----------
+    result : a limit load of the ground
+    section : the ground
+    mesh : the mesh of ``result``
+    settings : settings with the other flow rule and sides
+
+    Returns
+    -------
+    The limit load. The loads, and the K0 stress on the sides, are those of ``result``.
+
+    Raises
+    ------
+    NoAnswerError
+        If the solver leaves no answer.
     """
     ground = result.ground
     problem = copy(ground.problem)  # a path may go on with this one
@@ -125,12 +156,20 @@ def with_other_flow(
 
 
 def in_order(weak: LimitLoadResult, strong: LimitLoadResult) -> tuple[LimitLoadResult, LimitLoadResult]:
-    """Order two limit loads of one mesh under one load, so that the first is not above the second. The strength of the
-    first ground is nowhere larger than that of the second.
+    """Order two limit loads of one mesh under one load, so that the first is not above the second.
 
     The second ground resists every load that the first one resists (lower bound theorem). Therefore the bracket of the
     first limit load is cut off at the upper end of the second bracket, and the second bracket at the lower end of the
     first. The means of both brackets are then in the same order.
+
+    Parameters
+    ----------
+    weak : limit load of ground whose strength is nowhere larger than that of the other ground
+    strong : limit load of the other ground
+
+    Returns
+    -------
+    Both limit loads, each the mean of its cut bracket; unchanged if one of them is missing.
     """
     low, high = weak.ground.limit, strong.ground.limit
     if low is None or high is None:
@@ -168,12 +207,28 @@ def _limit_load_of(section: Section, mesh: QuadMesh, settings: FemSettings, grou
 def loaded_ground(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any = None, faces: list[ShallowFailure] | None = None
 ) -> LoadedGround:
-    """Return the ground of a ``section`` with ``faces`` strengthened, and the limit load of the seismic force if it is
-    unique; else return the ground at rest. Without ``faces``, all cohesionless faces are strengthened if any of them
-    fails at a smaller Kh than the ground below, as in the bounds. All of them are strengthened, since where a layer
-    thins out at a face, cells of the mesh there may belong to the neighbouring layer. If there is no limit load, the
-    faces that fail under their weight are strengthened. ``settings``: settings of the finite elements; ``comm``: MPI
-    communicator.
+    """Return the ground with its loads, and the limit load of the seismic force if it is unique.
+
+    If the faces are not given, all cohesionless faces are strengthened if any of them fails at a smaller Kh than the
+    ground below, as in the bounds. All of them are strengthened, since where a layer thins out at a face, cells of the
+    mesh there may belong to the neighbouring layer. Where the limit load is not unique, they are strengthened if one of
+    them fails under its weight.
+
+    Parameters
+    ----------
+    section, mesh, settings, comm : as in `critical_limit_load`
+    faces : cohesionless faces that are strengthened in any case; None to find them
+
+    Returns
+    -------
+    The ground without stress and its limit load; the ground at rest without limit load where that is not unique.
+
+    Raises
+    ------
+    UnstableError
+        If the ground fails without a seismic force.
+    InputError
+        If the section cannot be analysed.
     """
     first = 0.0  # Kh at which the first face fails
     if faces is None:
@@ -198,31 +253,74 @@ def loaded_ground(
 
 
 def is_unique(section: Section, settings: FemSettings) -> bool:
-    """Return whether the limit load is unique and the element suits limit analysis; the answer then does not depend on
-    step sizes."""
+    """Return whether the limit load is unique and the element suits limit analysis.
+
+    The answer then does not depend on step sizes.
+
+    Parameters
+    ----------
+    section : the ground
+    settings : settings with the flow rule and the element
+
+    Returns
+    -------
+    True for associated flow, Davis's estimate included, with the "reduced" element.
+    """
     return is_associated(section.strata, settings.flow) and element_for(section, settings) == "reduced"
 
 
 def cohesionless_faces(section: Section, settings: FemSettings) -> list[ShallowFailure]:
-    """Find the cohesionless faces inclined in the direction of the seismic force, with the strength of the analysis."""
+    """Find the cohesionless faces inclined in the direction of the seismic force, with the strength of the analysis.
+
+    Parameters
+    ----------
+    section : the ground
+    settings : settings with the flow rule, the direction of the seismic force and the least depth
+
+    Returns
+    -------
+    The faces from left to right, with the Kh at which each of them fails.
+    """
     return shallow_failures(section, settings, strength_of(section.strata, settings.flow).friction)
 
 
 def faces_failing_at_rest(section: Section, settings: FemSettings) -> list[ShallowFailure]:
-    """Find the cohesionless faces inclined against the seismic force that fail by their weight alone, with the strength
-    of the analysis.
+    """Find the cohesionless faces inclined against the seismic force that fail by their weight alone.
+
+    Parameters
+    ----------
+    section, settings : as in `cohesionless_faces`
+
+    Returns
+    -------
+    The faces, with the strength of the analysis; their Kh, against the direction of the settings, is negative.
     """
     return failing_at_rest(section, settings, strength_of(section.strata, settings.flow).friction)
 
 
 def weight_borne(section: Section, mesh: QuadMesh, settings: FemSettings) -> float:
-    """Return the multiple of its weight that the ground resists between fixed sides (limit load of a mesh); below 1 the
-    ground flows.
+    """Return the multiple of its weight that the ground resists between sides that are held horizontally (limit load).
 
     Cohesionless faces that fail by themselves are strengthened, as in the search for the critical Kh: they bear no
-    share of their weight, whatever the ground below them does. The flow is associated. Raises the errors of
-    ``conic_limit_load``. ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``:
-    settings of the finite elements.
+    share of their weight, whatever the ground below them does. The flow is associated.
+
+    Parameters
+    ----------
+    section : the ground
+    mesh : a mesh of the section
+    settings : settings of the finite elements
+
+    Returns
+    -------
+    The multiple of the weight, surcharges and static water included (-); below 1 the ground flows, infinite if no
+    multiple of the weight causes failure.
+
+    Raises
+    ------
+    UnstableError
+        If not even a thousandth of the weight is in equilibrium.
+    NoAnswerError
+        If the solver leaves no answer.
     """
     faces = [face for face in faces_at(section, settings, 0.0) if face.kh < 0.0]
     problem, weight = under_weight(section, mesh, settings.changed(element="reduced"), faces=faces)

@@ -65,13 +65,20 @@ def nonassociated_limit_load(
     associated: np.ndarray | None = None,
     most_work: float = np.inf,
 ) -> NonassociatedLimitLoad:
-    """Return the Kh at which ground fails under the nodal forces ``dead`` + Kh ``live``, both (dofs,) in N/m, if the
-    ground flows with the dilation angles of its strata.
+    """Return the Kh at which ground fails that flows with the dilation angles of its strata.
 
-    ``problem``: the elements of ``mesh`` with ψ = φ and with the fixed components, on one MPI rank; ``associated``:
-    mean stress of every cell (cells, [xx, yy, ...]) in Pa at the limit load with ψ = φ, from which the iteration starts
-    a second time; without it the iteration starts from rest only. No program is begun after ``most_work`` (seconds on
-    the reference machine of ``cone_program``).
+    Parameters
+    ----------
+    problem : the elements of ``mesh`` with ψ = φ and with their fixed components, on one MPI rank
+    mesh : the mesh
+    dead, live (dofs,) : nodal forces that are constant, and those of Kh = 1 (N/m)
+    associated (cells, 4) : mean stress [xx, yy, ...] of every cell at the limit load with ψ = φ, tension positive (Pa),
+        from which the iteration starts a second time; None to start from rest only
+    most_work : computing work after which no program is begun (seconds on the reference machine of ``cone_program``)
+
+    Returns
+    -------
+    The critical Kh; without a value, but with a reason, if the pressures do not settle or two starts disagree.
     """
     ground = gathered(problem, mesh, dead, live)
     step = _Step(problem, ground)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.continuum.cohesion_levels import assign_levels, cohesion_levels
 from fem.continuum.face_reinforcement import strengthened
 from fem.continuum.load_ends import with_strengthened_load_ends
 from fem.continuum.loads import soils
@@ -38,21 +39,38 @@ LONGEST_LOADING = 10.0
 LOADING_NEWTON = NewtonSettings(iterations=60, line_search=8, descents=600)
 # Largest steps of a path, in reference displacements: associated flow follows long ones as well as short ones.
 LARGEST_ASSOCIATED_STEP, LARGEST_STEP = 3.0, 0.3
-# Number of levels by which a varying cohesion of a stratum is represented, and the lowest level over the highest.
-# Levels differ by a constant factor, since at a bare cut the smallest cohesions matter as much as the large ones.
-COHESION_LEVELS, LOWEST_COHESION_RATIO = 512, 1e-3
 
 
 def element_for(section: Section, settings: FemSettings) -> Element:
-    """Return the element of the settings; by default the element that suits the flow rule
-    (docs/theory/continuum.md)."""
+    """Return the element of an analysis.
+
+    Parameters
+    ----------
+    section : the ground, whose dilation angles decide whether the flow is associated
+    settings : settings with the element and the flow rule
+
+    Returns
+    -------
+    The element of the settings; for "auto" the one that suits the flow rule (docs/theory/continuum.md): "reduced" for
+    associated flow, else "quadratic".
+    """
     if settings.element != "auto":
         return settings.element
     return "reduced" if is_associated(section.strata, settings.flow) else "quadratic"
 
 
 def path_settings(problem: PlaneStrain, settings: FemSettings) -> PathSettings:
-    """Return settings of paths in this ground: long steps and no overstress if its flow is associated."""
+    """Return settings of paths in this ground: long steps and no overstress if its flow is associated.
+
+    Parameters
+    ----------
+    problem : the elements with their flow rule
+    settings : settings with the tolerance of equilibrium and, for non-associated flow, the relaxation
+
+    Returns
+    -------
+    Settings of Newton's method, step lengths and relaxation.
+    """
     newton = NewtonSettings(tolerance=settings.tolerance)
     if problem.associated:
         return PathSettings(newton=newton, largest_step=LARGEST_ASSOCIATED_STEP)
@@ -68,15 +86,33 @@ def gravity_equilibrium(
     strength_factor: float = 1.0,
     excess_pressure: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, EquilibriumPath]:
-    """Bring the section to equilibrium under its weight; return the section in equilibrium, the constant nodal forces
-    (N/m) on it, and the path of equilibria under the rising weight.
+    """Bring the section to equilibrium under its weight (K0 stage).
 
     Under gravity the sides are held horizontally (K0); sides that are released afterwards keep their reactions as
     forces. Periodic sides are periodic from the start and have no reactions (``repetition.py``). Displacement and
-    strain are then set to zero. ``faces`` as in ``under_weight``; ``strength_factor`` divides cohesion and tan φ.
-    Excess pore pressure by shaking acts with ``excess_pressure``. Raises InputError, UnstableError. ``section``: the
-    section of the ground; ``mesh``: a mesh of the section; ``settings``: settings of the finite elements; ``comm``: MPI
-    communicator.
+    strain are then set to zero.
+
+    Parameters
+    ----------
+    section : the ground
+    mesh : a mesh of the section
+    settings : settings of the finite elements
+    comm : MPI communicator; None for this process alone
+    faces : cohesionless faces below which the ground is strengthened
+    strength_factor : divisor of cohesion and tan φ (-)
+    excess_pressure : whether the excess pore pressure by shaking acts
+
+    Returns
+    -------
+    The elements in equilibrium, the constant nodal forces (dofs,) on them in N/m, and the path of equilibria under the
+    rising weight.
+
+    Raises
+    ------
+    InputError
+        If the section cannot be analysed, for example since it has no weight.
+    UnstableError
+        If the ground fails under its weight.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
     problem.use_strength(strength_factor)
@@ -102,13 +138,26 @@ def at_the_sides(
     faces: Sequence[ShallowFailure] = (),
     excess_pressure: bool = True,
 ) -> tuple[PlaneStrain, np.ndarray, np.ndarray]:
-    """Return the section without stress, with the sides of the search for Kh; the nodal forces (N/m) of its weight; and
-    all constant nodal forces.
+    """Return the section without stress, with the sides of the search for Kh, and the nodal forces on it.
 
     On free-field sides the K0 stress is that of ``side_stress.py``, as in the bounds. Excess pore pressure by shaking
-    acts with ``excess_pressure``, on the K0 stress, too: the effective horizontal stress of level ground falls with the
-    vertical one, while the total horizontal stress rises. Raises InputError.
-    ``section``, ``mesh``, ``settings``, ``comm``, ``faces``: as in ``gravity_equilibrium``.
+    acts on the K0 stress, too: the effective horizontal stress of level ground falls with the vertical one, while the
+    total horizontal stress rises.
+
+    Parameters
+    ----------
+    section, mesh, settings, comm, faces : as in `gravity_equilibrium`
+    excess_pressure : whether the excess pore pressure by shaking acts
+
+    Returns
+    -------
+    The elements, the nodal forces (dofs,) of weight, static water and surcharges in N/m, and all constant nodal forces
+    (dofs,) in N/m, which also contain excess pore pressure, K0 stress and vertical inertia.
+
+    Raises
+    ------
+    InputError, UnstableError
+        As in `under_weight`.
     """
     problem, weight = under_weight(section, mesh, settings, comm, faces)
     constant, at_sides = weight, section
@@ -125,12 +174,24 @@ def at_the_sides(
 def bring_to_rest(
     problem: PlaneStrain, weight: np.ndarray, constant: np.ndarray, settings: FemSettings
 ) -> EquilibriumPath:
-    """Load the unstressed ground by its weight with fixed sides, then by the other constant forces; return the path
-    under the weight.
+    """Load the unstressed ground by its weight with sides held horizontally, then by the other constant forces.
 
-    Displacement and strain are then set to zero. Raises UnstableError. ``problem`` are the elements; ``weight`` and
-    ``constant`` are the nodal forces of gravity alone, and all constant nodal forces (N/m); ``settings`` are those of
-    the finite elements.
+    Displacement and strain are then set to zero.
+
+    Parameters
+    ----------
+    problem : the elements without stress, which are in equilibrium afterwards
+    weight, constant (dofs,) : nodal forces of gravity alone, and all constant nodal forces, as of `at_the_sides` (N/m)
+    settings : settings of the finite elements
+
+    Returns
+    -------
+    The path of equilibria under the rising weight.
+
+    Raises
+    ------
+    UnstableError
+        If the ground fails under these forces.
     """
     if settings.sides != "periodic":
         problem.hold(FIXED_UNDER_GRAVITY)
@@ -152,7 +213,16 @@ def _begin_here(problem: PlaneStrain) -> None:
 
 
 def fixed_components(settings: FemSettings) -> dict[str, str]:
-    """Return the displacement components that are fixed on the boundaries after loading by the weight."""
+    """Return the displacement components that are fixed on the boundaries after loading by the weight.
+
+    Parameters
+    ----------
+    settings : settings with the sides of the section
+
+    Returns
+    -------
+    Components such as {"base": "xy", "left": "x", "right": "x"}, as ``PlaneStrain.hold`` reads them.
+    """
     fixed = FIXED_AT_SIDES[settings.sides]
     return {"base": "xy", "left": fixed, "right": fixed}
 
@@ -160,19 +230,36 @@ def fixed_components(settings: FemSettings) -> dict[str, str]:
 def under_weight(
     section: Section, mesh: QuadMesh, settings: FemSettings, comm: Any = None, faces: Sequence[ShallowFailure] = ()
 ) -> tuple[PlaneStrain, np.ndarray]:
-    """Return the elements of the section on a ``mesh`` without stress, with the displacements that are fixed under
-    gravity, and the nodal forces (N/m) of the weight. Below ``faces``, and below the ends of loads on bare sand, the
-    ground is strengthened. ``settings``: settings of the finite elements; ``comm``: MPI communicator."""
+    """Return the elements of a section without stress, and the nodal forces of its weight.
+
+    Displacements are fixed as under gravity. Below the faces, and below the ends of loads on bare sand, the ground is
+    strengthened.
+
+    Parameters
+    ----------
+    section, mesh, settings, comm, faces : as in `gravity_equilibrium`
+
+    Returns
+    -------
+    The elements, and the nodal forces (dofs,) in N/m of the weight, of static pore pressure, free water and surcharges.
+
+    Raises
+    ------
+    InputError
+        If the ground has no weight or a stratum no strength, or if sides that differ are periodic.
+    UnstableError
+        If pore water lifts sand without cohesion.
+    """
     api.require()
     strata = soils(section)
     element, strong = element_for(section, settings), strengthened(section, faces, settings) if faces else section
     strong = with_strengthened_load_ends(strong, settings.least_depth)
     strips = [s for s in strong.strata if s.name not in mesh.strata]
-    soil = [*strata, *strips, *levels(section, mesh)]
+    soil = [*strata, *strips, *cohesion_levels(section, mesh)]
     problem = PlaneStrain(mesh, soil, element, comm, settings.threads, settings.flow, settings.davis)
     _assign_strips(strata if mesh.method == "free" else [], strong, problem)
     _assign_strips(strips, strong, problem)
-    _lay_levels(len(strata) + len(strips), section, problem)
+    assign_levels(problem, section, len(strata) + len(strips))
     if settings.sides == "periodic":
         refuse_other_water(section)
         problem.tie("left", "right", section)
@@ -188,7 +275,17 @@ def under_weight(
 
 
 def vertical_inertia(problem: PlaneStrain, settings: FemSettings) -> np.ndarray:
-    """Return the nodal forces (N/m) of vertical inertia, which the vertical seismic coefficient causes."""
+    """Return the nodal forces of vertical inertia, which the vertical seismic coefficient causes.
+
+    Parameters
+    ----------
+    problem : the elements, with the seismic densities of their strata
+    settings : settings with Kv, positive upwards
+
+    Returns
+    -------
+    Forces (dofs,) in N/m, upwards if Kv is positive.
+    """
     return problem.body_force([s.density_seismic for s in problem.strata], (0.0, settings.vertical * GRAVITY))
 
 
@@ -205,46 +302,25 @@ def _assign_strips(strips: Sequence[Stratum], strong: Section, problem: PlaneStr
             problem.material[strip_of_points == names.index(strip.name)] = stratum_names.index(strip.name)
 
 
-def levels(section: Section, mesh: QuadMesh) -> list[Stratum]:
-    """For every stratum whose cohesion varies, return ``COHESION_LEVELS`` soils of constant cohesion from the smallest
-    to the largest."""
-    field, strata = section.cohesion_field, []
-    corners = mesh.points[mesh.cells]
-    for k in np.flatnonzero(field.varies):
-        # All cells are considered: in a free mesh, cells at the tip of a layer belong to its neighbours.
-        points, near = corners.reshape(-1, 2), np.repeat(corners.mean(axis=1), corners.shape[1], axis=0)
-        in_stratum = np.repeat(mesh.stratum == k, corners.shape[1]) if (mesh.stratum == k).any() else slice(None)
-        cohesion = field.at(points[in_stratum], near[in_stratum], np.full(len(points[in_stratum]), k))
-        largest_cohesion = max(float(cohesion.max()), 1e-9)  # Pa
-        bins = np.linspace(
-            0.0,
-            np.log(max(float(cohesion.min()), LOWEST_COHESION_RATIO * largest_cohesion) / largest_cohesion),
-            COHESION_LEVELS,
-        )[::-1]
-        strata += [section.strata[k].with_cohesion(float(c)) for c in largest_cohesion * np.exp(bins)]
-    return strata
-
-
-def _lay_levels(first: int, section: Section, problem: PlaneStrain) -> None:
-    """Assign the soil of the nearest cohesion to every quadrature point of strata whose cohesion varies.
-
-    ``first`` is the number, in the strata of the problem, of the first of the soils that `levels` returned.
-    """
-    field, points = section.cohesion_field, problem.points()
-    for k in np.flatnonzero(field.varies):
-        in_stratum = problem.material == k
-        cohesion = field.at(points[in_stratum], points[in_stratum], np.full(int(in_stratum.sum()), k))
-        levels = np.array([soil.cohesion for soil in problem.strata[first : first + COHESION_LEVELS]])
-        problem.material[in_stratum] = first + np.searchsorted(0.5 * (levels[1:] + levels[:-1]), cohesion)
-        first += COHESION_LEVELS
-
-
 def apply_load(problem: PlaneStrain, constant: np.ndarray, load: np.ndarray, settings: FemSettings) -> EquilibriumPath:
-    """Apply a whole load (N/m) in addition to ``constant`` forces, in one step if Newton's method converges, along a
-    path if not.
+    """Apply a load in addition to constant forces, in one step if Newton's method converges, along a path if not.
 
-    If the flow is associated, one step finds equilibrium if there is any. Raises UnstableError if the ground fails
-    under the load. ``problem`` are the elements; ``settings`` contain tolerance and steps.
+    If the flow is associated, one step finds equilibrium if there is any.
+
+    Parameters
+    ----------
+    problem : the elements in equilibrium with ``constant``, which are in equilibrium with both forces afterwards
+    constant, load (dofs,) : nodal forces that act already, and those to be applied (N/m)
+    settings : settings with the tolerance, and the steps of a path
+
+    Returns
+    -------
+    The path on which the load was applied; its multiplier is 1 at the end.
+
+    Raises
+    ------
+    UnstableError
+        If the ground fails under the load.
     """
     norm, dot = problem.exchange.norm, problem.exchange.dot
     problem.use_elastic_tangent()

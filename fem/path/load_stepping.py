@@ -28,11 +28,21 @@ def step_to_limit(
     wanted: Sequence[float],
     listener: PathListener | None = None,
 ) -> tuple[LimitLoad, list[FieldState]]:
-    """Raise Kh in steps to just below its limit load ``known``, or to ``limit`` if ``limit`` is smaller. Return the
-    limit load, and the fields at those values of ``wanted`` Kh that were reached.
+    """Raise Kh in steps to just below its limit load, or to a limit of the search that is smaller.
 
-    ``known`` is the limit load on the same mesh by limit analysis; ``path`` is the path at its start; ``mesh`` is the
-    mesh of the path; ``listener`` is called after every step.
+    Parameters
+    ----------
+    path : the path at its start, at Kh = 0
+    mesh : the mesh of the path
+    known : the limit load on the same mesh by limit analysis (-)
+    limit : largest Kh of the search (-)
+    wanted : Kh at which the fields are requested (-)
+    listener : called with the path after every step
+
+    Returns
+    -------
+    The limit load, whose value is ``known`` unless ``limit`` is smaller, and the fields at those ``wanted`` Kh that
+    were reached.
     """
     recorded_kh = {kh for kh in wanted if 0.0 < kh <= min(known, limit)}
     certain_level = limit if known > limit else CERTAIN_SHARE * known

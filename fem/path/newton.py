@@ -59,7 +59,12 @@ class Loading(Protocol):
 
 @dataclass(frozen=True)
 class ProportionalLoad:
-    """Scales a proportional load: nodal forces ``constant`` + λ ``variable``, both (dofs,) in N/m."""
+    """Scales a proportional load: nodal forces ``constant`` + λ ``variable``.
+
+    Attributes
+    ----------
+    constant, variable (dofs,) : nodal forces (N/m)
+    """
 
     constant: np.ndarray
     variable: np.ndarray
@@ -73,8 +78,11 @@ class ProportionalLoad:
 
 @dataclass(frozen=True)
 class StrengthReduction:
-    """Reduces the strength: constant nodal forces (dofs,) in N/m act on ground whose cohesion and tan φ are divided by
-    λ.
+    """Reduces the strength: cohesion and tan φ of ground under constant nodal forces are divided by λ.
+
+    Attributes
+    ----------
+    constant (dofs,) : nodal forces (N/m)
     """
 
     constant: np.ndarray

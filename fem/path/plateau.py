@@ -85,9 +85,24 @@ def find_limit_load(
 ) -> LimitLoad:
     """Follow a path until the load multiplier no longer grows or exceeds ``limit``.
 
-    If there is overstress, only relaxed states count as in equilibrium. Raises NoEquilibriumError if there is no such
-    state. ``path`` is the path at its start; ``ductility`` is the displacement over the elastic displacement (-);
-    ``rule`` ends the path, by default that of the flow; ``listener`` is called after every step.
+    If there is overstress, only relaxed states count as in equilibrium.
+
+    Parameters
+    ----------
+    path : the path at its start
+    ductility : function of the path that returns its control displacement over the elastic displacement (-)
+    limit : load multiplier at which the search ends (-)
+    rule : rule that ends the path, by default that of the flow
+    listener : called with the path after every step
+
+    Returns
+    -------
+    The limit load with its verdict: "plateau", "peak", "no failure" or "undecided".
+
+    Raises
+    ------
+    NoEquilibriumError
+        If no state on the path is in equilibrium.
     """
     rule = rule or (ASSOCIATED_RULE if path.problem.associated else PlateauRule())
     in_equilibrium, next_relaxation = -np.inf, RELAXATION_RATIO
