@@ -23,8 +23,8 @@ class CirclePart(Part):
     """Holds a critical slip circle."""
 
     towards: Literal["left", "right"] = Field(description="side of the section to which the circle slides")
-    centre_m: Point
-    radius_m: float
+    centre_m: Point = Field(description="centre [x, elevation] of the circle")
+    radius_m: float = Field(description="radius of the circle")
     surface_m: Line = Field(description="points of the slip surface, from left to right")
     bishop: float = Field(description="factor of safety or critical Kh by Bishop's simplified method")
     spencer: float | None = Field(
@@ -47,8 +47,8 @@ class CirclePart(Part):
 class FactorCircles(Part):
     """Holds the circles with the least factors of safety at one Kh, towards either side, the least first."""
 
-    kh: float
-    circles: tuple[CirclePart, ...]
+    kh: float = Field(description="seismic coefficient")
+    circles: tuple[CirclePart, ...] = Field(description="circles, the one with the least factor of safety first")
 
 
 class FaceCircle(Part):
@@ -57,12 +57,14 @@ class FaceCircle(Part):
     start_m: float = Field(description="x of the left foot of the structure")
     end_m: float = Field(description="x of the right foot of the structure")
     towards: Literal["left", "right"] = Field(description="side to which the face slides")
-    circle: CirclePart
+    circle: CirclePart = Field(description="the circle")
 
 
 class CirclesAtRest(Part):
-    """Holds the slip circles with the least factors of safety without a seismic force, in ground with the excess pore
-    pressure of shaking or with its strength after liquefaction."""
+    """Holds the slip circles with the least factors of safety without a seismic force.
+
+    The ground has the excess pore pressure of shaking, or its strength after liquefaction.
+    """
 
     cases: tuple[int, ...] = Field(
         default=(), description="cases of liquefaction with this strength; empty without any"
@@ -75,7 +77,7 @@ class FacePart(Part):
     """Holds one face of a structure, and the slip circles with which a part of its crest slides."""
 
     structure: str = Field(description="name of the structure")
-    kind: Kind
+    kind: Kind = Field(description='kind of the structure, such as "levee"')
     start_m: float = Field(description="x of the left foot of the structure")
     end_m: float = Field(description="x of the right foot of the structure")
     crest_m: tuple[float, float] = Field(description="x of both ends of the crest")
@@ -101,7 +103,7 @@ class SlicesAnswer(Answer):
 
     FILE: ClassVar[str] = "fem/slices.json"
 
-    section: SectionLabel
+    section: SectionLabel = Field(description="section of the circles")
     factors: tuple[FactorCircles, ...] = Field(description="factors of safety, one entry for each Kh")
     critical: tuple[CirclePart, ...] = Field(description="circles with the least critical Kh, the least first")
     faces: tuple[FacePart, ...] = Field(description="the faces of structures, towards the left and the right")
@@ -119,7 +121,7 @@ class SlicesAnswer(Answer):
         default=False,
         description="whether the sides are periodic and the slope is endless, which circles cannot follow",
     )
-    source: str
+    source: str = Field(description="publications of the methods")
 
     @property
     def least_of_longer(self) -> float | None:

@@ -2,6 +2,8 @@
 after layers have liquefied.
 """
 
+# ruff: noqa: N815 (units are written as they are)
+
 from typing import ClassVar, Literal
 
 from pydantic import Field
@@ -23,18 +25,20 @@ class Bearing(Part):
             "whether the ground stands without shaking: by strict bounds if they decide it, else by finite elements"
         )
     )
-    reason: str
+    reason: str = Field(description="reason of the verdict, in words")
     kc: float | None = Field(description="critical Kh by finite elements; None if the ground fails under its weight")
     direction: Direction | None = Field(
         default=None, description="direction of the seismic force with the smallest critical Kh"
     )
     kc_lower: float | None = Field(description="strict lower bound of the critical Kh, ψ = φ; None without a bound")
-    kc_upper: float | None
+    kc_upper: float | None = Field(description="strict upper bound of the critical Kh, ψ = φ; null without a bound")
     factor: float | None = Field(description="factor of safety at Kh = 0 by finite elements, sides held horizontally")
     factor_lower: float | None = Field(
         description="strict lower bound of the factor of safety at Kh = 0, with the sides of [fem], ψ = φ"
     )
-    factor_upper: float | None
+    factor_upper: float | None = Field(
+        description="strict upper bound of the factor of safety at Kh = 0, as the lower one"
+    )
     notes: tuple[str, ...] = Field(description="results that could not be computed, and the reasons")
 
 
@@ -44,9 +48,9 @@ ResidualVerdict = Literal["stands", "would stop", "would continue", "fails", "un
 class SoftenedStratum(Part):
     """Holds a stratum and its strength after large shear strains."""
 
-    name: str
-    cohesion_kPa: float  # noqa: N815
-    friction_deg: float
+    name: str = Field(description="name of the stratum")
+    cohesion_kPa: float = Field(description="cohesion after large shear strains")
+    friction_deg: float = Field(description="friction angle after large shear strains")
 
 
 class AlongSurface(Part):
@@ -64,13 +68,13 @@ class AlongSurface(Part):
 class PeakAndResidual(Part):
     """Holds the verdict of two steps: first with peak strength, then with residual strength."""
 
-    strata: tuple[SoftenedStratum, ...]
+    strata: tuple[SoftenedStratum, ...] = Field(description="strata with a strength after large shear strains")
     verdict: ResidualVerdict = Field(
         description=(
             '"stands": the ground stands even with residual strength everywhere; "would stop": with residual strength '
             'it stands along the slip surface of peak strength only; "would continue": it stands only with peak '
-            'strength; "undecided": it fails with residual strength, and there is no answer with peak '
-            "strength"
+            'strength; "fails": it fails with peak strength, too; "undecided": it fails with residual strength, and '
+            "there is no answer with peak strength"
         )
     )
     peak: float | None = Field(description="factor of safety at Kh = 0 with peak strength, by finite elements")
@@ -90,17 +94,17 @@ class ResidualAnswer(Answer):
 
     FILE: ClassVar[str] = "fem/residual.json"
 
-    section: SectionLabel
-    sides: Sides
-    steps: PeakAndResidual
+    section: SectionLabel = Field(description="section of the strata")
+    sides: Sides = Field(description="boundary condition of the sides")
+    steps: PeakAndResidual = Field(description="stability with peak strength, and with residual strength")
 
 
 class LiquefiedStratum(Part):
     """Holds a liquefied stratum and its residual strength."""
 
-    name: str
-    cohesion_kPa: float  # noqa: N815
-    friction_deg: float
+    name: str = Field(description="name of the stratum")
+    cohesion_kPa: float = Field(description="residual strength, mean over the stratum")
+    friction_deg: float = Field(description="friction angle of the liquefied soil, 0 as a rule")
     residual_strength_ratio: float = Field(description="residual strength over the mean vertical effective stress")
 
     def scaled(self, multiple: float) -> "LiquefiedStratum":
@@ -116,9 +120,9 @@ class LiquefiedStratum(Part):
 class LiquefiedCase(Bearing):
     """Holds cases with equal residual strengths: their numbers, and the stability of the ground."""
 
-    cases: tuple[int, ...]
+    cases: tuple[int, ...] = Field(description="numbers of these cases")
     names: tuple[str, ...] = Field(description="names of these cases; empty for cases without a name")
-    strata: tuple[LiquefiedStratum, ...]
+    strata: tuple[LiquefiedStratum, ...] = Field(description="liquefied strata in these cases")
     circles: CirclesAtRest | None = Field(
         default=None, description="slip circles with the least factors of safety at Kh = 0; null without any strength"
     )
@@ -132,9 +136,9 @@ class LiquefiedAnswer(Answer):
 
     FILE: ClassVar[str] = "fem/liquefied.json"
 
-    section: SectionLabel
-    sides: Sides
-    cases: tuple[LiquefiedCase, ...]
+    section: SectionLabel = Field(description="section of the strata")
+    sides: Sides = Field(description="boundary condition of the sides")
+    cases: tuple[LiquefiedCase, ...] = Field(description="cases, together where their residual strengths are equal")
     required: tuple[LiquefiedStratum, ...] = Field(
         default=(),
         description=(

@@ -24,7 +24,7 @@ Z95 = 1.959963984540054  # of the standard normal distribution: 95 % lie within
 class Effect(Part):
     """Holds the effect of one uncertain number on a result."""
 
-    path: str
+    path: str = Field(description='path of the uncertain number in the section file, such as "strata.Silt.cohesion"')
     correlation: float | None = Field(
         description=(
             "Spearman's rank correlation, -1 to 1; for words the root of the share of variance between categories"
@@ -45,30 +45,32 @@ class Effect(Part):
 
 
 class ProbabilityCurve(Part):
-    """Holds a probability over a coefficient, with its 95 % interval for the number of samples."""
+    """Holds a probability over a coefficient or a length, with its 95 % interval for the number of samples."""
 
-    name: str
-    coefficient: tuple[float, ...] = Field(description="values of Kh, or of the peak acceleration over gravity")
-    probability: tuple[float, ...]
+    name: str = Field(description="event of the probability, and what the curve is over, in words")
+    coefficient: tuple[float, ...] = Field(
+        description="values of Kh, of the peak acceleration over gravity, or of a length (m), by the name"
+    )
+    probability: tuple[float, ...] = Field(description="probability at each value")
     low: tuple[float, ...] = Field(
         description="lower end of the 95 % interval, by Wilson (1927) for independent samples, by bootstrap for a fit"
     )
-    high: tuple[float, ...]
+    high: tuple[float, ...] = Field(description="upper end of the same interval")
 
 
 class Group(Part):
     """Holds the samples in which an uncertain word has one of its values."""
 
-    path: str
-    value: str
-    samples: int
-    spread: Spread
+    path: str = Field(description="path of the uncertain word in the section file")
+    value: str = Field(description="value of the word")
+    samples: int = Field(description="number of samples with this value that have the result")
+    spread: Spread = Field(description="distribution of the result over these samples, without the single values")
 
 
 class Result(Part):
     """Holds one result over all samples that have a value of it."""
 
-    name: str
+    name: str = Field(description='name of the column in samples.csv, such as "kc"')
     samples: int = Field(description="number of samples that have this result")
     spread: Spread = Field(
         description="distribution of the result, without the single values, which are in samples.csv"
@@ -104,11 +106,10 @@ class Result(Part):
 
 
 class Failure(Part):
-    """Holds a reason why samples have no answer, in the words of the first such sample, and the number of these
-    samples."""
+    """Holds a reason why samples have no answer."""
 
-    reason: str
-    samples: int
+    reason: str = Field(description="the reason, in the words of the first sample that has it")
+    samples: int = Field(description="number of samples that have it, with other numbers in it or not")
 
 
 class StudyAnswer(Answer):
@@ -116,17 +117,17 @@ class StudyAnswer(Answer):
 
     FILE: ClassVar[str] = "study.json"
 
-    section: SectionLabel
-    parts: tuple[str, ...]
-    method: SamplingMethod
-    seed: int
-    samples: int
-    failed: int
-    failures: tuple[Failure, ...]
+    section: SectionLabel = Field(description="section with the values of the file")
+    parts: tuple[str, ...] = Field(description='requested parts of the study, such as "fem"')
+    method: SamplingMethod = Field(description="method of sampling")
+    seed: int = Field(description="number that the samples follow from")
+    samples: int = Field(description="number of samples")
+    failed: int = Field(description="number of samples in which a part has no answer")
+    failures: tuple[Failure, ...] = Field(description="reasons why samples have no answer, the most frequent first")
     parts_without_answer: tuple[str, ...] = Field(
         default=(), description="requested parts of the study that have no answer in any sample"
     )
-    results: tuple[Result, ...]
+    results: tuple[Result, ...] = Field(description="results, one for each column of samples.csv")
     failure_probability: ProbabilityCurve | None = Field(
         description="probability that the critical Kh is below a given Kh"
     )
@@ -141,7 +142,7 @@ class StudyAnswer(Answer):
 class Series(Part):
     """Holds one number over ever smaller discs or time steps."""
 
-    name: str
+    name: str = Field(description='name of the result, such as "case1_slide_max_m"')
     refined: Literal["radius", "step"] = Field(description="radius of the discs, or time step")
     sizes: tuple[float, ...] = Field(description="radius of the discs (m), or time step over the stable time step")
     values: tuple[float, ...] = Field(description="mean over the packings at each size")
@@ -149,8 +150,8 @@ class Series(Part):
     limit: float = Field(description="extrapolated limit of the values at size zero")
     order: float | None = Field(description="order of convergence in the size; None if a straight line was fitted")
     remaining_error: Known = Field(description="estimated remaining error of the last value, as a share of the limit")
-    converged: bool
-    verdict: str
+    converged: bool = Field(description="whether the remaining error is within the tolerance")
+    verdict: str = Field(description="the convergence in words")
 
 
 class ConvergenceAnswer(Answer):
@@ -158,8 +159,8 @@ class ConvergenceAnswer(Answer):
 
     FILE: ClassVar[str] = "converge.json"
 
-    section: SectionLabel
+    section: SectionLabel = Field(description="section of the discs")
     tolerance: float = Field(description="largest remaining error of a converged number, as a share")
-    converged: bool
+    converged: bool = Field(description="whether no run is without an answer, and all series have converged")
     missing: tuple[str, ...] = Field(description="runs without an answer, and the reasons")
-    series: tuple[Series, ...]
+    series: tuple[Series, ...] = Field(description="results over the radius of the discs, and over the time step")

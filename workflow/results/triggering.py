@@ -1,5 +1,7 @@
 """Stores F_L at every blow count, the strata that liquefy, and P_L of every boring in triggering.json."""
 
+# ruff: noqa: N815 (units are written as they are)
+
 from typing import ClassVar, Self
 
 from pydantic import Field
@@ -24,17 +26,19 @@ from workflow.results.answer import Answer, Known, Part, SectionLabel
 class MotionPart(Part):
     """Holds the peak acceleration from which F_L follows: median, and one standard deviation above and below."""
 
-    median_gal: float
-    low_gal: float
-    high_gal: float
+    median_gal: float = Field(
+        description="median of the peak acceleration, or the peak itself if it is given or recorded"
+    )
+    low_gal: float = Field(description="one standard deviation below the median")
+    high_gal: float = Field(description="one standard deviation above the median")
     sigma: float = Field(
         description=(
             "standard deviation of the common logarithm of the peak acceleration; 0 if the acceleration is given"
         )
     )
-    relation: str
-    source: str
-    validity: str
+    relation: str = Field(description="name of the ground motion relation")
+    source: str = Field(description="publication of the relation")
+    validity: str = Field(description="range of validity of the relation")
 
 
 class TestPart(Part):
@@ -42,19 +46,19 @@ class TestPart(Part):
 
     __test__ = False  # no test of pytest's
 
-    boring: str
-    x_m: float
-    depth_m: float
+    boring: str = Field(description="name of the boring")
+    x_m: float = Field(description="x of the boring")
+    depth_m: float = Field(description="depth of the test below the ground surface")
     top_m: float = Field(description="upper end of the range of depth that the test represents")
     bottom_m: float = Field(description="lower end of the range of depth that the test represents")
-    stratum: str
+    stratum: str = Field(description="name of the stratum")
     N: float | None = Field(description="blow count; None for a cone test")
-    qc_Pa: float | None = Field(default=None, description="cone resistance; None for a blow count")  # noqa: N815
+    qc_Pa: float | None = Field(default=None, description="cone resistance; None for a blow count")
     fines_percent: float | None = Field(
         description="fines content; None if it is not known, which counts as clean sand"
     )
-    total_Pa: float = Field(description="total vertical stress of the ground, without water that stands on it")  # noqa: N815
-    effective_Pa: float  # noqa: N815
+    total_Pa: float = Field(description="total vertical stress of the ground, without water that stands on it")
+    effective_Pa: float = Field(description="vertical effective stress")
     normalised: Known = Field(description="normalised resistance: (N1)60, N1 or qc1N")
     corrected: Known = Field(description="normalised resistance with correction for fines: (N1)60cs, Na or qc1Ncs")
     load: Known = Field(description="cyclic stress ratio of the earthquake")
@@ -87,14 +91,16 @@ class TestPart(Part):
 
 
 class StratumPart(Part):
-    """Holds the share of a stratum that liquefies, None if no boring has a blow count in the stratum."""
+    """Holds the share of a stratum that liquefies."""
 
-    name: str
-    tests: int
+    name: str = Field(description="name of the stratum")
+    tests: int = Field(description="number of tests in the stratum")
     assessed: int = Field(description="number of the tests that have an F_L")
-    share: float | None = Field(description="share of the stratum in which F_L is below 1")
-    lowest_factor: float | None
-    liquefies: bool
+    share: float | None = Field(
+        description="share of the stratum in which F_L is below 1; null without any test in the stratum"
+    )
+    lowest_factor: float | None = Field(description="smallest F_L; null if no test was assessed")
+    liquefies: bool = Field(description="whether the share reaches that from which a stratum counts as liquefied")
     reason: str = Field(description="reason why the stratum, or some of its tests, were not assessed")
     pore_pressure: float = Field(description="mean excess pore pressure over the vertical effective stress")
 
@@ -110,17 +116,17 @@ class StratumPart(Part):
 class BoringPart(Part):
     """Holds the liquefaction potential of a boring (Iwasaki et al. 1978), and the risk in words (1982)."""
 
-    name: str
+    name: str = Field(description="name of the boring")
     potential: float = Field(description="liquefaction potential P_L, from 0 to 100")
-    risk: str
+    risk: str = Field(description="risk in words")
 
 
 class ResidualPart(Part):
     """Holds the residual strength of a stratum from its blow counts with F_L below 1."""
 
-    stratum: str
+    stratum: str = Field(description="name of the stratum")
     residual: dict[str, float] = Field(description="residual strength over the vertical effective stress, by relation")
-    strength_Pa: dict[str, float] = Field(description="residual strength at the places of the tests, by relation")  # noqa: N815
+    strength_Pa: dict[str, float] = Field(description="residual strength at the places of the tests, by relation")
     volumetric_strain: float = Field(description="volumetric strain by drainage after the earthquake")
     strain_potential: float = Field(
         default=0.0, description="shear strain that the soil undergoes before it regains strength"
@@ -130,9 +136,9 @@ class ResidualPart(Part):
 class RelationPart(Part):
     """Holds a relation that was used: name, publication, and range of validity."""
 
-    title: str
-    source: str
-    validity: str
+    title: str = Field(description="name of the relation")
+    source: str = Field(description="publication of the relation")
+    validity: str = Field(description="range of validity of the relation")
 
 
 class TriggeringAnswer(Answer):
@@ -140,18 +146,20 @@ class TriggeringAnswer(Answer):
 
     FILE: ClassVar[str] = "triggering.json"
 
-    section: SectionLabel
-    motion: MotionPart
-    magnitude: float | None
-    method: str
-    source: str
-    validity: str
-    potential_source: str = SOURCE
+    section: SectionLabel = Field(description="section of the borings")
+    motion: MotionPart = Field(description="peak acceleration at the ground surface")
+    magnitude: float | None = Field(description="moment magnitude; null if the input has none")
+    method: str = Field(description="method of F_L")
+    source: str = Field(description="publication of the method")
+    validity: str = Field(description="range of validity of the method")
+    potential_source: str = Field(default=SOURCE, description="publication of the liquefaction potential P_L")
     share: float = Field(description="share of a stratum with F_L below 1 from which the stratum counts as liquefied")
-    strata: tuple[StratumPart, ...]
-    borings: tuple[BoringPart, ...]
-    tests: tuple[TestPart, ...]
-    residual_strengths: tuple[ResidualPart, ...]
+    strata: tuple[StratumPart, ...] = Field(description="strata in the order of the section")
+    borings: tuple[BoringPart, ...] = Field(description="liquefaction potential of every boring")
+    tests: tuple[TestPart, ...] = Field(description="all tests, boring by boring")
+    residual_strengths: tuple[ResidualPart, ...] = Field(
+        description="strata with an F_L below 1, with their residual strengths and strains"
+    )
     relations: tuple[RelationPart, ...] = Field(
         description="relations used for residual strength, volumetric strain and pore pressure"
     )

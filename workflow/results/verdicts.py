@@ -24,20 +24,20 @@ class WarningPart(Part):
 class HeadlinePart(Part):
     """Holds one of the numbers of the first page as text."""
 
-    name: str
-    value: str
-    interval: str
-    conclusion: str
+    name: str = Field(description="name of the quantity")
+    value: str = Field(description='value with its unit, or a limit, such as "< 0"')
+    interval: str = Field(description="interval of the value and its source; empty without one")
+    conclusion: str = Field(description="sentences on what the value means")
 
 
 class CrestPart(Part):
-    """Holds the state of the crest of a structure after a slide, or after reconsolidation alone. Lengths are in m,
-    settlements positive downwards.
+    """Holds the state of the crest of a structure after a slide, or after reconsolidation alone.
 
-    The settlement of slides with drainage includes reconsolidation; in other slides reconsolidation is added.
+    Lengths are in m, settlements positive downwards. The settlement of slides with drainage includes reconsolidation;
+    in other slides reconsolidation is added.
     """
 
-    structure: str
+    structure: str = Field(description="name of the structure")
     method: str = Field(description='method that computed the slide, such as "discs, case 1"')
     settlement_m: float = Field(
         description="settlement of the highest ground as wide as the crest, with reconsolidation"
@@ -50,8 +50,10 @@ class CrestPart(Part):
         description="settlement by reconsolidation of the liquefied ground below the crest; null if it is not known"
     )
     freeboard_m: float | None = Field(description="height of the crest above the water; null without water")
-    freeboard_low_m: float | None
-    freeboard_high_m: float | None
+    freeboard_low_m: float | None = Field(
+        description="lower end of the range of the freeboard, as that of the settlement; null without water"
+    )
+    freeboard_high_m: float | None = Field(description="upper end of the range of the freeboard; null without water")
     water_m: float | None = Field(description="elevation of the water beside the structure")
     at_rest: bool = Field(description="whether the slide came to rest; if not, the crest settles further")
 
@@ -59,14 +61,14 @@ class CrestPart(Part):
 class VerdictPart(Part):
     """Holds the verdict on one quantity and its limit."""
 
-    criterion: Criterion
+    criterion: Criterion = Field(description="quantity that has a limit")
     subject: str = Field(description="structure or face, and the method")
     low: float | None = Field(description="lower end of the interval in which the quantity lies (m, or without a unit)")
     high: float | None = Field(
         description="upper end of the interval; null without an answer, and if a slide is not at rest"
     )
-    limit: float
+    limit: float = Field(description="limit of the quantity (m, or without a unit)")
     kh: float | None = Field(default=None, description="Kh at which the factor of safety is required")
     source: str = Field(description="source of the limit; empty if the file does not state one")
-    verdict: CriterionVerdict
+    verdict: CriterionVerdict = Field(description='"satisfied", "not satisfied", or "not decided"')
     reason: str = Field(default="", description="reason why the verdict is not decided")
