@@ -23,7 +23,7 @@ class SearchBracket(Part):
     kc_upper: float | None = Field(
         description="upper end of the bracket, at which the discs do not stand; null if they stand at every Kh"
     )
-    verdict: SearchVerdict
+    verdict: SearchVerdict = Field(description='"bracketed", or why there is no bracket')
     reason: str = Field(description="reason of the verdict, in words")
     seconds: float = Field(description="model time of all trials together (s)")
 
@@ -43,62 +43,66 @@ class Sensitivity(FactorTrial):
 class SoilProperties(Part):
     """Holds the parameters of a stratum in the section file."""
 
-    E_Pa: float
-    nu: float
-    c_Pa: float
-    phi_deg: float
+    E_Pa: float = Field(description="Young's modulus")
+    nu: float = Field(description="Poisson's ratio")
+    c_Pa: float = Field(description="cohesion")
+    phi_deg: float = Field(description="friction angle")
 
 
 class AssemblyProperties(Part):
     """Holds the results of element tests on a patch of discs, None if a result is missing."""
 
-    E_Pa: Known
-    nu: Known
-    c_Pa: Known
-    phi_deg: Known
-    c_last_Pa: Known = Field(description="cohesion at the end of the tests, after the peak")
-    phi_last_deg: Known
-    dilation_deg: Known
-    G_Pa: Known
-    c_shear_Pa: Known = Field(description="cohesion from the tests in simple shear")
-    phi_shear_deg: Known
-    E_2d_Pa: Known
-    nu_2d: Known
+    E_Pa: Known = Field(description="Young's modulus of the soil in plane strain that the discs represent")
+    nu: Known = Field(description="Poisson's ratio of this soil")
+    c_Pa: Known = Field(description="cohesion from the peaks of the biaxial tests")
+    phi_deg: Known = Field(description="friction angle from the peaks of the biaxial tests")
+    c_last_Pa: Known = Field(description="cohesion from the last tenth of the biaxial tests, after the peak")
+    phi_last_deg: Known = Field(description="friction angle from the last tenth of the biaxial tests")
+    dilation_deg: Known = Field(description="mean dilation angle at the peaks of the biaxial tests")
+    G_Pa: Known = Field(description="shear modulus from the tests in simple shear")
+    c_shear_Pa: Known = Field(description="cohesion from the peaks of the tests in simple shear")
+    phi_shear_deg: Known = Field(description="friction angle from the peaks of the tests in simple shear")
+    E_2d_Pa: Known = Field(description="Young's modulus of the discs as a sheet in plane stress")
+    nu_2d: Known = Field(description="Poisson's ratio of the discs as a sheet in plane stress")
 
 
 class Biaxial(Part):
     """Holds the strength in biaxial compression at one pressure."""
 
-    verdict: str
-    strain: Known
-    sigma_1_Pa: Known
-    sigma_3_Pa: Known
+    verdict: str = Field(
+        description='"peak", "levels off", "still rising" (at the largest strain of the test), or "stopped"'
+    )
+    strain: Known = Field(description="strain at the largest resistance")
+    sigma_1_Pa: Known = Field(description="larger principal stress at the largest resistance, compression positive")
+    sigma_3_Pa: Known = Field(description="smaller principal stress there")
 
 
 class SimpleShear(Part):
     """Holds the strength in simple shear at one pressure."""
 
-    verdict: str
-    strain: Known
-    tau_Pa: Known
-    sigma_Pa: Known
+    verdict: str = Field(description="as for biaxial compression")
+    strain: Known = Field(description="shear strain at the largest resistance")
+    tau_Pa: Known = Field(description="shear stress on the horizontal plane at the largest resistance")
+    sigma_Pa: Known = Field(description="normal stress on the horizontal plane there, compression positive")
 
 
 class PressureAnswer(Part):
     """Holds both tests at one confining pressure."""
 
-    pressure_Pa: Known
-    biaxial: Biaxial
-    simple_shear: SimpleShear
+    pressure_Pa: Known = Field(description="confining pressure")
+    biaxial: Biaxial = Field(description="biaxial compression")
+    simple_shear: SimpleShear = Field(description="simple shear")
 
 
 class ElementTestQuality(Part):
     """Holds numbers that show how quasi-static the tests were up to their peaks."""
 
-    unbalanced_largest: Known
-    unbalanced_median: Known
-    inertial_number_largest: Known
-    rate_per_s_largest: Known
+    unbalanced_largest: Known = Field(description="largest ratio of mean unbalanced force to mean contact force")
+    unbalanced_median: Known = Field(description="median of this ratio")
+    inertial_number_largest: Known = Field(
+        description="largest inertial number: strain rate times diameter times √(density over pressure)"
+    )
+    rate_per_s_largest: Known = Field(description="largest strain rate of the biaxial tests (1/s)")
     pressure_error_rms: Known = Field(description="root mean square of the relative error of the confining pressure")
 
 

@@ -7,9 +7,9 @@ from pydantic import Field
 
 from fem.continuum.strength import Flow
 from fem.path.path_step import PathStep
-from fem.settings import YIELDED, Sides
+from fem.settings import YIELDED, PathVerdict, Sides
 from workflow.results.answer import Answer, Line
-from workflow.results.continuum import FemAnswer, PathVerdict, displacement_at
+from workflow.results.continuum import FemAnswer, displacement_at
 
 FLOWS: Mapping[Flow, str] = {
     "davis": "Davis's estimate",

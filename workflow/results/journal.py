@@ -5,7 +5,7 @@ import math
 from dataclasses import fields
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from dem.search.calibrator import Key
 from dem.search.critical import Search
@@ -18,9 +18,11 @@ from workflow.run.store import Store
 class JournalEntry(Part):
     """Holds the search for the critical Kh with one factor on one parameter of the discs."""
 
-    parameter: str
-    factor: float
-    search: DiscSearch
+    parameter: str = Field(
+        description="constants of the discs that the factor multiplies; empty for uncalibrated discs"
+    )
+    factor: float = Field(description="the factor")
+    search: DiscSearch = Field(description="the search for the critical Kh")
 
     @property
     def as_search(self) -> Search:

@@ -7,11 +7,11 @@ from pydantic import Field, model_validator
 
 from dem.laboratory.layer_check import LayerCheck
 from fem.continuum.strength import Flow
-from fem.settings import Element, Sides
+from fem.settings import Element, PathVerdict, Sides
 from meshes.section.structure import Kind
 from workflow.results.answer import Answer, Part, SectionLabel
 from workflow.results.cases import CaseNumbers, CaseSummary, RandomPackings
-from workflow.results.continuum import MeshCount, PathVerdict
+from workflow.results.continuum import MeshCount
 from workflow.results.faces import FaceStrength
 from workflow.results.material_points import PointCase
 from workflow.results.slices import SlicesAnswer
