@@ -110,9 +110,19 @@ class VelocityCheck:
 
 
 def yield_slack(problem: LimitProblem, stress: np.ndarray) -> np.ndarray:
-    """Return the distance (m, 3) of the stress (m, 3, 3) at every corner to the yield surface.
+    """Return the distance of the stress at every corner to the yield surface.
 
-    The distance is c cos φ - σm sin φ less the radius of Mohr's circle, σm the mean stress, tension positive.
+    The distance is c cos φ - σm sin φ less the radius of Mohr's circle, σm the mean stress in the plane, tension
+    positive.
+
+    Parameters
+    ----------
+    problem : the ground with its strength, over the unit of stress
+    stress (m, 3 corners, 3) : stress [xx, yy, xy], tension positive, over the unit of stress
+
+    Returns
+    -------
+    The distance (m, 3) over the unit of stress, negative beyond the yield surface.
     """
     mean = 0.5 * (stress[..., 0] + stress[..., 1])
     radius = np.hypot(0.5 * (stress[..., 0] - stress[..., 1]), stress[..., 2])
@@ -181,11 +191,19 @@ def _traction(stress: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 
 def corner_rates(problem: LimitProblem, velocity: np.ndarray) -> np.ndarray:
-    """Return the strain rates (m, 3 corners, [xx, yy, engineering xy]) of velocities (m, 6, 2), by differences along
-    the sides.
+    """Return the strain rates at the corners of cells, by differences of the velocities along the sides.
 
     On a side from a corner, the velocity is quadratic: its slope there is -3 v + 4 v(middle) - v(end). Where the slope
     of the velocity is as small as rounding errors, as at a corner between fixed sides, the strain rate is zero.
+
+    Parameters
+    ----------
+    problem : the ground with its mesh, over the unit of length
+    velocity (m, 6 nodes, 2) : velocities at corners and middles of the sides of every cell
+
+    Returns
+    -------
+    Strain rates (m, 3 corners, [xx, yy, engineering xy]), extension positive.
     """
     points = problem.mesh.points[problem.mesh.cells]
     none = VELOCITY_ROUNDING * np.abs(velocity).max(axis=(1, 2))[:, None, None]

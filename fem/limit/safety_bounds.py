@@ -49,16 +49,23 @@ FactorEnd = Literal["gap", "range", "triangles", "time", "solver"]
 
 @dataclass(frozen=True)
 class SafetyBounds:
-    """Holds bounds of the factor of safety: the ground stands at ``lower`` and fails at ``upper``. If no bound was
-    proven, they are 0 and inf.
+    """Holds bounds of the factor of safety: the ground stands at ``lower`` and fails at ``upper``.
 
-    ``shallow_failure`` is the factor at which a cohesionless face fails, or shallow ground slips where two faces meet
-    or water stands close below a face, if it is below ``upper``; it equals ``upper`` if no admissible stress was found
-    in the ground without strengthening, or only at factors far below. The ground down to the least depth below such
-    faces is then strengthened, as in the finite elements, and the bounds are strict for this strengthened ground: they
-    are bounds of the whole slope. Without a shallow failure they are strict for the ground of the section file, except
-    at ends of loads on bare sand (``load_ends.py``). ``direction`` is the direction of the seismic force at failure,
-    None without force; ``end_reason`` says why the bounds are not closer.
+    With a shallow failure the ground down to the least depth below the faces is strengthened, as in the finite
+    elements, and the bounds are strict for this strengthened ground: they are bounds of the whole slope. Without one
+    they are strict for the ground of the section file, except at ends of loads on bare sand (``load_ends.py``).
+
+    Attributes
+    ----------
+    kh : seismic coefficient (-)
+    lower, upper : bounds (-); 0 and inf if no bound was proven
+    cells : triangles of the finest mesh
+    trials : bounds at each factor that was tried
+    shallow_failure : factor at which a cohesionless face fails, or shallow ground slips where two faces meet or water
+        stands close below a face; None if it is not below ``upper``. It equals ``upper`` if no admissible stress was
+        found in the ground without strengthening, or only at factors far below.
+    direction : direction of the seismic force at failure; None without force
+    end_reason : reason why the bounds are not closer
     """
 
     kh: float
@@ -87,12 +94,29 @@ def safety_bounds(
 ) -> SafetyBounds:
     """Find lower and upper bounds of the factor of safety at ``kh``.
 
-    With ``smooth_sides`` the sides move only vertically, as in strength reduction without shaking; without it
-    free-field sides carry the K0 stress. ``guess`` is the first factor tried; a poor one costs time only. ``known``
-    bounds of the critical Kh lend a mesh to begin on. Both directions of the seismic force are analysed, within the
-    work that the ``settings`` allow, at factors from 0.02 to 20. Raises InputError as ``kh_bounds`` does, BadMeshError
-    if there are no triangles. ``section``: the section of the ground; ``fem``: settings of the elements, of which sides
-    and direction matter here.
+    Both directions of the seismic force are analysed, at factors from 0.02 to 20.
+
+    Parameters
+    ----------
+    section : the ground
+    fem : settings of the elements, of which sides, direction and least depth matter here
+    settings : required gap, largest number of triangles and largest computing work
+    kh : seismic coefficient (-)
+    guess : first factor that is tried; a poor one costs time only (-)
+    smooth_sides : whether the sides move only vertically, as in strength reduction without shaking; else free-field
+        sides carry the K0 stress
+    known : bounds of the critical Kh of the section, which lend a mesh to begin on
+
+    Returns
+    -------
+    The bounds; they may be 0 and inf.
+
+    Raises
+    ------
+    InputError
+        As ``kh_bounds``.
+    BadMeshError
+        If the section cannot be divided into triangles.
     """
     start, work = TrialStart(kh, guess, smooth_sides, kh_bounds=known), FactorWork(settings.seconds)
     faces = faces_at(section, fem, kh)

@@ -90,13 +90,23 @@ class PointGround:
 
 
 def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGround:
-    """Fill a section with material points, four to a cell, on about ``cells`` cells.
+    """Fill a section with material points, four to a cell.
 
     Columns of points are filled from the base to the surface layer by layer, so that the area of every layer and the
     surface are exact. Stress follows from the weight of the column above, with K0 = ν / (1 - ν); it is not yet in
-    equilibrium. Sides are rigid and rough; `with_free_sides` makes them free-field where ``sides`` are.
-    Smooth sides hold nodes horizontally up to the surface. Periodic sides are treated as free-field unless both sides
-    have the same layers, at the same or at another height.
+    equilibrium. Sides are rigid and rough; `with_free_sides` makes them free-field where ``sides`` are. Smooth sides
+    hold nodes horizontally up to the surface.
+
+    Parameters
+    ----------
+    section : the ground
+    cells : about the number of cells of the grid inside the section
+    sides : boundary condition of the sides; periodic sides are treated as free-field unless both sides have the same
+        layers, at the same or at another height
+
+    Returns
+    -------
+    The points with their grid, before equilibrium.
     """
     left, right = section.extent
     width, ends = right - left, (section.layering.left[0], section.layering.right[-1])

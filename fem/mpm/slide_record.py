@@ -14,7 +14,16 @@ STEADY_SHARE = 0.5
 
 
 def earliest_rest(rest_from: float) -> float:
-    """Return the earliest time (s) at which a surface that may come to rest from ``rest_from`` (s) on is at rest."""
+    """Return the earliest time at which a surface can be found at rest.
+
+    Parameters
+    ----------
+    rest_from : time from which on the surface may come to rest (s)
+
+    Returns
+    -------
+    The time (s) after one window in which the surface must not move.
+    """
     return rest_from + WINDOW_LENGTH
 
 

@@ -83,11 +83,29 @@ def assess(
     comm: Any,
     listener: AssessmentListener,
 ) -> Assessment:
-    """Find the critical Kh and the answers that it is compared with, beginning with a ``first`` mesh.
+    """Find the critical Kh and the answers that it is compared with.
 
-    ``section``: the section of the ground; ``meshing``: settings of the meshes; ``settings``: settings of the finite
-    elements; ``comm``: MPI communicator; ``listener``: called with every mesh and step. Raises InputError,
-    NoEquilibriumError, and UnstableError with the factor of safety if the ground fails under its weight.
+    Parameters
+    ----------
+    section : the ground
+    meshing : settings of the meshes
+    first : the first mesh, after which meshes are adapted
+    settings : settings of the finite elements
+    comm : MPI communicator of the ranks that share the elements
+    listener : called with the present task and, on an equilibrium path, with the path
+
+    Returns
+    -------
+    All answers, with their meshes and warnings.
+
+    Raises
+    ------
+    InputError
+        If the section cannot be analysed.
+    NoEquilibriumError
+        If no state on the path is in equilibrium, where the limit load is not unique.
+    UnstableError
+        If the ground fails under its weight; with the factor of safety, if there is one.
     """
     settings = settings.changed(flow=flow_of(section.strata, settings.flow))
     with one_more_thread(comm.size == 1) as executor:
@@ -119,31 +137,6 @@ def assess(
             unstable = UnstableError(f"the section fails under its own weight{ON_SOME_MESHES}")
             raise search.fails(settings, unstable, below_one[0])
         return replace(assessment, warnings=[*assessment.warnings, *of_uplift(section.uplift)])
-
-
-def critical_of_dem_counterpart(
-    section: Section,
-    meshing: MeshSettings,
-    first: QuadMesh,
-    settings: FemSettings,
-    listener: AssessmentListener,
-) -> AdaptiveResult[CriticalResult]:
-    """Find the critical Kh in one direction with the sides of the settings, on meshes refined for it. Failures
-    shallower than ``settings.least_depth`` below cohesionless faces do not count.
-
-    The critical Kh follows from Davis's estimate instead of ψ = φ where the ground then stands under its weight: discs
-    hardly dilate. Raises InputError, NoEquilibriumError, UnstableError. ``section``, ``meshing``, ``first``,
-    ``listener``: as in ``assess``.
-    """
-    own_flow = settings.changed(flow=flow_of(section.strata, settings.flow), kh=())
-    with one_more_thread() as executor:
-        search = _Search(section, meshing, first, None, listener, executor)
-        if search.dilates_more(own_flow):
-            try:
-                return search.between_sides(own_flow.changed(flow="davis"))
-            except NoAnswerError:
-                pass
-        return search.between_sides(own_flow)
 
 
 def _collected(
@@ -309,18 +302,6 @@ class _Search:
             self.tell(f"{what}: {words}" if what else words, None)
 
         return AdaptiveSearch(self.section, self.meshing, self.first_mesh, self.comm, prefixed, self.executor)
-
-    def between_sides(self, settings: FemSettings) -> AdaptiveResult[CriticalResult]:
-        """Return the critical Kh with the sides and the flow rule of the settings."""
-        mesh, start = self.first_mesh, None
-        if is_associated(self.section.strata, settings.flow):
-            limit = self.on_meshes(f"Kh, {settings.sides} sides").critical(settings)
-            mesh, ground = limit.mesh, limit.result.ground
-            start = ground if settings.element in ("auto", "reduced") else None
-        result = critical_coefficient(
-            self.section, mesh, settings, self.comm, self.path_listener(f"{settings.sides} sides: Kh"), start
-        )
-        return AdaptiveResult(result, mesh)
 
     def safety(
         self, settings: FemSettings, kh: float, like: AdaptiveResult[LimitLoadResult] | None = None

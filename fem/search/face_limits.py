@@ -44,10 +44,23 @@ class FaceLimit:
 
 
 def critical_of_face(section: Section, meshing: MeshSettings, settings: FemSettings, direction: str) -> FaceLimit:
-    """Find the critical Kh in one direction, "downhill" or "uphill"; raise NoAnswerError without an answer.
+    """Find the critical Kh of ground with strong zones, in one direction.
 
-    ``section``: the ground with its strong zones; ``meshing``: settings of the meshes; ``settings``: sides, accuracy
-    and number of cells.
+    Parameters
+    ----------
+    section : the ground with its strong zones
+    meshing : settings of the meshes
+    settings : sides, accuracy and number of cells
+    direction : direction of the seismic force, "downhill" or "uphill"
+
+    Returns
+    -------
+    The critical Kh with ψ = φ, Davis's estimate of it, and the ground that moves.
+
+    Raises
+    ------
+    NoAnswerError
+        If there is no failure up to ``kh_limit``, or no answer on the first mesh.
     """
     search = AdaptiveSearch(section, meshing, generate(section, meshing))
     full = settings.changed(direction=direction, flow="associated")
@@ -64,8 +77,21 @@ def critical_of_face(section: Section, meshing: MeshSettings, settings: FemSetti
 
 
 def safety_of_face(section: Section, meshing: MeshSettings, settings: FemSettings) -> FaceLimit:
-    """Find the factor of safety without shaking; raise NoAnswerError without an answer. ``section``, ``meshing``,
-    ``settings``: as in `critical_of_face`."""
+    """Find the factor of safety of ground with strong zones, without shaking.
+
+    Parameters
+    ----------
+    section, meshing, settings : as in `critical_of_face`
+
+    Returns
+    -------
+    The factor with ψ = φ, Davis's estimate of it, and the ground that moves.
+
+    Raises
+    ------
+    NoAnswerError
+        If there is no mechanism, or no answer on the first mesh.
+    """
     search = AdaptiveSearch(section, meshing, generate(section, meshing))
     full = settings.changed(flow="associated")
     result = search.safety(full, 0.0)

@@ -15,8 +15,17 @@ SMALL_KH = 0.02
 
 
 def difference_words(value: float, bound: float) -> str:
-    """Return how far a critical Kh or a factor of safety lies from a ``bound``: as a share, or in Kh if the bound is
-    small."""
+    """Return how far a critical Kh or a factor of safety lies from a bound.
+
+    Parameters
+    ----------
+    value : critical Kh, or factor of safety (-)
+    bound : the bound (-)
+
+    Returns
+    -------
+    The difference as a percentage of the bound, or in Kh if the bound is small.
+    """
     difference = abs(value - bound)
     return f"{difference:.3f}" if bound < SMALL_KH else f"{100.0 * difference / bound:.1f} %"
 
@@ -65,13 +74,23 @@ def of_bounds(
     quantity: str = "critical Kh",
     mesh_error: float = 0.0,
 ) -> Iterator[ResultWarning]:
-    """Compare a ``quantity``, a critical Kh or a factor of safety, with strict bounds of the same flow rule
-    (``same_flow``) or of ψ = φ.
+    """Compare a critical Kh or a factor of safety with strict bounds.
 
-    If the critical Kh has a smaller ψ, only the upper bound of ψ = φ is used: ground that dilates less does not resist
-    more. A difference within the error of a mesh (`REPEAT_TOLERANCE`, or the ``mesh_error`` by the sequence of meshes
-    if it is larger) is a note, a larger one a contradiction. ``kc``: the value that is checked; ``lower``, ``upper``:
-    the bounds, None if there is none.
+    If the value has a smaller ψ than the bounds, only the upper bound is used: ground that dilates less does not resist
+    more.
+
+    Parameters
+    ----------
+    kc : the value that is checked (-)
+    lower, upper : the bounds (-); None if there is none
+    same_flow : whether the bounds have the flow rule of the value, and not ψ = φ
+    quantity : name of the value in the warnings
+    mesh_error : error of the value by the sequence of its meshes, by which it may be too large (-)
+
+    Yields
+    ------
+    Warnings. A difference within `REPEAT_TOLERANCE`, or above the upper bound within ``mesh_error``, is a note; a
+    larger one is a contradiction.
     """
     whose = "" if same_flow else " with ψ = φ, which no smaller ψ can exceed"
     if upper is not None and kc > upper + max(BOUND_TOLERANCE * upper, KH_TOLERANCE):
@@ -90,7 +109,17 @@ def of_bounds(
 
 
 def of_others(kc: float, others: Iterable[ComparedKh]) -> Iterator[ResultWarning]:
-    """Yield the warnings of notable differences to ``others``: the critical Kh by another mesh or element."""
+    """Compare a critical Kh with those by another mesh or element.
+
+    Parameters
+    ----------
+    kc : the critical Kh that is checked (-)
+    others : the other critical Kh
+
+    Yields
+    ------
+    Warnings of differences of more than 3 % that are also more than 0.002.
+    """
     for other in others:
         without = other.kc_without or kc
         change = other.kc / without - 1.0
@@ -104,5 +133,14 @@ def of_others(kc: float, others: Iterable[ComparedKh]) -> Iterator[ResultWarning
 
 
 def contradict_answer(warnings: Iterable[ResultWarning]) -> bool:
-    """Return whether any of the warnings contradicts the answer."""
+    """Return whether any of the warnings contradicts the answer.
+
+    Parameters
+    ----------
+    warnings : warnings of an answer
+
+    Returns
+    -------
+    False if all of them are notes, or if there are none.
+    """
     return any(warning.contradiction for warning in warnings)

@@ -24,8 +24,18 @@ FEW_COLUMNS, CLOSE_REACH = 5, 3.0
 
 
 def slip_surface(mesh: QuadMesh, state: FieldState, columns: int = 100) -> np.ndarray:
-    """Return the slip surface (k, 2) in m, between moving ground and ground at rest, see ``slip_line``; empty without a
-    mechanism."""
+    """Return the slip surface of a state, between moving ground and ground at rest (`slip_line`).
+
+    Parameters
+    ----------
+    mesh : the mesh of the state
+    state : a state, whose displacements (or velocities) are compared
+    columns : number of columns in which the line is looked for
+
+    Returns
+    -------
+    Points (k, 2) in m from left to right; none without a mechanism.
+    """
     if not is_mechanism(state):
         return np.zeros((0, 2))
     ends = float(mesh.points[:, 0].min()), float(mesh.points[:, 0].max())
@@ -63,8 +73,20 @@ def _interpolated(points: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.
 
 
 def moving_ground(mesh: QuadMesh, state: FieldState) -> tuple[float, float]:
-    """Return x (m) of both ends of the ground surface that moves in a mechanism. Below a crest that settles while the
-    ground spreads to both sides there is no slip surface, and this extent serves in its place."""
+    """Return both ends of the ground surface that moves in a mechanism.
+
+    Below a crest that settles while the ground spreads to both sides there is no slip surface, and this extent serves
+    in its place.
+
+    Parameters
+    ----------
+    mesh : the mesh of the state
+    state : the mechanism; ground moves if its speed is at least a tenth of the largest speed at the surface
+
+    Returns
+    -------
+    x of the left and of the right end (m).
+    """
     nodes = np.unique(mesh.boundaries["surface"])
     nodes = nodes[np.argsort(mesh.points[nodes, 0], kind="stable")]
     speed = np.hypot(*state.displacement[nodes].T)
@@ -78,12 +100,24 @@ def _line(mesh: QuadMesh, boundary: str, x: np.ndarray) -> np.ndarray:
 
 
 def critical_above(section: Section, mesh: QuadMesh, settings: FemSettings, line: np.ndarray) -> tuple[float, float]:
-    """Return the critical Kh without restriction, and that with the nodes on and below ``line`` fixed, (k, 2) points
-    [x, elevation] in m; the latter is infinite if no mechanism is possible.
+    """Return the critical Kh of a mesh, and that of the same ground if it can fail only above a line.
 
-    Beyond its ends the line continues at the depth of these ends below the ground. Raises the errors of
-    ``critical_limit_load``. ``section``: the section of the ground; ``mesh``: a mesh of the section; ``settings``:
-    settings of the finite elements.
+    Parameters
+    ----------
+    section : the ground
+    mesh : a mesh of the section
+    settings : settings of the finite elements
+    line (k, 2) : points [x, elevation] in m from left to right; nodes on and below it are fixed. Beyond its ends the
+        line continues at the depth of these ends below the ground.
+
+    Returns
+    -------
+    The critical Kh without and with the restriction (-); the latter is infinite if no mechanism is possible.
+
+    Raises
+    ------
+    InputError, UnstableError, NoAnswerError
+        As in ``critical_limit_load``.
     """
     ground = critical_limit_load(section, mesh, settings).ground
     assert ground.limit is not None

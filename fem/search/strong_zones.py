@@ -41,6 +41,11 @@ def with_strong_zones(section: Section, zones: Sequence[StrongZone]) -> Section:
     ----------
     section : the ground
     zones : zones in which nothing fails
+
+    Returns
+    -------
+    The section with additional strata, without tension cut-off, and 10 times the largest overburden pressure as
+    cohesion in addition to their own.
     """
     layers, strata = section.layering, section.strata
     heaviest = max(max(stratum.density_ordinary, stratum.density_seismic) for stratum in strata)

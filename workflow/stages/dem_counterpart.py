@@ -98,7 +98,7 @@ def _in_the_box_of_discs(config: Config, store: Store, fem: FemAnswer, tell: Tel
     enough for discs to resolve. Return None if the critical Kh with these sides is not requested, was already computed
     by the stage `fem`, or was not found.
     """
-    from fem.search.assessment import critical_of_dem_counterpart
+    from fem.search.dem_counterpart import critical_of_dem_counterpart
     from fem.search.slip_surface import slip_surface
 
     dilates_more = fem.flow == "associated" and not is_dilating_fully(config.section.strata)

@@ -2,7 +2,8 @@
 
 from mpi4py import MPI
 
-from fem.search.assessment import assess, critical_of_dem_counterpart
+from fem.search.assessment import assess
+from fem.search.dem_counterpart import critical_of_dem_counterpart
 from meshes.gmsh_model import generate
 from tests.support.sections import layer
 from workflow.config import Config
