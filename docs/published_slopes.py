@@ -18,7 +18,8 @@ from docs.verify.record import FILE, Answer, read_answers
 from docs.verify.slopes import numbers
 from docs.verify.verdict import TOLERANCE, TOLERANCE_ABOVE, TOLERANCE_BELOW, CaseVerdict, judge
 from meshes.section.section import Section
-from workflow.figures.canvas import INK, soil_colours
+from workflow.figures.canvas import INK
+from workflow.figures.colours import soil_colours
 from workflow.run.store import Store
 
 PAGE, PICTURES, LEFT_OUT = "README.md", "pictures", "left_out.md"

@@ -24,7 +24,7 @@ from tests.support.borings import bored
 from tests.support.command_line import process, run
 from tests.support.sections import layer, slope
 from workflow.config import Config
-from workflow.figures import canvas, ground
+from workflow.figures import canvas, colours, ground
 
 FOLDER = SECTIONS
 S13 = FOLDER / "s13.toml"
@@ -179,7 +179,7 @@ def test_many_long_names_in_any_script(out: Path, tmp_path: Path, capfd: pytest.
     assert run("mesh", tmp_path / "many.toml", "--out", out) == 0
     assert re.fullmatch(r"mesh: done in [\d.]+ s\n", capfd.readouterr().err)
     assert list(pv.read(out / "mesh/section.vtu").field_data["strata"]) == [*names, "last"]
-    assert len({canvas.soil_colour(k) for k in range(24)}) == 24
+    assert len({colours.soil_colour(k) for k in range(24)}) == 24
 
 
 # --- Bad input ----------------------------------------------------------------------------------------------------

@@ -8,13 +8,24 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from meshes.borings.connect import ConnectedBorings
-from workflow.figures.canvas import INK, WATER, Frames, soil_colour
+from workflow.figures.canvas import INK, WATER, Frames
+from workflow.figures.colours import soil_colour
 
 HEIGHT = 5.0  # inches
 
 
 def draw(connected: ConnectedBorings, title: str) -> Frames:
-    """Draw the interpolated strata, and the borings to their depth with blow counts N; heights are exaggerated."""
+    """Draw the interpolated strata, and the borings to their depth with blow counts N; heights are exaggerated.
+
+    Parameters
+    ----------
+    connected : borings, cone penetration tests, and the strata between them
+    title : name of the section
+
+    Returns
+    -------
+    The picture, with a legend of strata, borings, water levels and cones.
+    """
     picture = Frames(HEIGHT)
     axes = picture.figure.add_subplot()
     deepest = min(min(boring.log.bottom for boring in connected.borings), float(connected.bottoms[-1].min()))

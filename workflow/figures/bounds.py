@@ -16,7 +16,8 @@ from fem.limit.bracket import Mechanism, StressField
 from meshes.section.cutting import soil_of, without_film
 from meshes.section.section import Section
 from workflow.config import Config
-from workflow.figures.canvas import DPI, INK, Sheet, Window, in_classes, legend_columns, soil_colours, spread
+from workflow.figures.canvas import DPI, INK, Sheet, Window, in_classes, legend_columns, spread
+from workflow.figures.colours import soil_colours
 from workflow.figures.fem import MOBILISED, MOBILISED_COLOURS
 from workflow.figures.ground import borders, foot
 from workflow.figures.raster import draw_outline, fill_cells, fill_classes, painted
@@ -35,7 +36,14 @@ MOVING_VELOCITY, MARGIN, DEPTH, NARROW_WIDTH, LARGEST_HEIGHT, LEAST_WIDTH = 0.02
 
 
 def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
-    """Draw bounds_mechanism.png and bounds_stress.png, as far as these bounds exist, and bounds_mesh.png."""
+    """Draw bounds_mechanism.png and bounds_stress.png, as far as these bounds exist, and bounds_mesh.png.
+
+    Parameters
+    ----------
+    config : section, and conditions of the bounds
+    bounds : bounds with their mesh, mechanism and stress field
+    store : folder of the run
+    """
     window = Window.around(config.section.outline())
     if bounds.mechanism:
         store.save("figures/bounds_mechanism.png", _mechanism_sheet(config, bounds, bounds.mechanism, window))

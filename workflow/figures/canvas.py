@@ -17,12 +17,11 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import BoundaryNorm, ListedColormap, to_hex, to_rgb
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.ticker import FixedFormatter, FuncFormatter, MaxNLocator
 
-from meshes.section.cutting import soil_numbers
 from workflow.figures import fonts
 from workflow.figures.symbols import SYMBOL, in_mathtext
 from workflow.texts.picture_texts import language_of, translated
@@ -49,23 +48,6 @@ LEGEND_ROWS = 16  # in a picture of strata: beyond these a legend is longer than
 TITLE_CHARACTERS, CURVE_CHARACTERS, LEGEND_CHARACTERS, NOTE_CHARACTERS = 95, 120, 150, 88
 
 rcParams["font.family"] = [fonts.PLAIN]
-
-# Soils by their place in the section; read against black lines and white paper, and by the colour-blind.
-SOILS = (
-    "#e8cf9a", "#b5a68c", "#dcb272", "#c8925a", "#b98b6b", "#d7c27f", "#94a58b",
-    "#cdb08a", "#8b97a3", "#77707a", "#a9b9a0", "#c9a3a0",
-)  # fmt: skip
-
-
-def soil_colour(index: int) -> str:
-    """Return the colour of the stratum with this index; after the twelfth the colours repeat, darker."""
-    again, place = divmod(index, len(SOILS))
-    return to_hex(np.array(to_rgb(SOILS[place])) * 0.72**again)
-
-
-def soil_colours(names: Sequence[str]) -> list[str]:
-    """Return the colours of strata by their names; parts of one soil have the same colour."""
-    return [soil_colour(number) for number in soil_numbers(names)]
 
 
 @dataclass(frozen=True)

@@ -30,8 +30,16 @@ LEGEND_ROWS = 7  # of the load curves: every entry in a row of its own, since so
 
 
 def draw_all(results: Results) -> list[str]:
-    """Draw the pictures that the results allow, remove outdated pictures, and return the names of the pictures
-    drawn."""
+    """Draw the pictures that the results allow, and remove outdated pictures.
+
+    Parameters
+    ----------
+    results : results of all stages of the run
+
+    Returns
+    -------
+    Names of the pictures drawn, relative to the folder of the run.
+    """
     drawn = []
     for name, draw in (
         (FRONT, front), (CURVES, _curves), (SURFACES, _surfaces), (CALIBRATION, _calibration), (BLOCK, _block),

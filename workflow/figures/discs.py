@@ -17,7 +17,8 @@ from dem.engine.forces import contact_forces
 from dem.ground import Ground
 from dem.model import DiscModel
 from meshes.section.cutting import soil_of
-from workflow.figures.canvas import INK, Sheet, Window, soil_colours
+from workflow.figures.canvas import INK, Sheet, Window
+from workflow.figures.colours import soil_colours
 from workflow.figures.raster import BORDER, Circles, fill_discs, painted
 
 BOUNDARY = "#4a4f55"
@@ -37,7 +38,18 @@ def window_of(model: Circles, line: np.ndarray = NO_LINE) -> Window:
 
 
 def in_section(model: DiscModel, ground: Ground) -> DiscModel:
-    """Return the discs in the coordinates of the section, for drawing; gravity and rigid lines are not transformed."""
+    """Return the discs in the coordinates of the section, for drawing.
+
+    Parameters
+    ----------
+    model : discs in the coordinates of their box, which may be tilted
+    ground : transformation from the box to the section
+
+    Returns
+    -------
+    A copy with places, velocities and rotations in the axes of the section; gravity and rigid lines are not
+    transformed.
+    """
     view = copy.copy(model)
     view.x, view.z = ground.to_section(model.x, model.z)
     view.vx, view.vz = ground.to_section_axes(model.vx, model.vz)

@@ -30,7 +30,15 @@ BLANK = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
 
 @dataclass(frozen=True)
 class MethodRow:
-    """Holds a method, its marker, and its displacement (m); None, with the reason, if it gives none."""
+    """Holds a method, its marker, and its displacement.
+
+    Attributes
+    ----------
+    description : the method, in words
+    look : colour and marker
+    displacement : displacement (m); None if the method gives none
+    reason : why the method gives no displacement; else empty
+    """
 
     description: str
     look: tuple[str, str]
@@ -105,8 +113,17 @@ def _others(results: Results) -> Iterator[MethodRow]:
 
 
 def slides(results: Results) -> Iterator[MethodRow]:
-    """Return the slide of every case by discs, by material points, by discs with the law "paper", and as the paper
-    printed it."""
+    """Yield the slides by discs and by material points, case by case.
+
+    Parameters
+    ----------
+    results : results of the run
+
+    Returns
+    -------
+    Rows by discs, by material points, by discs with the law "paper", and as the paper printed them (section S-13 only).
+    Cases with equal slides have one row; where a displacement was measured, there is a row for its place, too.
+    """
     _, cases = results.case_set()
     yield from _of_cases(results, cases, "discs", SLIDES)
     yield from _of_cases(results, results.mpm.cases if results.mpm is not None else {}, "material points", POINTS)

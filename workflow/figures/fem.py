@@ -30,8 +30,16 @@ DASHES = ((0, ()), (0, (5, 2)), (0, (2, 2)), (0, (1, 2)))
 
 
 def draw_all(config: Config, results: FemResults, store: Store) -> None:
-    """Draw fem_kh_*.png for every requested state, fem_plateau.png, fem_curve.png, and fem_safety.png with the slip
-    surfaces of factors of safety; remove older ones.
+    """Draw all pictures of the finite elements, and remove older ones.
+
+    The pictures are fem_kh_*.png for every requested state, fem_plateau.png, fem_curve.png, and fem_safety.png with the
+    slip surfaces of factors of safety, if there are any.
+
+    Parameters
+    ----------
+    config : section, and settings of the analysis
+    results : mesh, states, critical Kh and equilibrium path
+    store : folder of the run
     """
     names = ["figures/fem_curve.png"]
     for state in results.states:
@@ -47,7 +55,11 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
 def draw_failure(config: Config, answer: FailureAnswer, store: Store) -> None:
     """Draw fem_safety.png, the slip surface of ground that fails without a seismic force; remove pictures of states.
 
-    config: config of the run; answer: factor of safety, with its slip surface; store: folder of the run.
+    Parameters
+    ----------
+    config : section
+    answer : factor of safety, with its slip surface if there is one
+    store : folder of the run
     """
     label = f"slip surface, F_s = {answer.factor:.2f} at Kh = 0"
     slips = [Overlay(np.array(answer.slip_surface), CONTINUUM, (0, ()), label)] if answer.slip_surface else []
@@ -141,7 +153,16 @@ def state_sheet(config: Config, results: FemResults, state: FieldState) -> Sheet
 
 
 def nice_number(value: float) -> float:
-    """Return the largest of 1, 2, 5 times a power of ten that is not above a positive value."""
+    """Return the largest of 1, 2, 5 times a power of ten that is not above a value.
+
+    Parameters
+    ----------
+    value : a positive number
+
+    Returns
+    -------
+    The number in the unit of the value.
+    """
     power = 10.0 ** np.floor(np.log10(value))
     return float(max(k * power for k in (1.0, 2.0, 5.0) if k * power <= value * (1 + 1e-9)))
 

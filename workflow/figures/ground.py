@@ -31,8 +31,8 @@ from workflow.figures.canvas import (
     Sheet,
     Window,
     legend_columns,
-    soil_colours,
 )
+from workflow.figures.colours import soil_colours
 
 HATCH = "...."
 SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
@@ -85,7 +85,16 @@ def mark_borings(axes: Axes, section: Section, borings: Iterable[Boring]) -> Non
 
 
 def sheet_with_borings(config: Config) -> Sheet:
-    """Draw the section with the borings of its table [triggering]."""
+    """Draw the section with the borings of its table [triggering].
+
+    Parameters
+    ----------
+    config : section and borings
+
+    Returns
+    -------
+    The picture; borings reach down to their deepest test.
+    """
     borings = [(boring.name, boring.x, max(boring.depths)) for boring in config.triggering.borings]
     return section_sheet(config.section, borings=borings)
 
@@ -155,7 +164,17 @@ def section_sheet(
 
 
 def mesh_sheet(section: Section, mesh: QuadMesh) -> Sheet:
-    """Draw the quadrilaterals, coloured by stratum, with their quality."""
+    """Draw the quadrilaterals, coloured by stratum, with their quality.
+
+    Parameters
+    ----------
+    section : the ground
+    mesh : mesh of the section
+
+    Returns
+    -------
+    The picture; a flat section has a second view with exaggerated heights.
+    """
     from workflow.figures.raster import fill_cells, painted
 
     window = Window.around(mesh.points)

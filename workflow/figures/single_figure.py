@@ -60,9 +60,21 @@ FIELDS: Mapping[str, Field] = {
 
 
 def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
-    """Draw one field of the states at one Kh. By default the field is the usual picture, and the states are all states.
+    """Draw one field of the states at one Kh.
 
-    The function returns the paths of the pictures. Raises InputError if there is no such field or no state at that Kh.
+    Parameters
+    ----------
+    job : section, settings and folder of the run
+    field : name of a field of the finite elements or of the discs; None for the usual picture of the finite elements
+    at : Kh (-) of the states, to 0.0005; None for all states
+
+    Returns
+    -------
+    Paths of the pictures.
+
+    Raises
+    ------
+    InputError : There is no such field, no state at that Kh, or no result of this input.
     """
     if field in discs.FIELDS:
         return _draw_discs(job, field, at)
@@ -107,7 +119,18 @@ def _draw_discs(job: Job, field: str, at: float | None) -> list[Path]:
 
 
 def window(job: Job, field: str, at: float | None) -> None:
-    """Open a window with a field on the mesh. Raises InputError if there is no screen."""
+    """Open a window with a field on the mesh of the finite elements.
+
+    Parameters
+    ----------
+    job : section, settings and folder of the run
+    field : name of a field of the finite elements
+    at : Kh (-) of the state, to 0.0005; None for the last state in equilibrium
+
+    Raises
+    ------
+    InputError : There is no screen, no such field, no state at that Kh, or no result of this input.
+    """
     results, chosen = _results(job), _field(field)
     states = _states(results, at)
     missing = no_screen()

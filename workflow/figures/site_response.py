@@ -1,7 +1,8 @@
 """Draws acceleration, shear strain, shear stress and average acceleration with depth, side by side."""
 
 from meshes.section.section import Section
-from workflow.figures.canvas import CONTINUUM, INK, Frames, soil_colours
+from workflow.figures.canvas import CONTINUUM, INK, Frames
+from workflow.figures.colours import soil_colours
 from workflow.results.site_response import SiteResponseAnswer
 
 HEIGHT = 5.0  # inches

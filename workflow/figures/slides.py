@@ -27,8 +27,8 @@ from workflow.figures.canvas import (
     Sheet,
     Window,
     legend_columns,
-    soil_colours,
 )
+from workflow.figures.colours import soil_colours
 from workflow.figures.discs import NO_LINE, displacement_scale, draw_strata, draw_values, round_up, window_of
 from workflow.figures.raster import painted
 from workflow.results.cases import CaseAnswer, Profile, equal_cases, smoothed
@@ -48,7 +48,16 @@ COLOURS, MARKS = (CONTINUUM, DISCS, CRITICAL, "#2c7a3f", "#c77d11"), ("o", "s", 
 
 @dataclass(frozen=True)
 class Frame:
-    """Holds one state of a slide, read from its .vtp file."""
+    """Holds one state of a slide, read from its .vtp file.
+
+    Attributes
+    ----------
+    x, z (n,) : places of the discs or material points (m)
+    radius (n,) : radii (m)
+    stratum (n,) : index of the stratum of each; -1 at the boundary
+    moved (n,) : displacement since the start (m)
+    seconds : time of the state (s)
+    """
 
     x: np.ndarray
     z: np.ndarray
@@ -88,7 +97,18 @@ def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LI
 
 
 def name_of(config: Config, springs: str, case: int) -> str:
-    """Return the title of the pictures of a case: the section, the case, and the model or set of springs."""
+    """Return the title of the pictures of a case.
+
+    Parameters
+    ----------
+    config : section, and names of the cases
+    springs : set of springs of the discs, "calibrated" or "table2", or "mpm" for material points
+    case : number of the case, from 1
+
+    Returns
+    -------
+    Section, case, and model or set of springs, in words.
+    """
     return f"{config.section.heading}: {config.called(case)}, {SPRINGS.get(springs, springs)}"
 
 
@@ -108,11 +128,21 @@ def left_by(case: Case) -> str:
 
 
 def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, number: int) -> Sheet:
-    """Draw two views of the final state, as in Figs 14 to 16 of the paper: displacement with the surface before and
-    after, and layers.
+    """Draw two views of the final state, as in Figs 14 to 16 of the paper.
 
-    config: config of the run; path: file of the last state; case: its answer; springs: set of the discs; number: number
-    of the case.
+    The views are the displacement with the surface before and after, and the layers.
+
+    Parameters
+    ----------
+    config : section and cases
+    path : .vtp file of the last state
+    case : answer of the case
+    springs : set of springs of the discs, "calibrated" or "table2", or "mpm" for material points
+    number : number of the case, from 1
+
+    Returns
+    -------
+    The picture, with stiffness and strength after liquefaction at its foot.
     """
     frame = Frame.read(path)
     before, after = case.surfaces
@@ -157,8 +187,12 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
 def animate(config: Config, paths: Sequence[Path], springs: str, out: Mapping[int, Path]) -> None:
     """Write an animated WebP of all states of a case, coloured by displacement; a GIF would be three times as large.
 
-    config: config of the run; paths: files of the states; springs: set of the discs; out: the files to write, by the
-    numbers of the cases with these states.
+    Parameters
+    ----------
+    config : section, and names of the cases
+    paths : .vtp files of the states, in the order of time
+    springs : set of springs of the discs, "calibrated" or "table2", or "mpm" for material points
+    out : the files to write, by the numbers of the cases with these states
     """
     last = Frame.read(paths[-1])
     norm, window = last.scale(), shown_window([Frame.read(paths[0]), last], springs)
@@ -263,7 +297,17 @@ def seen_from_above(surface: np.ndarray, cell: float) -> np.ndarray:
 
 
 def point_profiles(config: Config, answer: PointSlidesAnswer) -> Sheet:
-    """Draw the surface of every case before and after its slide by the material point method, x and elevation in m."""
+    """Draw the surface of every case before and after its slide by the material point method.
+
+    Parameters
+    ----------
+    config : section, and names of the cases
+    answer : surfaces (m) of the cases, and the size of the cells
+
+    Returns
+    -------
+    The picture, with a view for each group of equal cases.
+    """
     title = f"{config.section.heading}: slides by the material point method, cells of {answer.cell_m:.2g} m"
     groups = equal_cases(answer.cases)
     sheet = Sheet(title, [0.16] * len(groups), "", 1)

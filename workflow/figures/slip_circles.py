@@ -11,8 +11,17 @@ WHOLE, DASHED = (0, ()), (0, (5, 2))
 
 
 def circles_sheet(section: Section, answer: SlicesAnswer) -> Sheet:
-    """Draw, towards each side, the circle with the least factor of safety at each Kh, and the circle with the least
-    critical Kh.
+    """Draw the critical slip circles of the section over its layers.
+
+    Parameters
+    ----------
+    section : the ground
+    answer : slip circles by Bishop's and Spencer's method
+
+    Returns
+    -------
+    The picture: towards each side the circle with the least factor of safety at Kh = 0, and the
+    circle with the least critical Kh.
     """
     lines = [
         _line(circle, CONTINUUM, f"F_s = {_value(circle, 2)} at Kh = {factors.kh:g}")

@@ -99,7 +99,17 @@ def scatter(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], t
 
 
 def convergence(series: Sequence[Series], title: str) -> Frames:
-    """Draw a frame for each series, with the limit on the axis; the limit is red if the series has not converged."""
+    """Draw a frame for each series, with the limit on the axis; the limit is red if the series has not converged.
+
+    Parameters
+    ----------
+    series : a number over ever smaller discs or time steps, with the 95 % intervals of its means
+    title : name of the section
+
+    Returns
+    -------
+    The picture, with four frames in a row.
+    """
     rows = -(-len(series) // ACROSS)
     picture = Frames(LOW * rows + 0.4, f"{title}: convergence of the slides")
     for axes, row in zip(_frames(picture, len(series), ACROSS), series, strict=True):

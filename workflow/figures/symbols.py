@@ -19,7 +19,16 @@ def in_mathtext(text: str) -> str:
 
 
 def in_captions(html: str) -> str:
-    """Return a page whose captions and heads of tables have symbols with subscripts."""
+    """Return a page whose captions and heads of tables have symbols with subscripts.
+
+    Parameters
+    ----------
+    html : the page
+
+    Returns
+    -------
+    The page with Kh, kc, F_s and so on typeset in figcaption, caption and th elements; its other text is unchanged.
+    """
 
     def typeset(match: re.Match[str]) -> str:
         parts = TAG.split(match[3])

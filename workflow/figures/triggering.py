@@ -9,7 +9,8 @@ from matplotlib.lines import Line2D
 from meshes.section.cutting import whole_soil
 from meshes.section.overburden import water_level
 from meshes.section.section import Section
-from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, WATER, Frames, soil_colours
+from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, WATER, Frames
+from workflow.figures.colours import soil_colours
 from workflow.figures.ground import foot
 from workflow.results.triggering import TestPart, TriggeringAnswer
 

@@ -25,7 +25,16 @@ TICK_DISTANCE = 0.06  # of the scale: weights that lie closer together share a t
 
 
 def weights_sheet(section: Section) -> Sheet:
-    """Draw unit weights, surcharges, and pore pressure at rest, coloured by their size."""
+    """Draw unit weights with surcharges, and pore pressure at rest.
+
+    Parameters
+    ----------
+    section : the ground with its water
+
+    Returns
+    -------
+    The picture: unit weight on which gravity acts (kN/m³), and pore pressure (kPa) if there is any.
+    """
     window = _picture_window(section)
     height = float(np.ptp(section.outline()[:, 1]))
     mesh = triangulate(section, FINE_SPACING * height)

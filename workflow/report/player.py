@@ -17,7 +17,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 
 from dem.slides.surface import topmost
-from workflow.figures.canvas import soil_colours
+from workflow.figures.colours import soil_colours
 from workflow.figures.discs import DISPLACEMENT_COLOURS
 from workflow.figures.fem import MOBILISED, MOBILISED_COLOURS, nice_number
 from workflow.figures.slides import Frame, name_of

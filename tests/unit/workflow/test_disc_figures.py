@@ -19,7 +19,8 @@ from tests.support import SECTIONS
 from tests.support.dem_cases import RADIUS, box
 from workflow.config import Config
 from workflow.figures import discs as dem_figures
-from workflow.figures.canvas import Sheet, Window, soil_colour
+from workflow.figures.canvas import Sheet, Window
+from workflow.figures.colours import soil_colour
 from workflow.figures.slides import Frame, history, left_by, profiles, shown_window
 from workflow.results.cases import Profile
 from workflow.results.history import SlideHistory
