@@ -65,7 +65,8 @@ def accuracy(results: Results, fem: FemAnswer) -> Accuracy | None:
     Returns
     -------
     The interval (-): that of the meshes within the bounds; that of the bounds alone if the sequence has not converged
-    or lies beyond them. None if there is only one mesh and no bounds of its flow rule, or if one bound contradicts it.
+    or lies beyond them. None if there is only one mesh and a bound of its flow rule is missing, or if the only bound
+    contradicts the meshes.
     """
     meshes, strict = of_meshes(fem, _halved(results)), strict_kh(results, fem, fem.flow, fem.direction)
     if strict is None:

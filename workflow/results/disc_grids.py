@@ -75,7 +75,7 @@ def case_name(springs: str, number: int) -> str:
 
     Parameters
     ----------
-    springs : set of springs: "calibrated" or "table2"
+    springs : set of springs, "calibrated" or "table2", or name of a random packing
     number : number of the case; 0 is Kh alone
 
     Returns
