@@ -223,7 +223,8 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
     """Print the results of a whole run in at most twelve lines, or those of the requested stages, then warnings of the
     stages that they need. With ``every``, print the results of all stages with details.
     """
-    from workflow.report.console import run_lines, sentences
+    from workflow.report.console import sentences
+    from workflow.report.run_lines import run_lines
     from workflow.results.results import Results
     from workflow.results.summary import Summary
     from workflow.texts.report_texts import Texts

@@ -14,8 +14,18 @@ FAILURE_REASON, SMOOTH_SIDES_REASON = "the section fails under its own weight", 
 
 
 def failure_at_rest(results: Results, texts: Texts | None = None) -> str:
-    """Return the proof that the section fails without a seismic force in sentences, with the critical Kh of the finite
-    elements that it contradicts; empty if nothing proves this."""
+    """Return the proof that the section fails without a seismic force.
+
+    Parameters
+    ----------
+    results : results of the run, with strict bounds
+    texts : texts in the language of the report; None for English
+
+    Returns
+    -------
+    Sentences, with the critical Kh of the finite elements that the proof contradicts; empty if nothing proves a
+    failure.
+    """
     _, fem, bounds = texts or Texts(), results.fem, results.bounds
     if not results.fails_at_rest or bounds is None:
         return ""

@@ -15,7 +15,7 @@ from workflow.report import post_liquefaction
 from workflow.report.at_rest import failure_at_rest, is_same_after_shaking, when_words
 from workflow.report.bounds_text import bounds_sentences, edge_sentence, face_words, failing_at
 from workflow.report.contradictions import FALL_RATIO, SURFACE_FALL
-from workflow.report.crests import crest_parts, crest_sentences, crests_in_short
+from workflow.report.crests import crest_parts, crest_sentences
 from workflow.report.faces import faces_sentences
 from workflow.report.flow_rule import (
     WHEN,
@@ -32,7 +32,6 @@ from workflow.report.structures import structure_sentences
 from workflow.report.summary_text import lies_still, moved_lately
 from workflow.report.tables import case_heads, case_rows
 from workflow.report.triggering import triggering_sentences
-from workflow.report.verdicts import verdict_paragraph
 from workflow.report.warnings import sides_warning, split_warning
 from workflow.results.accuracy import accuracy, of_meshes, remaining_error, strict_factor, strict_kh
 from workflow.results.answer import FORCE, SectionLabel, way_out
@@ -51,13 +50,9 @@ from workflow.results.stability import LiquefiedAnswer, ResidualAnswer
 from workflow.results.stored_mesh import stored_mesh
 from workflow.results.summary import Summary
 from workflow.results.triggering import TriggeringAnswer
-from workflow.results.verdicts import NOTE_WEIGHT
 from workflow.run.store import Store
-from workflow.texts.report_texts import Texts
 
-NO_NUMBER = "–"  # the value of a headline that has none, only its reason
 REPORTED_ERROR = 5e-4  # of a factor of safety: smaller discretisation errors are not reported
-MOST_LINES = 9  # of a run without -v, after the one on its time, before the two that say where the report is
 
 
 def mesh_sentences(config: Config, store: Store) -> Iterator[str]:
@@ -349,9 +344,20 @@ def sentences(
     results: Results | None = None,
     reported: Sequence[str] = (),
 ) -> Iterator[str]:
-    """Yield the result of the stage ``name`` in the run folder ``store`` in sentences, with ``every`` also details of
-    the finite elements. The result is compared with the ``results`` of the other stages; facts of the stages that are
-    ``reported`` already are left out. ``config``: inputs of the run.
+    """Yield the result of a stage in sentences.
+
+    Parameters
+    ----------
+    name : name of the stage
+    config : section and settings
+    store : folder of the run, in which the stage has an answer
+    every : whether details of the finite elements are included
+    results : results of the other stages, with which the result is compared; None for no comparison
+    reported : stages whose sentences are reported already; their facts are left out
+
+    Returns
+    -------
+    The sentences; none for a stage that has nothing to say.
     """
     fem = results.fem if results is not None and "fem" in reported else None
     of_stage: dict[str, Callable[[], Iterator[str]]] = {
@@ -370,29 +376,3 @@ def sentences(
         "report": lambda: iter(Summary.read(store).findings),
     }
     return of_stage[name]() if name in of_stage else iter(())
-
-
-def run_lines(answer: Summary, texts: Texts | None = None) -> list[str]:
-    """Return the results of a run in at most nine lines, in the language of its report: three numbers, crests,
-    criteria, stages without answer, warnings."""
-    _ = texts or Texts()
-    lines = [
-        f"{part.name}: {part.value}" + (f"; {part.interval}" if part.interval else "")
-        if part.value != NO_NUMBER else part.conclusion
-        for part in answer.headlines
-    ]  # fmt: skip
-    lines += crests_in_short(answer.crests or (), _)
-    lines += verdict_paragraph(list(answer.criteria or ()), _, liquefies=bool(answer.liquefied or answer.cases))
-    failed = [f"the stage {stage} has no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]
-    lines += failed[:1]
-    warnings = [
-        " ".join(_.sentence(text) for text in (part.observation, part.remedy) if text)
-        for part in answer.warnings
-        if part.weight < NOTE_WEIGHT
-    ]
-    shown = warnings[: max(MOST_LINES - len(lines) - 1, 0)]
-    lines += [f"- {line}" for line in shown]
-    if len(warnings) > len(shown):
-        number = len(warnings) - len(shown)
-        lines.append(_.sentence(f"{number} more {'warning is' if number == 1 else 'warnings are'} in the report."))
-    return lines

@@ -21,7 +21,18 @@ def as_json(data: Any, only_ascii: bool = False) -> str:
 
 
 def of_section(config: Config, picture: Path) -> dict[str, Any]:
-    """Return a checked section as data: its strata in SI units, and its notices."""
+    """Return a checked section as data for JSON.
+
+    Parameters
+    ----------
+    config : section and settings
+    picture : file of the picture of the section
+
+    Returns
+    -------
+    Name, title and SHA-256 of the section, its strata in SI units with their areas (m²), seepage (discharge in m²/s) or
+    None, and notices.
+    """
     strata = [
         {"name": stratum.name, "area_m2": float(area), **_parameters(stratum)}
         for stratum, area in zip(config.section.strata, config.section.layering.areas(), strict=True)

@@ -66,7 +66,17 @@ LOGOS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".svg": "svg+xml"}
 
 
 def page(results: Results, summary: Summary) -> str:
-    """Render the report as one HTML page that needs no other file."""
+    """Render the report as one HTML page that needs no other file.
+
+    Parameters
+    ----------
+    results : results of all stages, with their pictures
+    summary : what summary.json holds
+
+    Returns
+    -------
+    The page, in the language of the settings.
+    """
     environment = templates()
     environment.filters["css"] = _css_text
     environment.filters |= {"number": number, "scaled": scaled, "metres": metres, "duration": duration}

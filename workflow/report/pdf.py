@@ -26,7 +26,20 @@ def browser() -> str | None:
 
 
 def write_pdf(store: Store) -> Path:
-    """Print the report of a folder; raises InputError if there is no program to print it, or this program fails."""
+    """Print report.html of a folder to report.pdf.
+
+    Parameters
+    ----------
+    store : folder of a run with a report
+
+    Returns
+    -------
+    Path of report.pdf.
+
+    Raises
+    ------
+    InputError : There is neither Chromium nor WeasyPrint, or the program fails.
+    """
     page = store.folder / PAGE
     program = browser()
     if program is None and find_spec("weasyprint") is None:

@@ -23,7 +23,14 @@ WIDTH = 900  # px of a picture: several are shown in a row
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """Holds a run in a comparison: its folder, input and summary."""
+    """Holds a run in a comparison.
+
+    Attributes
+    ----------
+    folder : folder of the run
+    config : its section and settings
+    summary : its results
+    """
 
     folder: Path
     config: Config

@@ -31,7 +31,18 @@ RANDOM_FIELDS = (
 
 
 def write_page(config: Config, answer: StudyAnswer, store: Store) -> Path:
-    """Write study.html, one file with all pictures in it."""
+    """Write study.html, one file with all pictures in it.
+
+    Parameters
+    ----------
+    config : section, and its uncertain numbers
+    answer : statistics of the samples
+    store : folder of the study, with its pictures
+
+    Returns
+    -------
+    Path of study.html.
+    """
     text = (
         templates()
         .get_template("study.html.jinja")
@@ -60,7 +71,17 @@ def write_page(config: Config, answer: StudyAnswer, store: Store) -> Path:
 
 
 def sentences(config: Config, answer: StudyAnswer) -> Iterator[str]:
-    """Yield the results of the study, a sentence each."""
+    """Yield the results of a study, a sentence each.
+
+    Parameters
+    ----------
+    config : section, and its uncertain numbers
+    answer : statistics of the samples
+
+    Returns
+    -------
+    Sentences in English, in the order of the results.
+    """
     drawn = f"{answer.samples} samples of {len(config.uncertain.numbers)} uncertain numbers by {METHODS[answer.method]}"
     without = (
         f"; {counted(answer.failed, 'sample has', 'samples have')} no answer or only a part of it"

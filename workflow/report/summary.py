@@ -42,7 +42,17 @@ from workflow.texts.report_texts import Texts
 
 
 def summary(results: Results, report_seconds: float) -> Summary:
-    """Gather the summary; ``report_seconds`` is the computing time of the report so far (s)."""
+    """Gather the results of all stages for summary.json.
+
+    Parameters
+    ----------
+    results : results of all stages
+    report_seconds : computing time of the report so far (s)
+
+    Returns
+    -------
+    The summary; parts of stages without an answer are None.
+    """
     config = results.config
     springs, cases = results.case_set()
     paper = tuple(rows(results))

@@ -17,9 +17,9 @@ from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.figures.displacements import slides
 from workflow.report.captions import collect
-from workflow.report.console import run_lines
 from workflow.report.page import page
 from workflow.report.player import _extent
+from workflow.report.run_lines import run_lines
 from workflow.report.summary import summary
 from workflow.results.answer import SectionLabel
 from workflow.results.cases import CasesAnswer, equal_cases
