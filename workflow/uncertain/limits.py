@@ -46,11 +46,20 @@ class AdmissibleRange:
 def reach_of(
     data: Mapping[str, Any], numbers: Mapping[str, Distribution], models: Models
 ) -> dict[str, AdmissibleRange]:
-    """Return the range of each distribution, truncated to the values that the fields of ``models`` accept, by its path
-    in the input ``data``.
+    """Return the range of each distribution that the fields of the input accept.
 
     Tails of normal and lognormal distributions are truncated where the field refuses the number. If the field refuses
     an end that the input states (uniform, triangular, list, truncation), this is a problem.
+
+    Parameters
+    ----------
+    data : nested tables of the input
+    numbers : distributions by their paths in the input
+    models : models whose fields stand side by side in the input; the last one has all other keys
+
+    Returns
+    -------
+    Ranges of probabilities by path, with notices and problems.
     """
     return {
         path: _reach(path, distribution, _check_of(data, path, distribution, models))

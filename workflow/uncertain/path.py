@@ -14,14 +14,34 @@ Place = tuple[int | str, ...]  # keys and indices, from the outermost table inwa
 
 
 def mutable_copy(data: Any) -> Any:
-    """Return a copy of nested tables in which dicts and lists replace read-only mappings and tuples."""
+    """Return a copy of nested tables in which dicts and lists replace read-only mappings and tuples.
+
+    Parameters
+    ----------
+    data : nested tables, or a value in them
+
+    Returns
+    -------
+    The copy; values in the tables are the same objects.
+    """
     if isinstance(data, Mapping):
         return {key: mutable_copy(value) for key, value in data.items()}
     return [mutable_copy(value) for value in data] if isinstance(data, list | tuple) else data
 
 
 def changed(data: Mapping[str, Any], drawn: Mapping[str, Any], numbers: Mapping[str, Distribution]) -> dict[str, Any]:
-    """Return the nested tables with the drawn values in their places; raise ValueError for an unknown path."""
+    """Return an input with drawn values in the places of its uncertain numbers.
+
+    Parameters
+    ----------
+    data : nested tables of the input, which are not changed
+    drawn : drawn values by path, in the unit of the distribution
+    numbers : distributions by path, which tell whether a value replaces, shifts or multiplies the number
+
+    Returns
+    -------
+    A changed copy of the tables. A path without a place raises ValueError.
+    """
     new: dict[str, Any] = mutable_copy(data)
     for path, value in drawn.items():
         for place in list(places(new, path)):

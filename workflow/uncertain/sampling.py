@@ -48,7 +48,18 @@ def correlated(points: np.ndarray, correlation: np.ndarray) -> np.ndarray:
 def samples(
     uncertain: UncertainSettings, study: StudySettings, reach: Mapping[str, AdmissibleRange] = MappingProxyType({})
 ) -> list[dict[str, Any]]:
-    """Return the sampled values of every sample, by the paths of the numbers, within the admissible range of each."""
+    """Draw the samples of a study; equal seeds give equal samples.
+
+    Parameters
+    ----------
+    uncertain : distributions of numbers by their paths, and their correlation
+    study : number, method and seed of the samples
+    reach : admissible range of each distribution by path, see `reach_of`; missing distributions are not truncated
+
+    Returns
+    -------
+    Drawn values by path, for every sample. The method "saltelli" draws ``samples`` times 2 + the number of paths.
+    """
     numbers = uncertain.numbers
     points = probabilities(len(numbers), study.samples, study.method, study.seed)
     points = correlated(points, uncertain.correlation())

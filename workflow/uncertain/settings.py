@@ -35,8 +35,10 @@ def _nested(path: str, value: Any, known: Set[str]) -> Iterator[str]:
 
 
 class UncertainSettings(Model):
-    """Names the numbers of the input that have a distribution, by their paths, such as "strata.5
-    Asd.friction_angle"."""
+    """Holds the distributions of numbers of the input, the table [uncertain] of the input file.
+
+    The keys of the table are the paths of the numbers, such as "strata.5 Asd.friction_angle".
+    """
 
     model_config = ConfigDict(extra="allow", frozen=True, allow_inf_nan=False)
     __pydantic_extra__: dict[str, Distribution] = Field(init=False)
