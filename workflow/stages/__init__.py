@@ -14,5 +14,14 @@ NAMES = (
 
 
 def command_of(stage: str) -> str:
-    """Return the command that runs a stage; `noshiro run` if the stage has no command."""
+    """Return the command that runs a stage.
+
+    Parameters
+    ----------
+    stage : name of the stage
+
+    Returns
+    -------
+    Name of the command, such as "liquefaction" for "triggering"; the name of the stage where no other is known.
+    """
     return {"triggering": "liquefaction", "mpm": "slide"}.get(stage, stage)

@@ -61,7 +61,17 @@ SECONDS: Mapping[str, Callable[[Config], float]] = {
 
 
 def announcement(decisions: Sequence[Decision], config: Config) -> str:
-    """Return how long the stages that will run take, in a sentence; empty if they take hardly any time."""
+    """Return how long the stages that will run take.
+
+    Parameters
+    ----------
+    decisions : decisions on all stages
+    config : section and settings, on which the times depend
+
+    Returns
+    -------
+    A sentence with an order of magnitude and the longest stages; empty if they take less than 30 s of processor time.
+    """
     costs = {item.stage.name: SECONDS[item.stage.name](config) for item in decisions if item.action == "run"}
     total = sum(costs.values())
     if total <= ANNOUNCED_TIME:

@@ -39,8 +39,15 @@ if TYPE_CHECKING:
 
 
 def help_compute(job: Job, ranks: Ranks) -> None:
-    """Do the work of every rank but the first: the share of this rank in the finite element analysis, if there is
-    one."""
+    """Compute the share of an MPI rank in the finite element analysis; for every rank but the first.
+
+    The rank waits until the first one calls it, and returns at once if the first one releases it.
+
+    Parameters
+    ----------
+    job : section, settings and folder, as on the first rank
+    ranks : MPI ranks of the program
+    """
     if ranks.called():
         work(job)
 

@@ -28,7 +28,16 @@ def liquefying(config: Config) -> dict[int, list[int]]:
 
 
 def refuse_unless_liquefying(section: Section) -> None:
-    """Raise InputError if no stratum of a section liquefies."""
+    """Refuse a section in which no stratum liquefies in any case.
+
+    Parameters
+    ----------
+    section : the ground
+
+    Raises
+    ------
+    InputError : No stratum liquefies.
+    """
     if not section.liquefies:
         raise InputError(
             section.name, ["no stratum liquefies in any case; expected liquefies_in for at least one stratum"]

@@ -15,13 +15,23 @@ from workflow.stages.liquefaction import lowest_factors
 
 
 def shaking_of(config: Config, strata: Sequence[int]) -> Shaking | None:
-    """Return the base motion, with the times at which strata begin to liquefy; None for a constant Kh.
+    """Return the acceleration of the slides in time, with the times at which strata begin to liquefy.
 
-    The base motion is a record of the base, or the average acceleration in time of the soil above the slip surface
-    (Makdisi & Seed 1978) from a site response to a record of the rock.
+    The acceleration is a record of the base, the average acceleration of the soil above the slip surface (Makdisi &
+    Seed 1978) from a site response to a record of the rock, or cycles of Kh.
 
     F_L is strength over stress, and the stress is proportional to the peak acceleration: ground with F_L = 0.6
-    liquefies under a record with 0.6 of the peak, so it liquefies when this acceleration is reached. Raises InputError.
+    liquefies under a record with 0.6 of the peak, so it liquefies when this acceleration is reached. With cycles it
+    liquefies after a share F_L^(1/0.34) of them (Idriss & Boulanger 2008).
+
+    Parameters
+    ----------
+    config : section and settings. An unreadable record raises InputError.
+    strata : indices of the strata that liquefy
+
+    Returns
+    -------
+    Times (s), accelerations (m/s²) and onsets; None for a constant Kh.
     """
     settings = config.slide
     if not settings.accelerogram:
