@@ -17,7 +17,16 @@ VALUE = r"((?:(?!; |: |\. ).)+?)"  # within one part
 
 
 def language_of(picture: Path) -> Language:
-    """Return the language of the run in whose folder a picture lies; English without a run."""
+    """Return the language of the run in whose folder a picture lies.
+
+    Parameters
+    ----------
+    picture : file in figures/ of the folder of a run
+
+    Returns
+    -------
+    The language of [report] in section.toml of the folder; English without a run.
+    """
     section = picture.resolve().parent.parent / "section.toml"
     try:
         return "ja" if _report(section, section.stat().st_mtime_ns).get("language") == "ja" else "en"
@@ -33,8 +42,17 @@ def _report(section: Path, changed: int) -> dict[str, object]:
 
 
 def translated(text: str, language: Language) -> str:
-    """Return the text of a picture in a language, in about as many lines; parts without a translation, such as names,
-    are unchanged."""
+    """Return the text of a picture in a language, in about as many lines.
+
+    Parameters
+    ----------
+    text : English text, which may have mathtext
+    language : language of the report
+
+    Returns
+    -------
+    The translation; parts without a translation, such as names, are unchanged.
+    """
     if language == "en" or not re.search("[A-Za-z]{2}", text):
         return text
     part = _part(" ".join(MATH.sub("Kh", text).split()), language)

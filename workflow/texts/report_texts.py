@@ -23,12 +23,26 @@ QUOTES = (("&#34;", '"'), ("&#39;", "'"))
 
 
 def listed(words: Sequence[str]) -> str:
-    """Return words in an English list: a, b and c."""
+    """Return words in an English list: a, b and c.
+
+    Parameters
+    ----------
+    words : words or phrases
+
+    Returns
+    -------
+    The list; empty without words.
+    """
     return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)
 
 
 class Texts:
-    """Holds the texts of one language."""
+    """Translates texts of the report into one language.
+
+    Parameters
+    ----------
+    language : language of the report, "en" or "ja"
+    """
 
     def __init__(self, language: Language = "en") -> None:
         self.language = language
