@@ -53,6 +53,10 @@ def load_config(path: Path, overrides: Mapping[str, Mapping[str, Any]] | None = 
     path : the section file; errors name it
     overrides : settings of the command line, as for `Config.load`
 
+    Returns
+    -------
+    The config with all values that follow from borings and earthquake, see `config_after_triggering`.
+
     Raises
     ------
     InputError : with every problem of the file, or of its borings, earthquake or site response

@@ -96,8 +96,17 @@ def _with_section(section: Section | None, tables: ValidTables) -> Iterator[str]
 
 
 def sides_that_differ(section: Section, tables: ValidTables) -> list[str]:
-    """Return the reason why the sides of the section cannot be periodic, if the finite elements require it; empty
-    otherwise."""
+    """Return the reason why the sides of a section cannot be periodic, if the finite elements require it.
+
+    Parameters
+    ----------
+    section : the ground
+    tables : the valid tables of settings, by name
+
+    Returns
+    -------
+    One sentence for every difference of the sides; empty if the sides are alike or not periodic.
+    """
     if "fem" not in tables or tables["fem"].sides != "periodic":
         return []
     try:

@@ -129,7 +129,16 @@ def _current_entry(path: str, entry: Any) -> Any:
 
 
 def current_answer(data: Any) -> Any:
-    """Return the content of a run's JSON file with new names in place of old ones: keys, and the values of settings."""
+    """Return the content of a run's JSON file with new names in place of old ones: keys, and the values of settings.
+
+    Parameters
+    ----------
+    data : content of the file, or a part of it
+
+    Returns
+    -------
+    A copy with new names.
+    """
     if isinstance(data, list):
         return [current_answer(each) for each in data]
     if not isinstance(data, dict):
@@ -142,7 +151,16 @@ def current_answer(data: Any) -> Any:
 
 
 def notices(data: Mapping[str, Any]) -> list[str]:
-    """Yield a sentence for every old name in the tables of a file or of the command line, with the new name."""
+    """Return a sentence for every old name in the tables of a file or of the command line, with the new name.
+
+    Parameters
+    ----------
+    data : the tables as read, which may contain anything
+
+    Returns
+    -------
+    The sentences, each once.
+    """
     messages = []
     for rule in RENAMED:
         table = data.get(rule.table)
