@@ -87,11 +87,26 @@ SLIDES = next(part for part in PARTS if part.name == "slide")
 def run(
     config: Config, store: Store, within: float, ensemble: Ensemble, on_row: OnRow | None = None
 ) -> ConvergenceAnswer:
-    """Compute missing results, and write section.toml and converge.json.
+    """Compute slides with smaller discs and smaller time steps, and write section.toml and converge.json.
 
-    ``config``: config of the run; ``store``: store of the folder with the results; ``within``: largest error of a
-    converged number (%); ``ensemble``: computes the rows; ``on_row``: called with each row. Raises InputError if
-    nothing liquefies, NoAnswerError if fewer than three runs of a kind have an answer.
+    Stored results are not computed again.
+
+    Parameters
+    ----------
+    config : section and settings, with the largest radius and time step
+    store : folder of the results
+    within : largest remaining error of a converged number, as a share of its limit (-)
+    ensemble : computes the runs
+    on_row : function that is called after each run
+
+    Returns
+    -------
+    Every number of the slides over the radius of the discs and over the time step, with its limit and verdict.
+
+    Raises
+    ------
+    InputError : No stratum liquefies.
+    NoAnswerError : No number has a value for all three radii, nor for all three time steps.
     """
     refuse_unless_liquefying(config.section)
     store.write_text("section.toml", config.to_toml())

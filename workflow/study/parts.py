@@ -44,6 +44,15 @@ OF_ALL = ("study", "uncertain", "earthquake", "triggering", "figures", "report",
 
 
 def read_by(parts: Sequence[str]) -> tuple[str, ...]:
-    """Return the tables of settings that some parts of a study read, by their names, "block" among them."""
+    """Return the tables of settings that some parts of a study read.
+
+    Parameters
+    ----------
+    parts : names of parts, "block" among them
+
+    Returns
+    -------
+    Names of tables, also of those that every study reads; a table may be named twice.
+    """
     tables = [table for part in PARTS if part.name in parts for table in part.tables]
     return (*OF_ALL, *tables, *(OF_THE_BLOCK if "block" in parts else ()))

@@ -59,9 +59,21 @@ def parts_of(only: Sequence[str]) -> tuple[list[StudyPart], bool]:
 def run(config: Config, store: Store, only: Sequence[str], ensemble: Ensemble, on_row: OnRow | None = None) -> Study:
     """Compute missing samples of a study, and write section.toml, samples.csv and study.json to its folder.
 
-    ``config``: config of the study; ``store``: store of the folder with the results; ``only``: parts to compute;
-    ``ensemble``: computes the rows; ``on_row``: called with each. Raises InputError if nothing is uncertain, and for an
-    unknown part.
+    Parameters
+    ----------
+    config : section, settings, and the uncertain numbers
+    store : folder of the study
+    only : names of the parts to compute
+    ensemble : computes the parts of samples
+    on_row : function that is called after each of them
+
+    Returns
+    -------
+    The table of all samples, in which failed samples have the reason, and their statistics.
+
+    Raises
+    ------
+    InputError : No number is uncertain, or a part is unknown.
     """
     if not config.uncertain.numbers:
         raise InputError(
@@ -205,8 +217,12 @@ def _groups(table: SampleTable, name: str, path: str) -> Iterator[Group]:
 def draw_all(section: Section, table: SampleTable, answer: StudyAnswer, store: Store) -> None:
     """Write figures/study_*.png; pictures without data are left out.
 
-    ``section``: the section of the ground; ``table``: table of all samples; ``answer``: answer of the study; ``store``:
-    store of the folder with the results.
+    Parameters
+    ----------
+    section : the ground, whose name is in the titles
+    table : drawn values and results of all samples
+    answer : statistics of the samples
+    store : folder of the study
     """
     title = section.heading
     store.remove(["figures/study_*.png"])
