@@ -88,10 +88,22 @@ class Reading:
 
 
 def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str]:
-    """Write a section from files of borings or from a drawing, or a drawing of a section; return sentences on what was
-    done.
+    """Write a section file from files of borings, a drawing or a foreign model, or a drawing from a section file.
 
-    Raises InputError with every problem found.
+    Parameters
+    ----------
+    files : files of borings, or one .dxf drawing, one model of another program, or one section .toml
+    out : file to write: a new section, or the .dxf drawing of a section
+    reading : options of reading
+
+    Returns
+    -------
+    Sentences on what was done, warnings first, and on what the section still lacks.
+
+    Raises
+    ------
+    InputError : A file is missing, of another kind, or cannot be read, or ``out`` exists already. The error has every
+        problem of the files.
     """
     kinds = {file.suffix.lower() for file in files}
     alone = {DRAWING, ".toml", *MODELS}
