@@ -169,7 +169,16 @@ def judge(low: float | None, high: float | None, limit: float, at_least: bool) -
 
 
 def common_verdict(verdicts: tuple[CriterionVerdict, ...]) -> CriterionVerdict:
-    """Return the common verdict on several criteria, all of which must be satisfied."""
+    """Return the common verdict on several criteria, all of which must be satisfied.
+
+    Parameters
+    ----------
+    verdicts : verdicts on the criteria
+
+    Returns
+    -------
+    "not satisfied" if one is not satisfied; "not decided" if one is not decided, or without criteria.
+    """
     if "not satisfied" in verdicts:
         return "not satisfied"
     return "satisfied" if verdicts and set(verdicts) == {"satisfied"} else "not decided"
