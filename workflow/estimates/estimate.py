@@ -45,9 +45,14 @@ class Estimate:
 
 
 def mean_inclination(section: Section) -> float:
-    """Return the mean inclination of the ground between its ends (rad), never negative."""
-    (x0, z0), (x1, z1) = section.ground[0], section.ground[-1]
-    return math.atan(abs(z1 - z0) / (x1 - x0))
+    """Return the mean inclination of the given ground between its ends (rad), never negative.
+
+    Ground that is added beyond the given ends (``beyond``) does not count: it would make any slope as flat as it is
+    long.
+    """
+    x0, x1 = section.given_extent
+    z0, z1 = np.interp([x0, x1], *section.ground.T)
+    return math.atan(abs(float(z1 - z0)) / (x1 - x0))
 
 
 def depth_below_ground(section: Section, line: np.ndarray) -> np.ndarray:

@@ -47,10 +47,10 @@ def liquefied(section: Section, case: int, columns: int = 400) -> LiquefiedLayer
 
     The thickness is the mean of the total thickness of these layers over the part of the section where it is not zero.
     The gradient is the slope of a straight line fitted, over the same part of the section, to the ground or to the
-    lowest boundary of the layers, whichever is steeper.
+    lowest boundary of the layers, whichever is steeper. Ground that is added beyond the given ends does not count.
     """
     which = liquefying_strata(section.strata, case)
-    left, right = section.extent
+    left, right = section.given_extent
     x = middles(left, right, columns)
     levels = section.layering.interfaces(x)
     layers = levels[:, :-1] - levels[:, 1:]

@@ -1,5 +1,6 @@
 """Hamada's regression, and what it is fed with."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -10,7 +11,7 @@ from tests.support.answers import results
 from tests.support.sections import analysed, layer, slope
 from workflow.config import Config
 from workflow.estimates.comparison import estimates
-from workflow.estimates.estimate import Estimate, with_flow_failure
+from workflow.estimates.estimate import Estimate, mean_inclination, with_flow_failure
 from workflow.estimates.regression import hamada, hamada_as_printed, liquefied
 from workflow.figures import displacements
 
@@ -38,6 +39,16 @@ def test_thickness_and_gradient_of_a_layer() -> None:
     assert steeper.thickness == pytest.approx(4.0)
     assert steeper.gradient == pytest.approx(14.0)
     assert liquefied(Section.parse(data), 2) is None
+
+
+def test_ground_that_is_added_beyond_the_ends_does_not_flatten_the_slope() -> None:
+    """With 100 m of level ground at either end 10 % were 3.3 % on average."""
+    data = slope()
+    data["strata"][0]["liquefies_in"] = [1]
+    longer = Section.parse({**data, "beyond": "100 m"})
+    assert longer.extent == pytest.approx((-100.0, 200.0))
+    assert math.tan(mean_inclination(longer)) == pytest.approx(0.1)
+    assert liquefied(longer, 1) == liquefied(Section.parse(data), 1)
 
 
 def test_a_lens_counts_where_it_is() -> None:
