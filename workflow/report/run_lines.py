@@ -33,8 +33,8 @@ def run_lines(answer: Summary, texts: Texts | None = None) -> list[str]:
     ]  # fmt: skip
     lines += crests_in_short(answer.crests or (), _)
     lines += verdict_paragraph(list(answer.criteria or ()), _, liquefies=bool(answer.liquefied or answer.cases))
-    failed = [f"the stage {stage} has no answer: {entry.reason}" for stage, entry in answer.no_answer.items()]
-    lines += failed[:1]
+    for stage, entry in list(answer.no_answer.items())[:1]:
+        lines.append(_("the stage {stage} has no answer: {reason}", stage=stage, reason=entry.reason))
     warnings = [
         " ".join(_.sentence(text) for text in (part.observation, part.remedy) if text)
         for part in answer.warnings

@@ -27,7 +27,7 @@ from workflow.results.continuum import VariantsAnswer
 from workflow.results.results import Results
 from workflow.results.slices import FacePart, FactorCircles, SlicesAnswer
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
-from workflow.results.summary import Summary
+from workflow.results.summary import NoAnswer, Summary
 from workflow.results.verdicts import WarningPart
 from workflow.run.store import Store
 from workflow.texts.report_texts import Texts
@@ -244,6 +244,10 @@ def test_a_run_is_told_in_twelve_lines(s13: Config) -> None:
     japanese = run_lines(many.model_copy(update={"warnings": (known,) * 20}), Texts("ja"))
     assert "- 地盤は推定による復元である。 各層の深さをボーリングで確認する。" in japanese
     assert japanese[-1].startswith("報告書にはさらに警告が")
+    failed = {"fem": NoAnswer(reason="the reason", remedy="")}
+    without = result.model_copy(update={"no_answer": failed, "warnings": ()})
+    assert run_lines(without)[-1] == "the stage fem has no answer: the reason"
+    assert run_lines(without, Texts("ja"))[-1] == "計算段階「fem」の結果はない(the reason)"
 
 
 def test_a_film_shows_ground_that_slides_out_of_its_section() -> None:
