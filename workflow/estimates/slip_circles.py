@@ -32,6 +32,7 @@ OUT, INTO = np.radians((30.0, 60.0))  # slopes at which a slip surface that ends
 # Shallower circles than this share of the height of the section, and than this depth (m), are the infinite slope's.
 LEAST_DEPTH, LARGEST_LEAST_DEPTH = 0.02, 1.0
 EDGE_SHARE = 1e-7  # of the length of the section, by which at least a circle reaches over the edge of a crest
+LEVEL_SHARE = 1e-7  # of the length of the section, by which heights differ in level ground
 FEWEST_POINTS = 3  # of a slip surface
 
 NO_CRACK = TensionCrack()
@@ -248,8 +249,8 @@ class _CircleSearch:
         sound = (
             (first >= left) & (last <= right) & (last - first > 1e-6 * (right - left)) & (bulge > 0.0) & (bulge <= 1.0)
         )
-        if self.crack.bottom is not None:  # it opens where the ground falls
-            sound &= self.towards * (ends[:, 1] - ends[:, 0]) < 0.0
+        if self.crack.bottom is not None:  # it opens where the ground falls or is level, but for rounding
+            sound &= self.towards * (ends[:, 1] - ends[:, 0]) < LEVEL_SHARE * (right - left)
             ends[:, self._head] -= self.crack.depth(self.section, (first, last)[self._head])
         half = 0.5 * np.hypot(last - first, ends[:, 1] - ends[:, 0])
         if self.crest is not None:
