@@ -256,7 +256,7 @@ class SlideSettings(Model):
     kh_seconds: float | None = Field(
         default=None,
         gt=0.0,
-        description="duration of the constant Kh (s); by default it has no end",
+        description=("duration of the constant Kh (s) after the layers have liquefied; by default it has no end"),
     )
     kh_cycles: float | None = Field(
         default=None,

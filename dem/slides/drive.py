@@ -117,7 +117,7 @@ def cycles(
 
 def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> BaseMotion:
     """Return the loading by a constant Kh, under which all strata liquefy together. Strata of soil discs liquefy once
-    Kh has its full value.
+    Kh has its full value, and ``kh_seconds`` count from the time at which they have liquefied.
 
     start: discs at rest; ground: the ground in which the discs lie; settings: settings of the slide.
     """
@@ -125,12 +125,15 @@ def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], setting
     begin = lead + onset
     return BaseMotion(
         acceleration=ground.constant_acceleration(
-            settings.kh, start.time, lead or max(onset, 1e-3), settings.kh_seconds
+            settings.kh,
+            start.time,
+            lead or max(onset, 1e-3),
+            None if settings.kh_seconds is None else begin + settings.kh_seconds,
         ),
         starts=dict.fromkeys(strata, lead),
         first_onset=lead,
         onset=onset,
-        rest_from=begin if settings.kh_seconds is None else max(begin, settings.kh_seconds + 1.0),
+        rest_from=begin if settings.kh_seconds is None else begin + settings.kh_seconds + 1.0,
         end=settings.duration,
     )  # fmt: skip
 

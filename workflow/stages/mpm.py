@@ -199,13 +199,15 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
             float(time[-1]) + settings.duration, settings.still, case.volumetric_strain,
             0.0 if shaking.of_the_base else base_impedance(config.section),
         )  # fmt: skip
-    duration, lead = settings.kh_seconds, LEAD_TIME["soil"]
+    lead = LEAD_TIME["soil"]
+    liquefied_at = lead + onset
+    ends_at = None if settings.kh_seconds is None else liquefied_at + settings.kh_seconds
 
     def acceleration_at(t: np.ndarray) -> np.ndarray:
         rise = 0.5 - 0.5 * np.cos(np.pi * np.clip(t / lead, 0.0, 1.0))
-        return settings.kh * GRAVITY * rise * (np.ones_like(t) if duration is None else t < duration)
+        return settings.kh * GRAVITY * rise * (np.ones_like(t) if ends_at is None else t < ends_at)
 
-    rest_from = lead + onset if duration is None else max(lead + onset, duration + REST_DELAY)
+    rest_from = liquefied_at if ends_at is None else ends_at + REST_DELAY
     return SlideProgramme(
         acceleration_at, dict.fromkeys(strata, lead), remains, onset, rest_from, settings.duration, settings.still,
         case.volumetric_strain,

@@ -87,7 +87,7 @@ def test_ground_that_sinks_into_liquefied_ground_is_carried_by_the_water_that_it
     flat = section(crust, sand, surface=[[0.0, 0.0], [60.0, 0.0]], base={"elevation": -15.0}, water={"table": -2.5})
     lies = deposit(flat, DemSettings(elements=150))
     start, case = lies.settled, Case(residual_strength=5e3, strain_potential=0.3)
-    slider = Slider(start, lies.ground, [1], case, SlideSettings(kh=0.2, kh_seconds=3.0, duration=12.0))
+    slider = Slider(start, lies.ground, [1], case, SlideSettings(kh=0.2, kh_seconds=0.5, duration=20.0))
     slider.run()
     model, ground = slider.model, lies.ground
     more = model.mass * (model.pore_acceleration_z - start.pore_acceleration_z)
@@ -98,8 +98,8 @@ def test_ground_that_sinks_into_liquefied_ground_is_carried_by_the_water_that_it
     assert np.count_nonzero(sank) > 3
     assert (more[sank] > 0.0).all()
     since = (
-        2.0 * model.radius * WATER * HISTORY_INTERVAL * np.abs(model.vz)
-    )  # that of a disc's width over its way since the look
+        2.0 * model.radius * WATER * HISTORY_INTERVAL * np.abs(model.vz).max()
+    )  # that of a disc's width over its way since the look, at no more than the speed of the fastest
     assert (np.abs(more - expected) < 1.2 * since + 0.01 * WATER * np.pi * model.radius**2).all()
 
 

@@ -31,7 +31,9 @@ def _loaded_level_ground(x: float, elevation: float, mirrored: bool = False) -> 
 
 @pytest.mark.parametrize("kh", [None, 0.3])
 @pytest.mark.parametrize("ground", [(0.0, 0.0, True), (1000.0, 300.0, False), (33.3, 0.7, False)])
-def test_cracked_level_ground_slides_alike_wherever_it_lies(ground: tuple[float, float, bool], kh: float | None) -> None:
+def test_cracked_level_ground_slides_alike_wherever_it_lies(
+    ground: tuple[float, float, bool], kh: float | None
+) -> None:
     """Circles between two points of equal height count, at any coordinates and towards either side; with
     cracks they are fewer, and hardly stronger."""
     crack = TensionCrack.model_validate({"bottom": {"depth": 1.5}, "water": "full"})
