@@ -11,11 +11,19 @@ from meshes.triangles import TriMesh
 
 
 def bisect(mesh: TriMesh, marked: np.ndarray, metric: np.ndarray | None = None) -> tuple[TriMesh, np.ndarray]:
-    """Bisect the cells in ``marked`` (numbers or a mask) at their longest edges. Return the mesh, and the number of the
-    old cell that contains each new cell.
+    """Bisect cells at their longest edges, and as few other cells as a conforming mesh requires.
 
-    An edge d has the squared length d·M d with the ``metric`` M (m, 2, 2) of the cells beside it; without a metric,
-    lengths are those of the plane."""
+    Parameters
+    ----------
+    mesh : the triangles
+    marked : cells to bisect, as numbers (k,) or a mask (m,)
+    metric (m, 2, 2) : metric M of the cells: an edge d has the squared length d·M d, a mean of the cells on both of its
+        sides; without a metric, lengths are those of the plane
+
+    Returns
+    -------
+    The mesh, and the number of the old cell that contains each new cell.
+    """
     rank = _rank(mesh, metric)
     longest = longest_edges(mesh, rank)
     cut = np.zeros(len(mesh.edges), dtype=bool)
@@ -40,10 +48,19 @@ def _alike(mesh: TriMesh, cut: np.ndarray) -> np.ndarray:
 
 
 def fan_out(mesh: TriMesh, points: np.ndarray, widest: float) -> tuple[TriMesh, np.ndarray]:
-    """Halve the cells around points (a mask) through these points if their angle exceeds ``widest`` (rad). Return the
-    mesh, and the number of the old cell that contains each new cell.
+    """Halve the cells with a wide angle at given points through these points.
 
     Bisection of the longest edges alone would never add cells at a point.
+
+    Parameters
+    ----------
+    mesh : the triangles
+    points (n,) : mask of the points
+    widest : largest angle (rad) of a cell that is not halved
+
+    Returns
+    -------
+    The mesh, and the number of the old cell that contains each new cell.
     """
     corners = mesh.points[mesh.cells]
     edges = np.roll(corners, -1, axis=1) - corners
@@ -116,7 +133,17 @@ def _divided_edges(ends: np.ndarray, middle: np.ndarray) -> np.ndarray:
 
 
 def split_at_middle(mesh: TriMesh, marked: np.ndarray) -> TriMesh:
-    """Return the mesh with every cell of a mask divided into three at its middle."""
+    """Return the mesh with some cells divided into three at their middles.
+
+    Parameters
+    ----------
+    mesh : the triangles
+    marked (m,) : mask of the cells to divide
+
+    Returns
+    -------
+    The mesh, with the divided cells last; the mesh itself if no cell is marked.
+    """
     if not marked.any():
         return mesh
     centre = len(mesh.points) + np.arange(np.count_nonzero(marked))

@@ -28,10 +28,10 @@ FORGOTTEN_AFTER = 28 * 86400.0  # s since a folder was last used
 
 
 def keep_compiled_kernels() -> None:
-    """Let Numba store the kernels of this process in the folder of their sources; call this function before they are
-    imported.
+    """Let Numba store the kernels of this process in the folder of their sources.
 
-    Child processes inherit the folder. If no folder can be written, kernels are compiled for this process alone.
+    Call this function before kernels are imported. Child processes inherit the folder. If no folder can be written,
+    kernels are compiled for this process alone.
     """
     chosen = os.environ.get(VARIABLE)
     base = Path(chosen) if chosen else _user_cache() / "noshiro"
@@ -52,7 +52,12 @@ def keep_compiled_kernels() -> None:
 
 
 def kernel_folder() -> Path:
-    """Return the folder of compiled kernels of this process; call this function after `keep_compiled_kernels`."""
+    """Return the folder of compiled kernels of this process.
+
+    Returns
+    -------
+    The folder that `keep_compiled_kernels` has chosen; call that function before.
+    """
     return Path(os.environ[VARIABLE])
 
 
@@ -64,7 +69,17 @@ def hash_of_kernels(top: Path) -> str:
 
 
 def hash_of_files(paths: Iterable[Path], top: Path) -> str:
-    """Return the hash of the contents of files, in their order, and of their places in the folder `top`."""
+    """Return the hash of files: of their contents, in their order, and of their places.
+
+    Parameters
+    ----------
+    paths : paths of the files
+    top : folder to which their places are relative
+
+    Returns
+    -------
+    16 hexadecimal digits of SHA-256.
+    """
     digest = hashlib.sha256()
     for path in paths:
         digest.update(str(path.relative_to(top)).encode() + b"\0" + path.read_bytes() + b"\0")

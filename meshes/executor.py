@@ -106,8 +106,17 @@ def _do(future: "Future[A]", work: Callable[[], A], errors: type[BaseException] 
 
 
 def then(future: "Future[A]", follow: Callable[["Future[A]"], Result]) -> "Future[Result]":
-    """Return a future for work that follows once another future is done. The work runs in the thread that has done the
-    other future."""
+    """Return a future for work that follows once another future is done.
+
+    Parameters
+    ----------
+    future : the future to wait for
+    follow : function of this future when it is done; it runs in the thread that has done the future
+
+    Returns
+    -------
+    Future with the result or the error of ``follow``.
+    """
     following: Future[Result] = Future()
     future.add_done_callback(lambda done: _do(following, partial(follow, done)))
     return following
@@ -170,9 +179,22 @@ class _Shared(Future[A]):
 
 
 def interruptible(work: Callable[[], A]) -> A:
-    """Return the result of some work. The main thread lets another thread do the work, so that Ctrl-C is noticed.
+    """Return the result of some work, and notice Ctrl-C at once meanwhile.
 
-    Raises the error of the work, and KeyboardInterrupt in a thread whose result is no longer needed.
+    The main thread lets another thread do the work; other threads do the work themselves.
+
+    Parameters
+    ----------
+    work : function without arguments
+
+    Returns
+    -------
+    The result. An error of the work is raised here.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        On Ctrl-C in the main thread, and in a thread whose result is no longer needed.
     """
     if current_thread() is main_thread():
         with OneThread() as thread:
@@ -188,8 +210,12 @@ def interruptible(work: Callable[[], A]) -> A:
 
 @contextmanager
 def deferred_interruption() -> Iterator[Callable[[], None]]:
-    """Defer Ctrl-C in the main thread. The function that is yielded lets it through, and so does the end of the
-    block; other threads do not hear Ctrl-C."""
+    """Defer Ctrl-C in the main thread, as a context manager; other threads do not hear Ctrl-C.
+
+    Returns
+    -------
+    Context manager that yields a function, which raises a Ctrl-C that was deferred; so does the end of the block.
+    """
     handler = signal.getsignal(signal.SIGINT)
     pending: list[int] = []  # signals; an Event has a lock, which a second Ctrl-C would wait for in vain
     if current_thread() is not main_thread() or not callable(handler):
@@ -210,26 +236,51 @@ def deferred_interruption() -> Iterator[Callable[[], None]]:
 
 
 def check_cancelled() -> None:
-    """Raise KeyboardInterrupt if the result of this thread's work is no longer needed."""
+    """Raise an error if the result of the work of this thread is no longer needed.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        If the task of this thread was cancelled.
+    """
     event = _cancelled.get()
     if event is not None and event.is_set():
         raise KeyboardInterrupt
 
 
 def is_interrupt(error: BaseException | None) -> bool:
-    """Return whether an error is Ctrl-C, directly or as the cause of another error, as compiled code raises it."""
+    """Return whether an error is Ctrl-C.
+
+    Parameters
+    ----------
+    error : an error, or None
+
+    Returns
+    -------
+    True for KeyboardInterrupt, and for an error that it caused, as compiled code raises it.
+    """
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None
 
 
 def is_left_working() -> bool:
-    """Return whether a thread whose result is no longer needed is still working."""
+    """Return whether a thread whose result is no longer needed is still working.
+
+    Returns
+    -------
+    True if a task of a closed `OneThread` has not ended.
+    """
     return any(not future.done() for future in _left)
 
 
 class LostError(RuntimeError):
-    """A task was lost, since its process ended each time that the task was tried."""
+    """A task was lost, since its process ended each time that the task was tried.
+
+    Attributes
+    ----------
+    args : the message, with the number of tries
+    """
 
 
 class Processes(Executor):

@@ -15,10 +15,23 @@ def homes(file: str) -> dict[str, str]:
 
 
 def exports(package: str, file: str) -> tuple[list[str], Callable[[str], Any]]:
-    """Return `__all__` and `__getattr__` (PEP 562) of such a package, so that its heavy imports are delayed until they
-    are used.
+    """Return `__all__` and `__getattr__` (PEP 562) of a package, so that its imports are delayed until they are used.
 
-    Type checkers read the same block. Raises AttributeError for a name that is not in the block.
+    The `__init__` of the package imports its names under `if TYPE_CHECKING`; type checkers read the same block.
+
+    Parameters
+    ----------
+    package : name of the package
+    file : path of its `__init__`
+
+    Returns
+    -------
+    Sorted public names, and a function that imports one of them.
+
+    Raises
+    ------
+    AttributeError
+        By the second of them, for a name that is not in the block.
     """
     home = homes(file)
 

@@ -11,18 +11,25 @@ from typing import Any
 
 import numpy as np
 
-# What `whole` calls a file that is not whole yet: the number of the process that writes it, then its name.
+# Name of the temporary file of `whole_file`: the number of the process that writes it, then the name of the file.
 TEMPORARY = re.compile(r"\.(\d+)-.+")
 PLAIN = "plain"  # name in a checkpoint of all values that are no arrays, as JSON
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Provide the path of a temporary file to write to. At the end of the block it replaces the final file in one
-    operation.
+    """Provide a temporary file to write to, which replaces the final file in one operation at the end of the block.
 
     The folder of the file is made if necessary. After any error the earlier file remains, and the temporary file is
-    removed. Raises OSError if the file cannot be written.
+    removed. OSError is raised if the file cannot be written.
+
+    Parameters
+    ----------
+    path : path of the final file
+
+    Returns
+    -------
+    Context manager that yields the path of the temporary file.
     """
     temporary = path.with_name(f".{os.getpid()}-{path.name}")
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -35,13 +42,34 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 def write_checkpoint(path: Path, arrays: Mapping[str, np.ndarray], plain: Mapping[str, Any]) -> None:
-    """Write arrays, and plain values that JSON can hold, to a file of NumPy (.npz), exact to the last bit."""
+    """Write arrays and plain values to a file of NumPy (.npz), completely or not at all, exact to the last bit.
+
+    Parameters
+    ----------
+    path : path of the file
+    arrays : arrays by their names
+    plain : values that JSON can hold, by their names
+    """
     with whole_file(path) as temporary, temporary.open("wb") as file:
         np.savez(file, **arrays, **{PLAIN: np.array(json.dumps(plain))})
 
 
 def read_checkpoint(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Read arrays and plain values back. Raises OSError for a file that is no such checkpoint."""
+    """Read arrays and plain values of a file that `write_checkpoint` wrote.
+
+    Parameters
+    ----------
+    path : path of the file
+
+    Returns
+    -------
+    Arrays by their names, and plain values by their names; tuples are lists.
+
+    Raises
+    ------
+    OSError
+        If there is no such file, or the file is no checkpoint.
+    """
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = dict(file)

@@ -32,8 +32,17 @@ class EdgeJumps(NamedTuple):
 
 
 def corner_pressure(mesh: TriMesh, pressure: Pressure | None) -> np.ndarray:
-    """Return a pressure (m, 3) in Pa at the corners of every cell, on the inner side of the cell; zero without
-    pressure."""
+    """Return a pressure at the corners of every cell, on the inner side of the cell.
+
+    Parameters
+    ----------
+    mesh : the triangles
+    pressure : function of points (k, 2) in m, points inside the cells near them, and strata (k,); None for no pressure
+
+    Returns
+    -------
+    Pressure (m, 3) in Pa; zero without pressure.
+    """
     if pressure is None:
         return np.zeros(mesh.cells.shape)
     corners = mesh.points[mesh.cells]
@@ -42,7 +51,18 @@ def corner_pressure(mesh: TriMesh, pressure: Pressure | None) -> np.ndarray:
 
 
 def outward_normals(mesh: TriMesh, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Return outward unit normals (k, 2) of edges, given by their end points (k, 2), of cells (k,)."""
+    """Return the unit normals of edges that point out of their cells.
+
+    Parameters
+    ----------
+    mesh : the triangles
+    cells (k,) : number of the cell of each edge
+    ends (k, 2) : numbers of the end points of each edge
+
+    Returns
+    -------
+    Normals (k, 2).
+    """
     along = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
     normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.hypot(*along.T)[:, None]
     outwards = mesh.points[ends[:, 0]] - mesh.points[mesh.cells[cells]].mean(axis=1)
@@ -50,17 +70,35 @@ def outward_normals(mesh: TriMesh, cells: np.ndarray, ends: np.ndarray) -> np.nd
 
 
 def at_ends(mesh: TriMesh, values: np.ndarray, cells: np.ndarray, ends: np.ndarray) -> np.ndarray:
-    """Return values (k, 2) at the ends of edges (k, 2) of cells (k,), from values (m, 3) at the corners of all cells.
+    """Return values at the ends of edges, from values at the corners of all cells.
 
-    ``mesh``: triangles; ``values`` (m, 3): values at the corners; ``cells`` (k,): numbers of cells; ``ends`` (k, 2):
-    numbers of points.
+    Parameters
+    ----------
+    mesh : the triangles
+    values (m, 3) : values at the corners of every cell
+    cells (k,) : number of the cell of each edge
+    ends (k, 2) : numbers of the end points of each edge
+
+    Returns
+    -------
+    Values (k, 2).
     """
     corner = np.argmax(mesh.cells[cells][:, None, :] == ends[:, :, None], axis=2)
     return values[cells[:, None], corner]
 
 
 def edge_jumps(mesh: TriMesh, pressure: np.ndarray) -> EdgeJumps:
-    """Find the inner edges across which a pressure (m, 3) in Pa at the corners of cells jumps."""
+    """Find the inner edges across which a pressure jumps.
+
+    Parameters
+    ----------
+    mesh : the triangles
+    pressure (m, 3) : pressure at the corners of every cell (Pa)
+
+    Returns
+    -------
+    The edges, with the traction that acts on the skeleton there (Pa).
+    """
     interior = np.flatnonzero(mesh.edge_cells[:, 1] >= 0)
     ends = mesh.edges[interior]
     first, second = (at_ends(mesh, pressure, mesh.edge_cells[interior, side], ends) for side in (0, 1))

@@ -43,7 +43,16 @@ class QuadMesh:
 
 
 def divided(mesh: QuadMesh) -> QuadMesh:
-    """Return the mesh with every cell divided into four at the middles of its edges."""
+    """Return the mesh with every cell divided into four at the middles of its edges.
+
+    Parameters
+    ----------
+    mesh : the quadrilaterals
+
+    Returns
+    -------
+    The mesh; the parts of one cell follow each other.
+    """
     edges, of_cell = edges_of(mesh.cells)
     middle = len(mesh.points) + of_cell
     centre = len(mesh.points) + len(edges) + np.arange(len(mesh.cells))
@@ -79,7 +88,17 @@ class BadMeshError(NoAnswerError):
 
 
 def check(mesh: QuadMesh) -> None:
-    """Raise BadMeshError if a cell has a Jacobian that is not positive."""
+    """Raise an error if a mesh cannot be used for computing.
+
+    Parameters
+    ----------
+    mesh : the quadrilaterals
+
+    Raises
+    ------
+    BadMeshError
+        If a cell has a Jacobian that is not positive; the error names the worst cell.
+    """
     jacobians = scaled_jacobians(mesh.points, mesh.cells)
     worst = int(np.argmin(jacobians))
     if jacobians[worst] > 0.0:

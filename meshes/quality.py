@@ -34,7 +34,17 @@ def corner_vectors(points: np.ndarray, cells: np.ndarray) -> tuple[np.ndarray, n
 
 
 def corner_angles(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Return the angles (cells, 4) in degrees in the corners of counter-clockwise cells; negative in folded cells."""
+    """Return the angles in the corners of quadrilaterals.
+
+    Parameters
+    ----------
+    points (n, 2) : coordinates (m)
+    cells (m, 4) : corners of every cell, counter-clockwise
+
+    Returns
+    -------
+    Angles (m, 4) in degrees; negative in folded cells.
+    """
     following, back = corner_vectors(points, cells)
     cross = following[..., 0] * back[..., 1] - following[..., 1] * back[..., 0]
     return np.degrees(np.arctan2(cross, np.sum(following * back, axis=-1)))
@@ -53,7 +63,17 @@ def scaled_jacobians(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
 
 
 def areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Return the area (m²) of every cell: half the cross product of its diagonals."""
+    """Return the area of every quadrilateral: half the cross product of its diagonals.
+
+    Parameters
+    ----------
+    points (n, 2) : coordinates (m)
+    cells (m, 4) : corners of every cell, counter-clockwise
+
+    Returns
+    -------
+    Areas (m,) in m²; negative for clockwise cells.
+    """
     corners = points[cells]
     diagonal, other_diagonal = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
     return 0.5 * (diagonal[:, 0] * other_diagonal[:, 1] - diagonal[:, 1] * other_diagonal[:, 0])

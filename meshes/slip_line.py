@@ -11,18 +11,26 @@ FEW_COLUMNS, LEAST_LIMIT = 3, 0.03
 
 
 def slip_line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
-    """Find the line between moving ground and ground at rest, (k, 2) in m. The line is empty if nothing moves, or if it
-    is no slip surface: below a crest that settles while the ground moves to both sides, the line rises from both of its
-    ends.
+    """Find the line between moving ground and ground at rest.
 
-    ``x`` (m,) are columns, ``z`` (m, n) the points in each column from below upwards, in m, and ``moved`` (m, n) the
-    displacement or speed at these points, NaN outside the ground. A column counts as moving if its top moves by more
-    than a threshold: the mean of two means, that of moving and that of resting columns (Ridler & Calvard 1978, IEEE
-    Trans. Syst. Man Cybern. 8, 630). In each such column the line lies where the ground moves half as much as the upper
-    half of the ground above does on average. This is within a thin shear band, and half-way across a thick one, also
-    where the ground rotates as it slides, or single grains roll ahead on its surface. Of the moving columns the longest
-    row without a gap counts. The median of three neighbours removes outliers of single columns. Where a few points move
-    many times as fast as all other moving ground, their displacement is limited.
+    A column counts as moving if its top moves by more than a threshold: the mean of two means, that of moving and that
+    of resting columns (Ridler & Calvard 1978, IEEE Trans. Syst. Man Cybern. 8, 630). In each such column the line lies
+    where the ground moves half as much as the upper half of the ground above does on average. This is within a thin
+    shear band, and half-way across a thick one, also where the ground rotates as it slides, or single grains roll ahead
+    on its surface. Of the moving columns the longest row without a gap counts. The median of three neighbours removes
+    outliers of single columns. Where a few points move many times as fast as all other moving ground, their
+    displacement is limited.
+
+    Parameters
+    ----------
+    x (columns,) : places of the columns (m)
+    z (columns, points) : heights of the points in each column, from below upwards (m)
+    moved (columns, points) : displacement (m) or speed at these points, not negative; NaN outside the ground
+
+    Returns
+    -------
+    Points (k, 2) in m, from left to right; empty if nothing moves, or if the line is no slip surface: below a crest
+    that settles while the ground moves to both sides, the line rises from both of its ends.
     """
     line = _line(x, z, moved)
     if not 0 < len(line) < FEW_COLUMNS:
@@ -52,7 +60,16 @@ def _line(x: np.ndarray, z: np.ndarray, moved: np.ndarray) -> np.ndarray:
 
 
 def extent_in_words(line: np.ndarray) -> str:
-    """Return where ground slips along a line (k, 2) in m, as a predicate; a line without length is a place."""
+    """Return where ground slips along a line, as a predicate.
+
+    Parameters
+    ----------
+    line (k, 2) : points of the line (m), at least one; a line without length is a place
+
+    Returns
+    -------
+    Words after a subject, such as "slips from x = 3.0 to 21.5 m, down to z = -4.2 m".
+    """
     (start, low), (end, _) = line.min(axis=0), line.max(axis=0)
     if f"{start:.1f}" == f"{end:.1f}":
         return f"fails first in a few cells at x = {start:.1f} m, z = {low:.1f} m"
@@ -60,8 +77,17 @@ def extent_in_words(line: np.ndarray) -> str:
 
 
 def running_median(values: np.ndarray, reach: int) -> np.ndarray:
-    """Return the median of every value and its neighbours up to ``reach`` places away; the values at the ends are
-    repeated."""
+    """Return the median of every value and its neighbours.
+
+    Parameters
+    ----------
+    values (n,) : the values; those at the ends are repeated beyond the ends
+    reach : number of neighbours to either side
+
+    Returns
+    -------
+    Medians (n,).
+    """
     return np.median(sliding_window_view(np.pad(values, reach, mode="edge"), 2 * reach + 1), axis=1)
 
 

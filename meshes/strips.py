@@ -40,11 +40,19 @@ def strips_of(mesh: QuadMesh) -> Strips:
 
 
 def with_finer_strips(mesh: QuadMesh, indicator: np.ndarray, cells: int) -> QuadMesh:
-    """Return the mesh with columns and rows divided where division is most useful, until it has at least ``cells``
-    cells.
+    """Return a mesh with columns and rows divided where division is most useful.
 
-    The benefit of a cut is ``indicator`` (m,), such as plastic shear strain, times area and width of the cells of the
-    strip, per cell that the cut adds.
+    The benefit of a cut is the indicator times area and width of the cells of the strip, per cell that the cut adds.
+
+    Parameters
+    ----------
+    mesh : quadrilaterals in columns and rows
+    indicator (m,) : indicator of each cell, not negative, such as plastic shear strain
+    cells : number of cells that the mesh gets at least, if every strip divided once gives so many
+
+    Returns
+    -------
+    The mesh.
     """
     strips = strips_of(mesh)
     size = areas(mesh.points, mesh.cells)
