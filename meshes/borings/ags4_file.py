@@ -106,18 +106,24 @@ DRY = {
 
 
 def read_ags4(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
-    """Read the borings of a file that have layers or a cone test, in the order of the file. A boring with an error is
-    left out, and so is a blow count that cannot be read; a notice reports both.
+    """Read the borings of a file that have layers or a cone test, in the order of the file.
+
+    A boring with an error is left out, and so is a blow count that cannot be read; a notice reports both.
 
     Parameters
     ----------
     path : path of the file
     columns : {"layer": heading of GEOL} that names the layers; by default GEOL_GEOL, or GEOL_LEG where that is empty
 
+    Returns
+    -------
+    The borings, and notices.
+
     Raises
     ------
-    InputError : if fewer than two borings with layers are without error, or if more than half of the blow counts cannot
-        be read. The error contains all problems.
+    InputError
+        If fewer than two borings with layers are without error, or if more than half of the blow counts cannot be read.
+        The error contains all problems.
     """
     groups, columns = read_groups(path), columns or {}
     naming = (columns["layer"],) if "layer" in columns else ("GEOL_GEOL", "GEOL_LEG")

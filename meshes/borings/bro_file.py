@@ -31,16 +31,21 @@ NUMBERS, NONE = 25, -999999.0
 
 
 def read_bro(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:
-    """Read the sounding of a document, without layers; its coordinates are those of the Dutch grid in metres.
+    """Read the sounding of a document, without layers.
 
     Parameters
     ----------
     path : path of the file
     columns : must be empty, since the file has no columns
 
+    Returns
+    -------
+    The sounding; its coordinates are those of the Dutch grid (m).
+
     Raises
     ------
-    InputError : if the file is no such document, or if the readings are impossible for soil
+    InputError
+        If the file is no such document, or if the readings are impossible for soil.
     """
     text = path.read_bytes()
     if b"<!ENTITY" in text:

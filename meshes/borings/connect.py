@@ -135,11 +135,25 @@ def _numbered(borings: Sequence[PlacedBoring]) -> tuple[tuple[PlacedBoring, ...]
 
 
 def connected(logs: Sequence[Log], off_line: float = OFF_LINE) -> ConnectedBorings:
-    """Connect the strata of neighbouring borings by straight lines. A stratum that is missing in the next boring ends
-    half-way. The fill of an embankment ends at the ground of the next boring.
+    """Connect the strata of neighbouring borings by straight lines.
 
-    A layer that lies above and below other layers becomes several strata, with numbers. The ground below a boring's end
-    is continued level from the nearest boring that is deep enough. Raises InputError.
+    A stratum that is missing in the next boring ends half-way. The fill of an embankment ends at the ground of the next
+    boring. A layer that lies above and below other layers becomes several strata, with numbers. The ground below a
+    boring's end is continued level from the nearest boring that is deep enough.
+
+    Parameters
+    ----------
+    logs : borings with layers, and soundings between them
+    off_line : largest distance of a boring from the line of the section (m)
+
+    Returns
+    -------
+    The strata of the section, and notices.
+
+    Raises
+    ------
+    InputError
+        If the borings cannot be placed on the line of a section, see `placed`.
     """
     logs, alike = _spelled_alike(logs)
     everything = placed(logs, off_line)

@@ -44,10 +44,15 @@ def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
         have decimal commas
     columns : names of columns in the file by the expected names, where they differ, such as {"layer": "Stratum"}
 
+    Returns
+    -------
+    The borings, and notices.
+
     Raises
     ------
-    InputError : if the file has problems, or if more than half of the blow counts cannot be read. The error contains
-        all problems.
+    InputError
+        If the file has problems, or if more than half of the blow counts cannot be read. The error contains all
+        problems.
     """
     columns = columns or {}
     if has_column(path, "qc", columns):

@@ -40,9 +40,14 @@ def read_gef(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile
     path : path of the file
     columns : must be empty, since the columns of the file have numbers
 
+    Returns
+    -------
+    The sounding, and notices.
+
     Raises
     ------
-    InputError : if the file cannot be read; the error contains all problems
+    InputError
+        If the file cannot be read. The error contains all problems.
     """
     text = read_text(path)
     head, mark, data = text.text.partition("#EOH")

@@ -59,7 +59,13 @@ class Log:
 
 @dataclass(frozen=True)
 class BoringFile:
-    """Holds the borings of a file, in the order of the file, and notices on how they were read, one sentence each."""
+    """Holds the borings of a file.
+
+    Attributes
+    ----------
+    logs : logs in the order of the file
+    notices : notices on how they were read, one sentence each
+    """
 
     logs: list[Log]
     notices: list[str]

@@ -20,7 +20,16 @@ OF_A_SAMPLE = {"depth": DEPTH, "N": BLOWS, "plasticity": PLASTICITY, "d50": GRAI
 
 
 def implausible_tests(borings: Sequence[Boring]) -> list[str]:
-    """Return one sentence for each impossible number of borings in [triggering]."""
+    """Find impossible numbers of borings in the table [triggering].
+
+    Parameters
+    ----------
+    borings : borings with blow counts and cone resistances
+
+    Returns
+    -------
+    One sentence for each impossible number, with its key.
+    """
     problems: list[str] = []
     for number, boring in enumerate(borings, start=1):
         key = f'triggering, borings {number} "{boring.name}"'

@@ -17,8 +17,17 @@ WIDER = 1.5  # heights of the section by which it extends beyond the borings, so
 
 
 def text_of(connected: ConnectedBorings, name: str) -> str:
-    """Return the section as TOML. Quantities that were not measured are comments, which the user has to replace by
-    values."""
+    """Return the section of connected borings as TOML.
+
+    Parameters
+    ----------
+    connected : strata between the borings
+    name : name of the section
+
+    Returns
+    -------
+    Text of the file. Quantities that were not measured are comments, which the user has to replace by values.
+    """
     return "\n".join([*_head_lines(connected, name), *_strata(connected), *_borings(connected)]) + "\n"
 
 

@@ -22,7 +22,20 @@ def read_text(path: Path) -> Text:
     """Read the text of a file.
 
     Without a byte order mark the encoding is UTF-8, or UTF-16 if every other byte is zero, or cp932 if the bytes beyond
-    ASCII form Japanese pairs, else cp1252. Raises InputError if the file cannot be read.
+    ASCII form Japanese pairs, else cp1252.
+
+    Parameters
+    ----------
+    path : path of the file
+
+    Returns
+    -------
+    The text, and a notice if the encoding is a guess.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read.
     """
     try:
         data = path.read_bytes()

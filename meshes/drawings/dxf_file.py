@@ -33,6 +33,11 @@ def _ezdxf(path: Path) -> Any:
 def write_dxf(section: Section, path: Path) -> list[str]:
     """Draw the strata and the water table in a DXF file, 1 unit = 1 m.
 
+    Parameters
+    ----------
+    section : the section
+    path : path of the file
+
     Returns
     -------
     A sentence for each thing of the section that a drawing has no place for, or another name for.
@@ -79,7 +84,7 @@ def layer_names(names: Sequence[str]) -> list[str]:
 
 
 def read_dxf(path: Path, name: str, unit: float | None = None) -> DrawnSection:
-    """Read the section of a drawing as TOML, without the properties of its soils.
+    """Read the section of a drawing, without the properties of its soils.
 
     Parameters
     ----------
@@ -87,9 +92,14 @@ def read_dxf(path: Path, name: str, unit: float | None = None) -> DrawnSection:
     name : name of the section
     unit : length (m) of one unit of the drawing, whatever its $INSUNITS says
 
+    Returns
+    -------
+    The section as TOML, and notices.
+
     Raises
     ------
-    InputError : if the file cannot be read; the error contains all problems
+    InputError
+        If the file cannot be read. The error contains all problems.
     """
     ezdxf = _ezdxf(path)
     from ezdxf import recover

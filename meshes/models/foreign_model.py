@@ -79,7 +79,13 @@ class ForeignModel:
 
 
 class ImportedSection(NamedTuple):
-    """Holds a section as TOML, and notices on how it was read, one sentence each."""
+    """Holds a section that was read from the model of another program.
+
+    Attributes
+    ----------
+    text : the section as TOML
+    notices : notices on how it was read, one sentence each
+    """
 
     text: str
     notices: list[str]

@@ -51,13 +51,18 @@ def read_gsz(path: Path, name: str, analysis: str | None = None) -> ImportedSect
 
     Parameters
     ----------
-    path : the file
-    name : the name of the section
+    path : path of the file
+    name : name of the section
     analysis : name of the analysis; the first analysis of SLOPE/W if left out
+
+    Returns
+    -------
+    The section as TOML, and notices.
 
     Raises
     ------
-    InputError : if the file is no such model, or has no such analysis
+    InputError
+        If the file is no such model, or has no such analysis.
     """
     with as_input_errors(path, EXPECTED):
         return section_of(_model(_document(path), path, analysis), path, name)

@@ -56,13 +56,18 @@ def read_stix(path: Path, name: str, scenario: str | None = None) -> ImportedSec
 
     Parameters
     ----------
-    path : the file
-    name : the name of the section
+    path : path of the file
+    name : name of the section
     scenario : label of the scenario; the first scenario if left out
+
+    Returns
+    -------
+    The section as TOML, and notices.
 
     Raises
     ------
-    InputError : if the file is no such model, or has no such scenario
+    InputError
+        If the file is no such model, or has no such scenario.
     """
     with as_input_errors(path, EXPECTED):
         return section_of(_model(_read(path), path, scenario), path, name)

@@ -42,13 +42,18 @@ def read_xslope(path: Path, name: str, part: str | None = None) -> ImportedSecti
 
     Parameters
     ----------
-    path : the file
-    name : the name of the section
+    path : path of the file
+    name : name of the section
     part : always None, since a workbook has no parts
+
+    Returns
+    -------
+    The section as TOML, and notices.
 
     Raises
     ------
-    InputError : if the file is no such workbook, or if a part is given
+    InputError
+        If the file is no such workbook, a part is given, or the package that reads workbooks is missing.
     """
     if part is not None:
         raise InputError("--part", [f'"{part}": expected none, since a workbook of xslope holds one model'])
