@@ -70,10 +70,20 @@ class Columns:
 def columns_of(
     names: Sequence[str], outlines: Sequence[np.ndarray], rank: Sequence[float] | None = None, without: str = ""
 ) -> Columns:
-    """Return the strata of outlines (n, 2) that have names.
+    """Divide outlines into columns at all their corners, and return the strata that they form.
 
-    A place inside several outlines belongs to the outline of the lowest ``rank``, by default the smallest outline. A
-    gap between two outlines belongs to the stratum below. Outlines called ``without`` leave their place empty.
+    Parameters
+    ----------
+    names : names of the outlines; several may have one name
+    outlines (n, 2) : closed polygons, one for each name (m)
+    rank : number of each outline; a place inside several outlines belongs to the one of the lowest rank, by default to
+        the smallest outline
+    without : name of outlines that leave their place empty; none if empty
+
+    Returns
+    -------
+    The ground column by column, with overlaps, gaps and problems. A gap between two outlines belongs to the stratum
+    below.
     """
     areas = [polygon_area(points) for points in outlines]
     x = _breakpoints(outlines)

@@ -31,8 +31,17 @@ Cutting = Callable[[Sequence[Stratum], Layering, Sequence[np.ndarray | None], tu
 
 
 def shown_name(name: str, quoted: bool = True) -> str:
-    """Return a name of a stratum for messages: the name of its soil in the file, and whether it is the part below
-    water."""
+    """Return a name of a stratum for messages.
+
+    Parameters
+    ----------
+    name : name of the stratum
+    quoted : whether the name is in quotation marks
+
+    Returns
+    -------
+    Name of its soil in the file, followed by "below water" for the part below water.
+    """
     soil = whole_soil(name)
     return (f'"{soil}"' if quoted else soil) + (" below water" if name.endswith(BELOW_WATER) else "")
 
@@ -43,8 +52,16 @@ def named_strata(names: Iterable[str]) -> list[str]:
 
 
 def without_film(name: str) -> str:
-    """Return the stratum from which a thin part was cut off for bounds, either a film at the water table or a part with
-    the least strength."""
+    """Return the stratum from which a thin part was cut off for bounds.
+
+    Parameters
+    ----------
+    name : name of a stratum, such as that of a film at the water table, or of a part with the least strength
+
+    Returns
+    -------
+    Name of the stratum; the same name for other strata.
+    """
     return name.removesuffix(LEAST_STRENGTH).removesuffix(FILM_IN)
 
 
@@ -55,24 +72,60 @@ def part_name(soil: str, taken: Collection[str]) -> str:
 
 
 def soil_of(name: str) -> str:
-    """Return the name of a stratum without the number of its part."""
+    """Return the name of a stratum without the number of its part.
+
+    Parameters
+    ----------
+    name : name of a stratum that zones or tension cracks may have parted
+
+    Returns
+    -------
+    The name, with ", below water" for the part below water.
+    """
     return PART.sub("", name)
 
 
 def whole_soil(name: str) -> str:
-    """Return the name of the soil of a stratum in the file, for the part above and for the part below water."""
+    """Return the name of the soil of a stratum in the file, for the part above and for the part below water.
+
+    Parameters
+    ----------
+    name : name of a stratum that water, zones or tension cracks may have parted
+
+    Returns
+    -------
+    Name of the soil.
+    """
     return soil_of(name.removesuffix(BELOW_WATER))
 
 
 def soil_numbers(names: Sequence[str]) -> list[int]:
-    """Return the number of the soil of every stratum, from 0 in their order. Parts of one soil have the same number."""
+    """Return the number of the soil of every stratum.
+
+    Parameters
+    ----------
+    names : names of the strata
+
+    Returns
+    -------
+    Numbers from 0 in the order of the soils. Parts of one soil have the same number, but parts below water their own.
+    """
     soils = list(dict.fromkeys(map(soil_of, names)))
     return [soils.index(soil_of(name)) for name in names]
 
 
 def key_in_file(strata: Sequence[Stratum], k: int) -> str:
-    """Return the key of stratum k for messages: its number in the file, before water and zones divided it, and its
-    name."""
+    """Return the key of a stratum for messages.
+
+    Parameters
+    ----------
+    strata : strata after water and zones divided them
+    k : number of the stratum
+
+    Returns
+    -------
+    Table of the stratum in the file, before it was divided, and name of its soil, such as 'strata 2 "sand"'.
+    """
     return f"{place_in_file(strata, k)} {shown_name(soil_of(strata[k].name))}"
 
 
@@ -84,7 +137,17 @@ def place_in_file(strata: Sequence[Stratum], k: int) -> str:
 
 
 def layers_in_file(names: Sequence[str], layers: Layering) -> tuple[list[str], Layering]:
-    """Return the names and the layers of strata as in the file, before water divided some of them."""
+    """Return the names and the layers of strata as in the file, before water divided some of them.
+
+    Parameters
+    ----------
+    names : names of the strata
+    layers : layers of the strata
+
+    Returns
+    -------
+    Names and layers, in which both parts of a stratum are one.
+    """
     tops = [k for k, name in enumerate(names) if not k or name != names[k - 1] + BELOW_WATER]
     remaining = [*tops, len(names)]
     whole = replace(layers, left=layers.left[:, remaining], right=layers.right[:, remaining], strata=len(tops))
@@ -99,8 +162,17 @@ def uncut_strata(strata: Sequence[Stratum]) -> list[Stratum]:
 
 
 def value_of_stratum(values: Mapping[str, Value], name: str) -> Value | None:
-    """Return the setting for a stratum by name. Parts that water or zones cut off have the setting of the whole
-    stratum."""
+    """Return the setting for a stratum by name.
+
+    Parameters
+    ----------
+    values : settings by names of strata
+    name : name of the stratum
+
+    Returns
+    -------
+    The setting; parts that water or zones cut off have that of the whole stratum. None without a setting.
+    """
     whole = name.removesuffix(BELOW_WATER)
     return next((values[key] for key in (name, whole, soil_of(name), soil_of(whole)) if key in values), None)
 
@@ -132,7 +204,18 @@ class DividedStratum:
 
 
 def divided_by_water(layers: Layering, k: int, water: np.ndarray) -> DividedStratum:
-    """Divide stratum k of the layers by a water level (n, 2) from side to side."""
+    """Divide a stratum by a water level.
+
+    Parameters
+    ----------
+    layers : the ground layer by layer
+    k : number of the stratum
+    water (n, 2) : points of the water level from side to side (m)
+
+    Returns
+    -------
+    The level within the stratum, and the thickness of the parts above and below it.
+    """
     x = layers.x
     inside = water[(water[:, 0] > x[0]) & (water[:, 0] < x[-1]), 0]
     x = np.union1d(x, [at for at in inside if np.abs(x - at).min() > layers.tolerance])

@@ -174,14 +174,18 @@ def _sides(points: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def needed_x(
     x: np.ndarray, sides: list[tuple[np.ndarray, np.ndarray]], fixed: np.ndarray, tolerance: float
 ) -> np.ndarray:
-    """Return the x whose points keep all lines within a tolerance; the fixed places are included.
+    """Find the x whose points keep all lines within a tolerance.
 
     Parameters
     ----------
     x (n,) : places (m), rising
-    sides (n,) : values of each line just left and just right of each x; NaN outside the line
+    sides : values (n,) of each line just left and just right of each x; NaN outside the line
     fixed (n,) : mask of the places that stay: the first and the last place, and all places where a line steps or ends
     tolerance : largest difference (m) between a line and the chord between places that stay
+
+    Returns
+    -------
+    Mask (n,) of the places that stay, the fixed ones included.
     """
     left, right = (np.array([pair[side] for pair in sides]) for side in (0, 1))
 

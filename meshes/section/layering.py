@@ -12,13 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from meshes.section.polyline import Line, crossings, limits, without_repeats
+from meshes.section.snapping import snapped_x, snapped_z, snapping_length, snapping_notices
 
-# Points closer than this are one point: a centimetre, which no survey and no log of a boring resolves, or in a small
-# model a two-thousandth of its height. Left apart they would make cells that are thousands of times as long as wide.
-CENTIMETRE, SHARE_OF_HEIGHT = 0.01, 1.0 / 2000.0
 WIDEST = 5e3  # m of a section of a slope: a wider one is mostly one in feet or millimetres
-# What differs by less than this share of the width is rounding.
-ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +154,17 @@ class Layering:
 
 
 def middles(left: float, right: float, count: int) -> np.ndarray:
-    """Return x (count,) of the middles of ``count`` columns of equal width between ``left`` and ``right`` (m)."""
+    """Return the middles of columns of equal width.
+
+    Parameters
+    ----------
+    left, right : x of the outer sides (m)
+    count : number of columns
+
+    Returns
+    -------
+    x (count,) in m.
+    """
     return left + (right - left) * (np.arange(count) + 0.5) / count
 
 
@@ -197,11 +203,22 @@ def layering(
     also: Sequence[float] = (),
     names: Sequence[str] = (),
 ) -> Layers:
-    """Compute the layers under ``surface`` (n, 2) down to ``base``, with breakpoints ``also`` at other x (m).
+    """Compute the layers of a section between its surface and its base.
 
-    A bottom of None is the base. A stratum ends where its bottom line ends (with a vertical face if it is still thick
-    there), and where its bottom rises above the ground surface, which cuts it off. Points closer than a centimetre are
-    merged. ``bottoms``: a line for each stratum; ``names``: names of strata in messages, by default their numbers.
+    A stratum ends where its bottom line ends (with a vertical face if it is still thick there), and where its bottom
+    rises above the ground surface, which cuts it off. Points closer than `snapping_length` are merged.
+
+    Parameters
+    ----------
+    surface (n, 2) : points of the ground surface (m)
+    base : line below all strata
+    bottoms : bottom line of each stratum from the top down; None for the base
+    also : x of further breakpoints (m)
+    names : names of the strata in messages, by default their numbers
+
+    Returns
+    -------
+    The layers, and the faults found.
     """
     names = names or [f"stratum {number}" for number in range(1, len(bottoms) + 1)]
     x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
@@ -210,7 +227,7 @@ def layering(
     raw_base = base.points(x_left, x_right)
     snap = snapping_length(surface, raw_base, base.elevation is None)
 
-    surface, *raw, raw_base = _snapped_x([surface, *raw, raw_base], snap)
+    surface, *raw, raw_base = snapped_x([surface, *raw, raw_base], snap)
     x = np.unique(np.concatenate([points[:, 0] for points in (surface, *raw, raw_base)]))
     x = x[(x >= x_left) & (x <= x_right)]
     x = np.union1d(x, [at for at in also if x_left < at < x_right and np.abs(x - at).min() > snap])
@@ -235,12 +252,12 @@ def layering(
         problems += _disconnection_problems(ground, floor, x, snap)
 
     exact = np.stack(interfaces, axis=-1)
-    stack = _snapped_z(exact.copy(), snap)
+    stack = snapped_z(exact.copy(), snap)
     layers = Layering(x, stack[:, 0, :], stack[:, 1, :], len(lines), snap)
     if not problems:
         thin = f"has no thickness anywhere (less than {1000.0 * snap:.3g} mm is neglected)"
         problems = [f"{names[k]} {thin}" for k in np.flatnonzero(layers.areas() <= 0.0)]
-    notices = _snapping_notices(exact, stack, x, snap, names)
+    notices = snapping_notices(exact, stack, x, snap, names)
     if x_right - x_left > WIDEST:
         notices.append(f"the section is {x_right - x_left:,.0f} m wide; plain coordinates are metres")
     return Layers(layers, problems, notices)
@@ -254,45 +271,14 @@ def elevations_below(surface: np.ndarray, depth: Line) -> np.ndarray:
     return without_repeats(points)
 
 
-def snapping_length(surface: np.ndarray, base: np.ndarray, base_is_depth: bool) -> float:
-    """Return the distance within which points of a section are merged: a centimetre, or a two-thousandth of the height
-    if that is less."""
-    lowest = surface[:, 1].min() - base[:, 1].max() if base_is_depth else base[:, 1].min()
-    height = max(float(surface[:, 1].max() - lowest), 0.0)
-    width = float(surface[-1, 0] - surface[0, 0])
-    return max(min(CENTIMETRE, SHARE_OF_HEIGHT * height, SHARE_OF_HEIGHT * width), ROUNDING * width)
-
-
 def above_ground(surface: np.ndarray, line: Line, what: str) -> list[str]:
     """Return a sentence if ``line``, which crosses the whole section, rises above ``surface`` (n, 2)."""
     x_left, x_right = float(surface[0, 0]), float(surface[-1, 0])
     snap = snapping_length(surface, line.points(x_left, x_right), line.elevation is None)
-    surface, points = _snapped_x([surface, line.points(x_left, x_right)], snap)
+    surface, points = snapped_x([surface, line.points(x_left, x_right)], snap)
     x = np.union1d(surface[:, 0], points[:, 0])
     ground, _, elevation = _elevations(surface, [], [], points, line.elevation is None, x)
     return _crossing_problems(elevation, ground, x, snap, f"{what} rises above the ground surface")
-
-
-def _snapped_x(lines: list[np.ndarray], snap: float) -> list[np.ndarray]:
-    """Return the lines, in which points whose x differ by at most ``snap`` are moved to the first of these x, or to the
-    end of the section."""
-    values = np.unique(np.concatenate([points[:, 0] for points in lines]))
-    first = values.copy()
-    start = 0
-    while start < len(values):  # not from neighbour to neighbour: a scan with a point every millimetre is one chain
-        after = int(np.searchsorted(values, values[start] + snap, side="right"))
-        first[start:after] = values[start] if after < len(values) or start == 0 else values[-1]
-        start = after
-    snapped = []
-    for points in lines:
-        points = points.copy()
-        points[:, 0] = first[np.searchsorted(values, points[:, 0])]
-        steps = np.concatenate([[False], np.diff(points[:, 0]) == 0.0])
-        in_a_row = steps & np.concatenate([steps[1:], [False]])
-        in_a_row |= (points[:, 0] == points[0, 0]) | (points[:, 0] == points[-1, 0])  # no step at an end
-        in_a_row[[0, -1]] = False
-        snapped.append(points[~in_a_row])
-    return snapped
 
 
 def at_ends(points: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -356,39 +342,3 @@ def _disconnection_problems(ground: np.ndarray, floor: np.ndarray, x: np.ndarray
         "expected the two sides to touch"
         for b in wrong[:1]
     ] + (["the section has no height anywhere"] if np.all(ground - floor <= snap) else [])
-
-
-def _snapping_notices(
-    exact: np.ndarray, stack: np.ndarray, x: np.ndarray, snap: float, names: Sequence[str]
-) -> list[str]:
-    """Return notices on layers (intervals, 2, interfaces) that were thinner somewhere than the smallest distance of
-    points."""
-    before, after = -np.diff(exact, axis=-1), -np.diff(stack, axis=-1)
-    lost = np.where((after <= 0.0) & (before > ROUNDING * (x[-1] - x[0])), before, 0.0)
-    notices = []
-    for k in range(lost.shape[-1]):
-        i, end = np.unravel_index(int(np.argmax(lost[..., k])), lost.shape[:2])
-        if lost[i, end, k] > 0.0:
-            notices.append(
-                f"{names[k]} is {1000.0 * lost[i, end, k]:.2g} mm thick at x = {x[i + end]:g} m: less than "
-                f"{1000.0 * snap:.3g} mm is neglected"
-            )
-    return notices
-
-
-def _snapped_z(stack: np.ndarray, snap: float) -> np.ndarray:
-    """Return interfaces (intervals, 2, interfaces), in which elevations that differ by at most ``snap`` are equal.
-
-    Both sides of a breakpoint are treated together, so that neighbours share their points exactly.
-    """
-    intervals = stack.shape[0]
-    for b in range(intervals + 1):
-        sides = [(b - 1, 1)] if b == intervals else [(b, 0)] if b == 0 else [(b - 1, 1), (b, 0)]
-        values = np.concatenate([stack[i, end] for i, end in sides])
-        order = np.argsort(-values, kind="stable")
-        group = np.concatenate([[0], np.cumsum(-np.diff(values[order]) > snap)])
-        snapped = np.empty_like(values)
-        snapped[order] = values[order][np.searchsorted(group, group)]
-        for (i, end), part in zip(sides, np.split(snapped, len(sides)), strict=True):
-            stack[i, end] = part
-    return stack

@@ -22,10 +22,15 @@ THINNEST = 0.005
 
 
 def cut_at_least_strength(section: Section) -> Section:
-    """Return the section with strata of a ``cohesion_minimum`` divided where the cohesion begins to exceed this
-    minimum. Both parts have the same soil.
+    """Return the section with strata divided where their cohesion begins to exceed its least value.
 
-    Returns the section itself if no stratum has such a place.
+    Parameters
+    ----------
+    section : the section; strata with a ``cohesion_minimum`` may be divided
+
+    Returns
+    -------
+    The section, in which both parts of a stratum have the same soil; the section itself if no stratum has such a place.
     """
     field = section.cohesion_field
     strata: list[Stratum] = []

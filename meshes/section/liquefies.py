@@ -15,8 +15,14 @@ LIQUEFIES_IN = (
 
 
 class Cases(tuple[int, ...]):
-    """Holds the numbers of cases. If ``triggered``, borings and earthquake determine the cases, and the file contains
-    the word "triggered" instead of numbers."""
+    """Holds the numbers of the cases in which a stratum liquefies.
+
+    Parameters
+    ----------
+    numbers : numbers of cases, from 1
+    triggered : whether borings and earthquake determine the cases; then the file contains the word "triggered" instead
+        of numbers
+    """
 
     triggered: bool
 

@@ -6,8 +6,10 @@ from pydantic import BaseModel, ConfigDict
 
 
 class Model(BaseModel):
-    """Is the base class of all parts of an input: unknown keys are refused, and values cannot be changed after
-    reading."""
+    """Is the base class of all parts of an input.
+
+    Unknown keys are refused, and values cannot be changed after reading.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 

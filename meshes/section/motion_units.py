@@ -36,19 +36,29 @@ EXPECTED = 'expected one such as "g", "%g", "m/s^2", "gal" or "cm/sec^2"'
 
 @dataclass(frozen=True)
 class MotionUnit:
-    """Holds the quantity that a unit measures, and its size in m/s², m/s or m."""
+    """Describes a unit of ground motion.
+
+    Attributes
+    ----------
+    motion : quantity that the unit measures: "acceleration", "velocity" or "displacement"
+    factor : size of the unit in m/s², m/s or m
+    """
 
     motion: Motion
     factor: float
 
 
 def motion_unit(written: str) -> MotionUnit | None:
-    """Return the unit of an acceleration, a velocity or a displacement; None if the word is no such unit.
+    """Return the unit of an acceleration, a velocity or a displacement.
 
     Parameters
     ----------
-    written : str
-        Unit as written in a heading or a setting, in any case: "CM/SEC/SEC", "cm/s²", "gal(cm/s/s)", "m s-2", "% g".
+    written : unit as written in a heading or a setting, in any case: "CM/SEC/SEC", "cm/s²", "gal(cm/s/s)", "m s-2", "%
+        g"
+
+    Returns
+    -------
+    The unit; None if the word is no such unit.
     """
     word = "".join(written.lower().split()).replace("²", "2").replace("**", "^").replace("⁻", "-").replace("µ", "u")
     word = word.replace("·", "").replace("*", "").strip(".,;:")
@@ -69,7 +79,16 @@ def motion_unit(written: str) -> MotionUnit | None:
 
 
 def time_unit(written: str) -> float | None:
-    """Return the seconds in a unit of time; None if the word is no such unit."""
+    """Return the seconds in a unit of time.
+
+    Parameters
+    ----------
+    written : unit as written in a heading, in any case, such as "sec", "ms" or "minutes"
+
+    Returns
+    -------
+    Size of the unit (s); None if the word is no such unit.
+    """
     return TIMES.get(written.strip().strip(".,;:").lower().replace("µ", "u"))
 
 

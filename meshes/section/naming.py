@@ -21,8 +21,16 @@ def naming_problems(names: Sequence[str]) -> Iterator[str]:
 
 
 def group_names(names: Sequence[str]) -> list[str]:
-    """Return the names of the physical groups of strata in a gmsh file: the names of the strata, or their numbers if
-    gmsh cannot write the names."""
+    """Return the names of the physical groups of strata in a gmsh file.
+
+    Parameters
+    ----------
+    names : names of the strata
+
+    Returns
+    -------
+    The names; "stratum" with the number from 1 for a stratum whose name gmsh cannot write.
+    """
     groups = []
     for number, name in enumerate(names, start=1):
         is_short = len(name.encode()) <= LONGEST_GROUP and "\\" not in name

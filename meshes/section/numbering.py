@@ -8,8 +8,13 @@ MATCH = 1.0  # what it is worth to go on with a layer; overlapping it is worth l
 
 
 class Piece(NamedTuple):
-    """Holds a piece of a layer in one column: its name, and elevations (m) of top and bottom at the left and the right
-    end."""
+    """Holds a piece of a layer in one column.
+
+    Attributes
+    ----------
+    name : name of the layer
+    left, right (2,) : elevations of top and bottom at the left and the right end (m)
+    """
 
     name: str
     left: tuple[float, float]
@@ -52,6 +57,10 @@ def stacked(columns: Sequence[Sequence[Piece]]) -> Stack:
     Parameters
     ----------
     columns : pieces of layers from the top down, for each column from left to right
+
+    Returns
+    -------
+    The strata, and the stratum of every piece.
     """
     strata: list[_Stratum] = []
     members: list[list[_Stratum]] = []
@@ -116,7 +125,16 @@ def _worth(piece: Piece, stratum: _Stratum, pieces: int) -> float:
 
 
 def numbered_names(names: Sequence[str]) -> list[str]:
-    """Return the names in their order, with numbers if several names are equal."""
+    """Return names with numbers where several are equal.
+
+    Parameters
+    ----------
+    names : the names
+
+    Returns
+    -------
+    The names in their order, such as "sand 1" and "sand 2" for "sand" twice; all of them are different.
+    """
     forms = ("{} {}", "{} ({})", "{} no. {}", "{} - {}")
     numbers = range(1, len(names) + 1)
     form = next(

@@ -37,8 +37,10 @@ class Overburden:
 
 
 def overburden(section: Section, x: float, depth: float) -> Overburden:
-    """Compute vertical stresses at a point. The total stress is the weight of the strata above with all water in their
-    pores. The effective stress is this weight and the weight of water on the ground, less the pore pressure.
+    """Compute vertical stresses at a point before the earthquake.
+
+    The total stress is the weight of the strata above with all water in their pores. The effective stress is this
+    weight and the weight of water on the ground, less the pore pressure.
 
     The total stress is counted from the ground down, under water from the mudline: water has no shear stiffness, so
     free water adds nothing to the shear stress that shaking brings, a_max σv r_d/g (Seed & Idriss 1971), and a cone is
@@ -48,9 +50,18 @@ def overburden(section: Section, x: float, depth: float) -> Overburden:
     Surcharges spread with depth as on an elastic half-plane (`Surcharge.below`): the total stress has the share of
     their mass that shakes, the effective stress the share under which the ground has consolidated.
 
-    ``x`` is a place in the section and ``depth`` (m) lies within it: see `outside`. If a stratum has two densities, the
-    seismic density contains all of its mass. Strata are divided where water stands in them, with a density on either
-    side.
+    If a stratum has two densities, the seismic density contains all of its mass. Strata are divided where water stands
+    in them, with a density on either side.
+
+    Parameters
+    ----------
+    section : the section
+    x : place in the section (m)
+    depth : depth of the point below the ground (m), within the section: see `outside`
+
+    Returns
+    -------
+    The stresses (Pa), positive in compression.
     """
     levels = section.layering.interfaces(np.array([x]))[0]
     elevation = float(levels[0]) - depth
@@ -87,8 +98,19 @@ def _loads(section: Section, x: float, elevation: float) -> tuple[float, float]:
 
 
 def water_level(section: Section, x: float, stratum: int | None = None) -> float | None:
-    """Return the elevation of the water table at x (m), or of the piezometric level of a stratum that has its own, or
-    below which its pores are full; None without any."""
+    """Return the elevation of the water at a place.
+
+    Parameters
+    ----------
+    section : the section
+    x : place (m)
+    stratum : number of a stratum, whose own piezometric level counts if it has one, or the level below which its pores
+        are full; None for the water table
+
+    Returns
+    -------
+    Elevation (m); None without water.
+    """
     points = _level(section, stratum)
     return None if points is None else float(np.interp(x, points[:, 0], points[:, 1]))
 
@@ -99,7 +121,18 @@ def _level(section: Section, stratum: int | None) -> np.ndarray | None:
 
 
 def outside(section: Section, x: float, depth: float) -> str:
-    """Return why a point is not in the section; empty if it is inside."""
+    """Return why a point is not in the section.
+
+    Parameters
+    ----------
+    section : the section
+    x : place (m)
+    depth : depth of the point below the ground (m)
+
+    Returns
+    -------
+    The reason in words; empty if the point is inside.
+    """
     left, right = section.given_extent
     if not left <= x <= right:
         return f"x = {x:g} m is off the section, which reaches from {left:g} to {right:g} m"
@@ -109,7 +142,17 @@ def outside(section: Section, x: float, depth: float) -> str:
 
 
 def reaches_water(section: Section, stratum: int) -> bool:
-    """Return whether any part of a stratum lies below the water table, or below its own piezometric level."""
+    """Return whether any part of a stratum lies below water.
+
+    Parameters
+    ----------
+    section : the section
+    stratum : number of the stratum
+
+    Returns
+    -------
+    True if a part lies below the water table, or below the piezometric level of the stratum.
+    """
     x = middles(*section.given_extent, COLUMNS)
     levels = section.layering.interfaces(x)
     points = _level(section, stratum)

@@ -20,10 +20,15 @@ from meshes.section.water_pressure import WaterPressure
 
 
 class Range(NamedTuple):
-    """Holds the range of possible values of a quantity in a unit that has ``si`` in SI units; ``slips`` are factors of
-    common errors.
+    """Holds the range of possible values of a quantity.
 
-    With ``or_none`` the quantity may also be 0, below its range.
+    Attributes
+    ----------
+    low, high : smallest and largest value, in the unit
+    unit : the unit in messages
+    si : size of the unit in SI units
+    slips : factors of common errors on a value in SI units, each with the unit that was probably meant
+    or_none : whether the quantity may also be 0, below its range
     """
 
     low: float
@@ -35,7 +40,17 @@ class Range(NamedTuple):
 
 
 def is_within(value: float, limits: Range) -> bool:
-    """Return whether a number in SI units lies in the range, to rounding."""
+    """Return whether a number lies in a range, to rounding.
+
+    Parameters
+    ----------
+    value : the number in SI units
+    limits : the range
+
+    Returns
+    -------
+    True within the range, and for 0 if the range allows it.
+    """
     none = limits.or_none and value == 0.0
     return none or limits.low * (1.0 - 1e-9) <= value / limits.si <= limits.high * (1.0 + 1e-9)
 
@@ -46,11 +61,18 @@ UNUSUAL = ", or unusual = true at the head of the file if it is meant"
 
 
 def sentence(key: str, value: float, limits: Range, remedy: str = UNUSUAL) -> str:
-    """Return a message about a number outside the range: the key, the written value, the value that was probably meant,
-    and the range.
+    """Return a message about a number outside its range.
 
-    The ``remedy`` tells the user what to do if the number is correct. ``value``: the number in SI units; ``limits``:
-    the range of such numbers.
+    Parameters
+    ----------
+    key : key of the number in the file
+    value : the number in SI units, as it was written if it is a `Quantity`
+    limits : the range of such numbers
+    remedy : end of the sentence: what the user can do if the number is correct
+
+    Returns
+    -------
+    Sentence with the key, the written value, the value that was probably meant, and the range.
     """
     written = getattr(value, "written", value)
     shown = f'"{written}"' if isinstance(written, str) else f"{written:g}"

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, PlainValidator, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
 
-from meshes.section.quantity import COORDINATE, Quantity
+from meshes.section.quantity import COORDINATE
 
 Points = tuple[tuple[float, float], ...]
 MOST_ALIKE = 3  # points out of order that are named one by one
@@ -89,8 +89,10 @@ class Line(BaseModel):
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
-    elevation: PolylineOrLevel | None = None
-    depth: PolylineOrLevel | None = None
+    elevation: PolylineOrLevel | None = Field(default=None, description="elevations (m): points [[x, z], ...] or one")
+    depth: PolylineOrLevel | None = Field(
+        default=None, description="depths below the ground (m): points [[x, depth], ...] or one, 0 or more"
+    )
 
     @model_validator(mode="after")
     def _one_of_two(self) -> "Line":
@@ -155,12 +157,30 @@ def crossings(
 
 
 def without_repeats(points: np.ndarray) -> np.ndarray:
-    """Return the points (n, 2) of a line without those that are equal to the point before them."""
+    """Return the points of a line without those that are equal to the point before them.
+
+    Parameters
+    ----------
+    points (n, 2) : points of the line
+
+    Returns
+    -------
+    Points (k, 2).
+    """
     return points[np.concatenate([[True], np.any(np.diff(points, axis=0) != 0.0, axis=1)])]
 
 
 def downhill(ground: np.ndarray) -> int:
-    """Return +1 if a surface (n, 2) falls to the right from one end to the other, -1 if it falls to the left."""
+    """Return the direction in which a surface falls from one end to the other.
+
+    Parameters
+    ----------
+    ground (n, 2) : points of the surface from left to right (m)
+
+    Returns
+    -------
+    +1 if the right end is as high as the left one or lower, -1 if it is higher.
+    """
     return 1 if ground[0, 1] >= ground[-1, 1] else -1
 
 
@@ -174,7 +194,16 @@ def level_at(level: np.ndarray, x: np.ndarray, near: np.ndarray) -> np.ndarray:
 
 
 def lower_line(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Return the line (k, 2) of the lower one of two lines (n, 2) at every x."""
+    """Return the line of the lower one of two lines at every x.
+
+    Parameters
+    ----------
+    first, second (n, 2) : points of the lines from left to right (m), with vertical steps
+
+    Returns
+    -------
+    Points (k, 2) in m, also where the lines cross.
+    """
 
     def sides(x: np.ndarray) -> list[np.ndarray]:
         middle = 0.5 * (x[1:] + x[:-1])
@@ -185,19 +214,3 @@ def lower_line(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     x = np.union1d(x, crossings(x, left[0] - left[1], right[0] - right[1]))
     lower = np.column_stack([pair.min(axis=0) for pair in sides(x)]).ravel()
     return without_repeats(np.column_stack([np.repeat(x, 2)[1:-1], lower]))
-
-
-__all__ = [
-    "ElevationOrLine",
-    "Line",
-    "Points",
-    "Polyline",
-    "Quantity",
-    "crossings",
-    "downhill",
-    "level_at",
-    "limits",
-    "lower_line",
-    "read_points",
-    "without_repeats",
-]

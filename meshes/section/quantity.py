@@ -103,8 +103,15 @@ COMMON_UNITS = {
 
 
 class Quantity(float):
-    """Holds a number in SI units, and the text in which it was written, so that a file can be written back
-    unchanged."""
+    """Holds a number in SI units, and the text in which it was written.
+
+    A file can therefore be written back unchanged.
+
+    Parameters
+    ----------
+    value : the number in SI units
+    written : text or number in the file; ``value`` if left out
+    """
 
     written: str | float
 
@@ -119,9 +126,17 @@ class Quantity(float):
 
 @dataclass(frozen=True)
 class Kind:
-    """Describes a physical quantity: its name with the article, its SI unit, an example, and its limits in SI units.
+    """Describes a physical quantity: its name, its unit and its limits.
 
-    ``times_gravity`` is for densities and unit weights: either can be given in place of the other.
+    Attributes
+    ----------
+    name : name with the article
+    unit : SI unit; empty for a ratio
+    example : an example for messages
+    minimum, maximum : limits in SI units; the maximum itself is not allowed
+    minimum_allowed : whether the minimum itself is allowed
+    limits : the limits in words, for messages
+    times_gravity : whether a density may be given as a unit weight, and the reverse
     """
 
     name: str
@@ -192,14 +207,28 @@ class Kind:
 
 
 def with_a_point(text: str) -> str:
-    """Return a number that was written with a decimal comma, with a decimal point; empty for other texts."""
+    """Return a number that was written with a decimal comma, with a decimal point.
+
+    Parameters
+    ----------
+    text : a number, with or without a unit, or another text
+
+    Returns
+    -------
+    The number with its unit; empty for a text without a decimal comma.
+    """
     parts = DECIMAL_COMMA.fullmatch(text)
     return f"{parts[1] or 0}.{parts[2]}{parts[3]}".strip() if parts else ""
 
 
 @cache
 def unit_registry() -> "pint.UnitRegistry":
-    """Return the units of pint, with the tonne-force (tf) of Japanese soil reports."""
+    """Return the units of pint, with those of American and Japanese soil reports (`DEFINITIONS`).
+
+    Returns
+    -------
+    The registry, which is made once in a process.
+    """
     import pint
 
     registry: pint.UnitRegistry = pint.UnitRegistry()

@@ -8,7 +8,16 @@ DECIMALS = 3  # of a seismic coefficient in the name of a file
 
 
 def in_name(kh: float) -> str:
-    """Return a seismic coefficient in the form used in file names: 0.20, 0.255."""
+    """Return a seismic coefficient in the form used in file names.
+
+    Parameters
+    ----------
+    kh : seismic coefficient (-)
+
+    Returns
+    -------
+    Text of two or three decimals: 0.20, 0.255.
+    """
     return f"{kh:.{DECIMALS}f}".removesuffix("0")
 
 

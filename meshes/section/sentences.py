@@ -43,10 +43,18 @@ Place = tuple[int | str, ...]
 
 
 def sentences(error: ValidationError, data: Any, model: type[BaseModel], other_keys: Sequence[str] = ()) -> list[str]:
-    """Return one sentence for each problem: the key, the value, what was expected. ``other_keys`` are keys of other
-    tables at that place.
+    """Return one sentence for each problem of a table: the key, the value, what was expected.
 
-    ``error``: error of pydantic; ``data``: the table of the file; ``model``: the model that the table was read as.
+    Parameters
+    ----------
+    error : error of pydantic
+    data : the table of the file
+    model : model that the table was read as
+    other_keys : keys of other tables at that place, among which a similar key is looked for
+
+    Returns
+    -------
+    The sentences, each once.
     """
     choices: dict[Place, list[ErrorDetails]] = {}
     for entry in error.errors():
@@ -166,7 +174,16 @@ def _similar_word(value: Any, description: str) -> str:
 
 
 def limit_words(error: ErrorDetails) -> str:
-    """Return the limit that a number violates, such as "at most 5"; empty for other errors."""
+    """Return the limit that a number violates.
+
+    Parameters
+    ----------
+    error : details of an error of pydantic
+
+    Returns
+    -------
+    Words such as "at most 5"; empty for other errors.
+    """
     limit = LIMITS.get(error["type"])
     return "" if limit is None else f"{limit[0]} {error['ctx'][limit[1]]:g}"
 
@@ -200,7 +217,17 @@ def _key(location: tuple[int | str, ...], data: Any) -> str:
 
 
 def model_at(location: tuple[int | str, ...], model: type[BaseModel]) -> type[BaseModel] | None:
-    """Return the model that has the field at this location."""
+    """Return the model that has the field at a location.
+
+    Parameters
+    ----------
+    location : keys and numbers from the whole table to the field
+    model : model of the whole table
+
+    Returns
+    -------
+    The model; None if the location leads to no model.
+    """
     owner: type[BaseModel] | None = model
     for step in location[:-1]:
         if isinstance(step, int):
@@ -239,5 +266,9 @@ def counted(count: int, singular: str, plural: str) -> str:
     ----------
     count : the count
     singular, plural : the words that follow 1, and that follow every other count
+
+    Returns
+    -------
+    Count and words.
     """
     return f"{count} {singular if count == 1 else plural}"

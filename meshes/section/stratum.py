@@ -370,10 +370,29 @@ class Stratum(Model):
 
 
 def liquefying_strata(strata: Sequence[Stratum], case: int) -> list[int]:
-    """Return the indices of the strata that liquefy in a case."""
+    """Return the strata that liquefy in a case.
+
+    Parameters
+    ----------
+    strata : strata from the top down
+    case : number of the case, from 1
+
+    Returns
+    -------
+    Numbers of the strata, from 0.
+    """
     return [k for k, stratum in enumerate(strata) if case in stratum.liquefies_in]
 
 
 def cases_of(strata: Iterable[Stratum]) -> list[int]:
-    """Return the numbers of the cases in which any of the strata liquefies."""
+    """Return the cases in which any of some strata liquefies.
+
+    Parameters
+    ----------
+    strata : the strata
+
+    Returns
+    -------
+    Numbers of the cases, rising.
+    """
     return sorted({case for stratum in strata for case in stratum.liquefies_in})

@@ -40,8 +40,10 @@ def _read_water(value: Any) -> str | float:
 
 
 class TensionCrack(Model):
-    """Holds a tension crack. Slip circles end at its bottom, above which the ground has no tensile strength, and its
-    water presses on the sliding ground."""
+    """Holds a tension crack, at whose bottom slip circles end.
+
+    Above the bottom the ground has no tensile strength. The water in the crack presses on the sliding ground.
+    """
 
     bottom: ElevationOrLine | None = Field(
         default=None,
@@ -140,8 +142,8 @@ class TensionCrack(Model):
         return section.with_strata(strata)
 
     def _water_level(self, section: Section, bottom: np.ndarray, ground_level: np.ndarray | None) -> np.ndarray:
-        """Return the level (n, 2) of the water in cracks, or the level of the water in the ground (``own``) where that
-        is higher.
+        """Return the level (n, 2) of the water in cracks, or the level ``ground_level`` of the water in the ground
+        where that is higher.
 
         Water in a crack stands no higher than the lowest ground within the depth of the deepest crack to either side,
         since it would run out there, unless that is lower by no more than ``SPILL_SHARE`` of this depth.
@@ -225,7 +227,16 @@ def _without_faces(line: np.ndarray) -> np.ndarray:
 
 
 def upright_faces(line: np.ndarray) -> np.ndarray:
-    """Return which stretches of a ``line`` (n, 2), such as the ground, are steeper than ``STEEP_SLOPE`` (k,)."""
+    """Return which stretches of a line are steeper than `STEEP_SLOPE`.
+
+    Parameters
+    ----------
+    line (n, 2) : points of a line, such as the ground, from left to right (m)
+
+    Returns
+    -------
+    Numbers (k,) of the stretches; stretch i lies between the points i and i + 1.
+    """
     run, rise = np.diff(line, axis=0).T
     return np.flatnonzero(np.abs(rise) > STEEP_SLOPE * run)
 

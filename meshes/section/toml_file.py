@@ -8,7 +8,21 @@ from meshes.errors import InputError
 
 
 def read_toml(path: Path | str) -> dict[str, Any]:
-    """Read a TOML file; raise InputError if there is none or it is not TOML."""
+    """Read a TOML file.
+
+    Parameters
+    ----------
+    path : path of the file, in UTF-8
+
+    Returns
+    -------
+    The tables and keys of the file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is not TOML.
+    """
     path = Path(path)
     try:
         text = path.read_text(encoding="utf-8-sig")  # some editors on Windows begin a file with a mark
