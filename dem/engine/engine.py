@@ -25,8 +25,9 @@ from dem.engine.checks import (
 )
 from dem.engine.compliant_base import FreeDiscs, MeasurementInterval, acceleration_on_discs, felt_until
 from dem.engine.energy_balance import EnergyBalance
+from dem.engine.forces import forces_along_x
 from dem.engine.memory import ReusedMemory, keep_freed_arrays
-from dem.engine.packer import law_of, pack, springs_of, unpack, unpack_motion, unpack_velocities
+from dem.engine.packer import law_of, pack, pack_motion, springs_of, unpack, unpack_motion, unpack_velocities
 from dem.engine.sharing import neighbour_slices
 from dem.errors import DemError, StepTooLargeError
 from dem.kernels import energy
@@ -46,6 +47,7 @@ CALL_WORK = 2.0e7  # disc-steps in one call of the kernel, about half a second
 CALL_STEPS = 100  # at least: what is done between two calls takes as long as a step or two
 
 OnOutput = Callable[[DiscModel], None]
+OnInterval = Callable[[DiscModel, np.ndarray], None]
 
 
 @dataclass(frozen=True)
@@ -151,12 +153,16 @@ class Engine:
         steps: int | None = None,
         every: float | None = None,
         on_output: OnOutput | None = None,
+        on_interval: OnInterval | None = None,
     ) -> EnergyBalance | None:
         """Advance the model by `duration` seconds (rounded to whole steps), or by a number of steps, which may be 0.
 
         on_output is called with the model every `every` seconds and at the end; it may read and save the model, but not
-        change it. Returns the energy balance at the end, None if it is not computed. Raises DemError, with the model in
-        the state in which the error was found, and ValueError unless either a duration or a number of steps is given.
+        change it. on_interval is called at the beginning of each of these intervals, with the model and the horizontal
+        force (n,) on every disc from contacts, rigid lines and liquefied ground (N per metre); it may read positions
+        and change velocities, but nothing else: the model has no contacts then. Returns the energy balance at the end,
+        None if it is not computed. Raises DemError, with the model in the state in which the error was found, and
+        ValueError unless either a duration or a number of steps is given.
         """
         model.refresh_list()
         dt = self.step_of(model)
@@ -173,7 +179,9 @@ class Engine:
             begin = model.steps
             while model.steps < end:
                 stop = min(end, begin + ((model.steps - begin) // between + 1) * between)
-                energies = run.advance(stop - model.steps)
+                if on_interval is not None:
+                    run.change_velocities(on_interval)
+                energies = run.advance(stop - model.steps, on_output is not None)
                 if on_output is not None and ((model.steps - begin) % between == 0 or model.steps == end):
                     on_output(model)
         return energies
@@ -259,12 +267,26 @@ class EngineRun:
             model.energy_edited += energies.gap
         else:
             model.energy_edited += energies.kinetic + energies.stored + energies.dissipated - model.energy_known
+        model.energy_known = energies.kinetic + energies.stored + energies.dissipated
 
-    def advance(self, steps: int) -> EnergyBalance | None:
-        """Take this number of steps, and write the resulting state back into the model."""
+    def change_velocities(self, change: OnInterval) -> None:
+        """Let a function change the velocities of the model; refuse a time step that has become too long for them."""
+        model = self.model
+        layout = self.pack()
+        change(model, forces_along_x(model, layout, self.springs, self.law))
+        self.engine._refuse(model, self.dt, StableStep(*step_at_speed(model)))
+        pack_motion(layout, model)
+        if self.free is not None:
+            self.free.measure(model)
+        self.begin_energy_balance()
+
+    def advance(self, steps: int, whole: bool = True) -> EnergyBalance | None:
+        """Take this number of steps, and write the resulting state back into the model, or positions and velocities
+        alone unless `whole`."""
         energies = self.go(steps)
         self.end_look()  # here, so that a run from a checkpoint has the same bits
-        self.update()
+        if whole:
+            self.update()
         self.show()
         if energies is not None:
             self.model.energy_known = energies.kinetic + energies.stored + energies.dissipated

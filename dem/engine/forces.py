@@ -7,9 +7,10 @@ import numpy as np
 from dem.engine.compliant_base import acceleration_on_discs
 from dem.engine.packer import law_of, pack, springs_of, unpack
 from dem.engine.sharing import neighbour_slices
-from dem.kernels.arguments import ENERGY_COLUMNS, Clock, Entries, Loads, Team
+from dem.kernels.arguments import ENERGY_COLUMNS, Clock, Entries, Law, Loads, Springs, Team
 from dem.kernels.barrier import new_barrier
 from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS, Layout, count_slots
+from dem.kernels.liquefied_pairs import FORCE_X
 from dem.kernels.stepping import take_steps
 from dem.kernels.work_buffers import new_buffer
 from dem.model import DiscModel
@@ -79,15 +80,50 @@ def keep_slip(model: DiscModel) -> None:
     unpack(_evaluated_layout(model), model)
 
 
+def forces_along_x(model: DiscModel, layout: Layout, springs: Springs, law: Law) -> np.ndarray:
+    """Return the horizontal force on every disc from contacts, rigid lines and liquefied ground, while a run has the
+    contacts of the model in a layout.
+
+    Parameters
+    ----------
+    model : DiscModel
+        The discs, at the positions and velocities of the layout.
+    layout : Layout
+        Discs and contacts, which stay as they are.
+    springs, law : Springs, Law
+        Constants of the contacts and their law.
+
+    Returns
+    -------
+    (n,) array
+        Force along x (N per metre), equal to that of `neighbour_forces`.
+    """
+    now = _evaluated(layout._replace(links=layout.links.copy(), rolling=layout.rolling.copy()), model, springs, law)
+    force = now.links.reshape(-1, LINK_FIELDS, LANES)[:, 4]
+    chunks, slices, discs = layout.chunk_start[-1], len(layout.chunk_start) - 1, model.places
+    partner = layout.partner.reshape(-1, LANES)
+    chunk, lane = np.nonzero(partner < len(model))
+    owner = LANES * np.repeat(np.arange(slices), np.diff(layout.chunk_start))[chunk] + lane
+    pairs = np.bincount(partner[chunk, lane], force[chunk, lane], slices * LANES)
+    pairs += np.bincount(owner, -force[chunk, lane], slices * LANES)
+    e = np.arange(len(layout.line_disc))
+    lines = np.bincount(layout.line_disc, force[chunks + 1 + e // LANES, e % LANES], slices * LANES)
+    wet = layout.liquefied.discs[discs, FORCE_X] if len(layout.liquefied.discs) else 0.0
+    return np.asarray(wet + (pairs + lines)[discs])
+
+
 def _evaluated_layout(model: DiscModel) -> Layout:
-    layout = pack(model)
+    return _evaluated(pack(model), model, springs_of(model), law_of(model))
+
+
+def _evaluated(layout: Layout, model: DiscModel, springs: Springs, law: Law) -> Layout:
+    """Compute the forces of the contacts in a layout, and store them there."""
     entries = Entries(False, np.zeros((len(layout.chunk_start) - 1, ENERGY_COLUMNS)))
     now = acceleration_on_discs(model)
     loads = Loads(now.times, now.with_level(model.gravity))
     take_steps(
         Team(0, 1, new_barrier(1), np.zeros((2, 1), np.int64)), Clock(0, 0.0, model.last_dt, model.time, model.steps),
-        layout, springs_of(model), law_of(model), loads, entries, 0.0, *neighbour_slices(0, 1, layout),
-        new_buffer(),
+        layout, springs, law, loads, entries, 0.0, *neighbour_slices(0, 1, layout), new_buffer(),
     )  # fmt: skip
     return layout
 

@@ -174,6 +174,11 @@ def _bonds(layout: Layout, model: DiscModel) -> np.ndarray:
     return bonds
 
 
+def pack_motion(layout: Layout, model: DiscModel) -> None:
+    """Write positions and velocities of the model into the layout, which `unpack_motion` reads."""
+    place_motion(model.order, tuple(getattr(model, name) for name in _STATE), layout.shared)
+
+
 def unpack_motion(layout: Layout, model: DiscModel) -> None:
     """Write positions and velocities of the discs into the model; the history of contacts stays in the layout."""
     list_motion(layout, model.order, tuple(getattr(model, name) for name in _STATE), model.roll)

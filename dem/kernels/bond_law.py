@@ -44,7 +44,7 @@ def force_share(along: float, across: float, soft: float, steep: float) -> float
 
 
 @device_function(forceinline=True)
-def energy_share(along: float, across: float, soft: float, steep: float, soft_to: float) -> float:
+def energy_share(along: float, across: float, soft: float, steep: float, soft_to: float, linear: bool = False) -> float:
     """Return the energy that a bond stores, over its energy at the limit without a strain potential (in that case the
     square of its displacement).
 
@@ -52,6 +52,8 @@ def energy_share(along: float, across: float, soft: float, steep: float, soft_to
     `slopes`; soft_to: displacement at which the steep line begins, over the limiting displacement (-).
     """
     square = along * along + across * across
+    if linear:
+        return square
     way = math.sqrt(square)
     past = way - soft_to
     first = soft * square

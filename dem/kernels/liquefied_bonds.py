@@ -44,10 +44,11 @@ def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
 
 
 @device_function(nogil=True, _nrt=False)
-def fetch_strength(block: int, wet: bond.Liquefied) -> None:
-    """Compute pressure and strength of the pairs of a block as sums over both discs; the sums for bonds are
-    weighted."""
+def fetch_strength(block: int, wet: bond.Liquefied) -> bool:
+    """Compute pressure and strength of the pairs of a block as sums over both discs; the sums for bonds are weighted.
+    Return whether all bonds of the block are linear: without a strain potential, and without extra strength."""
     discs, w = wet.discs, wet.working
+    linear = True
     for lane in range(bond.LANES):
         q = np.uint64(block) * bond.WORKING_BLOCK + np.uint64(lane)
         c = block * bond.LANES + lane
@@ -64,6 +65,8 @@ def fetch_strength(block: int, wet: bond.Liquefied) -> None:
         w[q + bond.STRAIN_SUM] = straining * (a * discs[i, bond.STRAIN] + b * discs[j, bond.STRAIN])
         w[q + bond.KNEE_STRENGTH_SUM] = a * discs[i, bond.KNEE_STRENGTH] + b * discs[j, bond.KNEE_STRENGTH]
         w[q + bond.KNEE_STRAIN_SUM] = ends
+        fresh = wet.memory[np.uint64(block) * bond.MEMORY_BLOCK + np.uint64(lane) + bond.EXTRA_SHARE]
+        linear &= (ends == 0.0) & (w[q + bond.KNEE_STRENGTH_SUM] == 0.0) & (fresh == 0.0)
         first, second = w[q + bond.PART_1], w[q + bond.PART_2]
         w[q + bond.PAIR_SPIN] = first * discs[i, bond.SPIN] + second * discs[j, bond.SPIN]
         couple_i = discs[i, bond.APPLIED_COUPLE] if first > 0.0 else 0.0
@@ -72,14 +75,16 @@ def fetch_strength(block: int, wet: bond.Liquefied) -> None:
         if (discs[i, bond.KNEE_STRAIN] > 0.0) != (discs[j, bond.KNEE_STRAIN] > 0.0):
             single = discs[soft, bond.BOND], STRAINING_SHARE * discs[soft, bond.STRAIN]
             w[q + bond.CREEP_TIME] *= dashpot_share(single, (w[q + bond.BOND_SUM], w[q + bond.STRAIN_SUM]))
+    return linear
 
 
 @device_function(nogil=True, _nrt=False, forceinline=True)
 def press_lanes(
-    block: int, wet: bond.Liquefied, damping_time: float, relaxation: float, with_losses: bool
+    block: int, wet: bond.Liquefied, damping_time: float, relaxation: float, linear: bool, with_losses: bool
 ) -> tuple[float, float, float]:
     """Compute forces and history variables of the pairs of a block, after `fetch_strength` has read their strength; the
-    compiler vectorises the loop only without calls, and with one sum for each energy.
+    compiler vectorises the loop only without calls, and with one sum for each energy. For `linear` bonds half of the
+    roots and divisions, which take most of the time, have known results and are omitted.
 
     Returns energies (J) since the last evaluation: dissipation of bonds by slip and by dashpots, and the work of the
     pressures that stand in for partners that have liquefied less; zeros without `with_losses`. wet: arrays of the
@@ -100,42 +105,49 @@ def press_lanes(
         pressure_force = -w[q + bond.PAIR_PRESSURE] * w[q + bond.AREA_1] * w[q + bond.AREA_2] * w[q + bond.SLOPE]
         kernel = here * bond_kernel(inside, reach)
         strength = BOND_LIMIT * w[q + bond.BOND_SUM] * kernel
-        soft_to = 0.5 * w[q + bond.KNEE_STRAIN_SUM]
         room = 0.5 * w[q + bond.STRAIN_SUM] * inside + bond.SMALLEST_DIVISOR * reach  # way (m) at which the bond slips
-        soft, steep = slopes(0.5 * w[q + bond.KNEE_STRENGTH_SUM], soft_to)
         rotation, couple = inside * w[q + bond.PAIR_SPIN], kernel * w[q + bond.PAIR_COUPLE]
         stretch, slip = w[q + bond.STRETCH], w[q + bond.SLIP] - rotation
-        fresh = memory[r + bond.EXTRA_SHARE]
-        more = 1.0 + EXTRA_STRENGTH * fresh
-        strength, room = more * strength, more * room
+        soft, steep, soft_to, fresh, more = 0.0, 1.0, 0.0, 0.0, 1.0
+        if not linear:
+            soft_to = 0.5 * w[q + bond.KNEE_STRAIN_SUM]
+            soft, steep = slopes(0.5 * w[q + bond.KNEE_STRENGTH_SUM], soft_to)
+            fresh = memory[r + bond.EXTRA_SHARE]
+            more = 1.0 + EXTRA_STRENGTH * fresh
+            strength, room = more * strength, more * room
         along, across = memory[r + bond.ALONG], memory[r + bond.ACROSS]
         inverse = here / room
         tried_along, tried_across = along + stretch * inverse, across + slip * inverse
         new_along, new_across = mobilised(tried_along, tried_across)
-        past = math.sqrt((tried_along - new_along) ** 2 + (tried_across - new_across) ** 2)
-        left = here * fresh * decay(past * room / (EXTRA_STRENGTH_STRAIN * inside))
-        gain = more / (1.0 + EXTRA_STRENGTH * left)  # the limit falls, and what is mobilised of it grows
+        left, gain, energy = 0.0, 1.0, strength * room
+        yields = energy
+        if not linear:
+            past = math.sqrt((tried_along - new_along) ** 2 + (tried_across - new_across) ** 2)
+            left = here * fresh * decay(past * room / (EXTRA_STRENGTH_STRAIN * inside))
+            gain = more / (1.0 + EXTRA_STRENGTH * left)  # the limit falls, and what is mobilised of it grows
+            yields = energy / (gain * gain)
         here_along, here_across = mobilised(here * gain * new_along, here * gain * new_across)
-        mobilised_share = force_share(new_along, new_across, soft, steep)
-        energy = strength * room
-        yields = energy / (gain * gain)
+        mobilised_share = 1.0 if linear else force_share(new_along, new_across, soft, steep)
         if with_losses:
             dashed = memory[r + bond.DASH_ALONG] * stretch + memory[r + bond.DASH_ACROSS] * slip
             damped_here = (1.0 - part) * dashed
             work_here = stands_in * part * pressure_force * stretch
-            weaker = 0.5 * (memory[r + bond.LIMIT_ENERGY] - energy) * energy_share(along, across, soft, steep, soft_to)
-            was = force_share(along, across, soft, steep)
+            weaker = 0.5 * (memory[r + bond.LIMIT_ENERGY] - energy)
+            weaker *= energy_share(along, across, soft, steep, soft_to, linear)
+            was = 1.0 if linear else force_share(along, across, soft, steep)
             cut = (was * along + mobilised_share * new_along) * (tried_along - new_along)
             cut += (was * across + mobilised_share * new_across) * (tried_across - new_across)
-            stored = energy * energy_share(new_along, new_across, soft, steep, soft_to)
-            left_over = yields * energy_share(here_along, here_across, soft, steep, soft_to)
+            stored = energy * energy_share(new_along, new_across, soft, steep, soft_to, linear)
+            left_over = yields * energy_share(here_along, here_across, soft, steep, soft_to, linear)
             slid = both(slid, weaker + 0.5 * (energy * cut + stored - left_over))
         memory[r + bond.LIMIT_ENERGY], memory[r + bond.EXTRA_SHARE] = yields, left
         late_along, late_across = mobilised(
             relaxation * (memory[r + bond.MAXWELL_ALONG] + MAXWELL_STIFFNESS_RATIO * stretch * inverse),
             relaxation * (memory[r + bond.MAXWELL_ACROSS] + MAXWELL_STIFFNESS_RATIO * slip * inverse),
         )
-        delay = (damping_time + w[q + bond.CREEP_TIME] * soft) * inverse
+        delay = damping_time * inverse
+        if not linear:
+            delay = (damping_time + w[q + bond.CREEP_TIME] * soft) * inverse
         new_along, new_across = mobilised_share * new_along, mobilised_share * new_across
         soon_along, soon_across = mobilised(
             new_along + late_along + w[q + bond.ALONG_SPEED] * delay,
@@ -162,18 +174,23 @@ def press_lanes(
 
 
 @device_function(nogil=True, _nrt=False)
-def press_pairs(block: int, wet: bond.Liquefied, damping_time: float, relaxation: float) -> None:
-    """Compute the forces of the pairs of a block; wet, damping_time, relaxation: as in `press_lanes`."""
-    press_lanes(block, wet, damping_time, relaxation, False)
+def press_pairs(block: int, wet: bond.Liquefied, damping_time: float, relaxation: float, linear: bool) -> None:
+    """Compute the forces of the pairs of a block; wet, damping_time, relaxation, linear: as in `press_lanes`."""
+    if linear:
+        press_lanes(block, wet, damping_time, relaxation, True, False)
+    else:
+        press_lanes(block, wet, damping_time, relaxation, False, False)
 
 
 @device_function(nogil=True, _nrt=False)
 def press_pairs_with_losses(
-    block: int, wet: bond.Liquefied, damping_time: float, relaxation: float
+    block: int, wet: bond.Liquefied, damping_time: float, relaxation: float, linear: bool
 ) -> tuple[float, float, float]:
-    """Compute the forces and the energies of the pairs of a block; wet, damping_time, relaxation and result: as in
-    `press_lanes`."""
-    return press_lanes(block, wet, damping_time, relaxation, True)
+    """Compute the forces and the energies of the pairs of a block; wet, damping_time, relaxation, linear and result: as
+    in `press_lanes`."""
+    if linear:
+        return press_lanes(block, wet, damping_time, relaxation, True, True)
+    return press_lanes(block, wet, damping_time, relaxation, False, True)
 
 
 @device_function(nogil=True, _nrt=False)

@@ -19,11 +19,11 @@ velocities are outwards.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from dem.engine.engine import Engine, largest_step
-from dem.engine.forces import contact_forces, neighbour_forces
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
@@ -139,8 +139,8 @@ class FreeSides:
         self.open(out)
         out.set_velocity(0.0, 0.0)
         for _ in range(round(SETTLING_TIME / UPDATE_INTERVAL)):
-            self.follow(out, 0.0)
-            Engine(dt=STEP_SHARE * largest_step(out).seconds, energies=False).run(out, UPDATE_INTERVAL)
+            engine = Engine(dt=STEP_SHARE * largest_step(out).seconds, energies=False)
+            engine.run(out, UPDATE_INTERVAL, on_interval=partial(self.follow, 0.0))
             out.set_velocity(DAMPING_FACTOR * out.vx, DAMPING_FACTOR * out.vz)
         out.set_velocity(0.0, 0.0)
         self.places = out.x.copy()
@@ -154,9 +154,12 @@ class FreeSides:
             lines[upright & (np.sign(lines[:, 2]) == -outwards), 0] += 2.0 * outwards * WALL_DISTANCE * self.diameter
         model.lines = lines
 
-    def follow(self, model: DiscModel, share: float) -> None:
-        """Set the velocities of the walls; share: degree of liquefaction (0 to 1)."""
-        force_x, _ = neighbour_forces(model, contact_forces(model))
+    def follow(self, share: float, model: DiscModel, force_x: np.ndarray) -> None:
+        """Set the velocities of the walls.
+
+        share: degree of liquefaction (0 to 1); model: the discs; force_x (n,): horizontal force on every disc from
+        contacts, rigid lines and liquefied ground (N per metre).
+        """
         vx = model.vx.copy()
         for strip in self.strips:
             wanted = strip.at_rest + share * (strip.liquefied - strip.at_rest)

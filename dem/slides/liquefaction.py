@@ -154,15 +154,19 @@ class Slider:
         end = model.time + self.motion.wait(model.time - self.start.time, HISTORY_INTERVAL)
         engine = self._engine(threads)
         while True:  # at least a step
-            if self.sides.strips:
-                since = model.time - self.start.time
-                self.sides.follow(model, max(self.motion.share(k, since) for k in self.strata))
             try:
-                engine.run(model, min(UPDATE_INTERVAL if self.sides.strips else np.inf, end - model.time))
+                if self.sides.strips:
+                    engine.run(model, end - model.time, every=UPDATE_INTERVAL, on_interval=self._move_sides)
+                else:
+                    engine.run(model, end - model.time)
             except StepTooLargeError:
                 engine = self._engine(threads)
             if end - model.time <= max(TIME_TOLERANCE, 0.5 * float(engine.dt)):
                 break
+
+    def _move_sides(self, model: DiscModel, force_x: np.ndarray) -> None:
+        since = model.time - self.start.time
+        self.sides.follow(max(self.motion.share(k, since) for k in self.strata), model, force_x)
 
     def _engine(self, threads: int) -> Engine:
         """Return an engine with the time step for the present list of neighbours."""
