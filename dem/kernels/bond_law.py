@@ -49,7 +49,8 @@ def energy_share(along: float, across: float, soft: float, steep: float, soft_to
     square of its displacement).
 
     along, across: displacement along and across the bond, over the limiting displacement (-); soft, steep: see
-    `slopes`; soft_to: displacement at which the steep line begins, over the limiting displacement (-).
+    `slopes`; soft_to: displacement at which the steep line begins, over the limiting displacement (-); linear: whether
+    the bond has no strain potential.
     """
     square = along * along + across * across
     if linear:
