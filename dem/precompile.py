@@ -15,8 +15,9 @@ from numba import config, typeof
 from numba.core.types import Type
 
 from dem.assembly import DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, EngineRun, largest_step
+from dem.engine.engine import Engine, EngineRun
 from dem.engine.packer import pack, unpack
+from dem.engine.time_step import largest_step
 from dem.kernels.stepping import take_steps
 from dem.model import DiscModel
 from dem.springs import LayerSprings

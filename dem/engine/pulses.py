@@ -6,7 +6,8 @@ the load depends on the motion, and so positions are read more often than every 
 
 from types import TracebackType
 
-from dem.engine.engine import Engine, EngineRun, largest_step
+from dem.engine.engine import Engine, EngineRun
+from dem.engine.time_step import largest_step
 from dem.model import DiscModel
 
 

@@ -13,8 +13,9 @@ from typing import Literal
 import numpy as np
 
 from dem.assembly import DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, EngineRun, largest_step
+from dem.engine.engine import Engine, EngineRun
 from dem.engine.packer import pack
+from dem.engine.time_step import largest_step
 from dem.errors import EscapeError
 from dem.kernels.layout import Layout
 from dem.kernels.patch import outside, pair_forces, turn

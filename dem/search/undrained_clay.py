@@ -14,7 +14,8 @@ from dataclasses import replace
 import numpy as np
 
 from dem.disc_area import area_with_voids
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.ground import Ground
 from dem.liquefied_ground import (
     FADING_STEPS,

@@ -9,7 +9,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.laboratory.patch import POROSITIES
 from dem.model import DiscModel
 from dem.packing import densest, one_stratum, random_packing

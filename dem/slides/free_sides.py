@@ -23,7 +23,8 @@ from functools import partial
 
 import numpy as np
 
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.overburden import effective_overburden

@@ -15,7 +15,8 @@ import numpy as np
 
 from dem.case import Case
 from dem.disc_area import area_per_disc
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.errors import DemError, EnergyBalanceError, StepTooLargeError
 from dem.ground import Ground
 from dem.liquefied_ground import is_liquefying, liquefy, set_share
@@ -148,23 +149,21 @@ class Slider:
         return self._finished()
 
     def _advance(self, threads: int) -> None:
-        """Continue to the next record or change of springs, with walls that follow the ground where it continues, and
-        with a shorter time step where a new neighbour list requires it."""
+        """Continue to the next record or change of springs; a new neighbour list may require a shorter time step."""
         model = self.model
         end = model.time + self.motion.wait(model.time - self.start.time, HISTORY_INTERVAL)
         engine = self._engine(threads)
         while True:  # at least a step
             try:
-                if self.sides.strips:
-                    engine.run(model, end - model.time, every=UPDATE_INTERVAL, on_interval=self._move_sides)
-                else:
-                    engine.run(model, end - model.time)
+                moved = (UPDATE_INTERVAL, self._move_sides) if self.sides.strips else (None, None)
+                engine.run(model, end - model.time, every=moved[0], on_interval=moved[1])
             except StepTooLargeError:
                 engine = self._engine(threads)
             if end - model.time <= max(TIME_TOLERANCE, 0.5 * float(engine.dt)):
                 break
 
     def _move_sides(self, model: DiscModel, force_x: np.ndarray) -> None:
+        """Let the walls follow the ground where it continues; force_x (n,): see `FreeSides.follow`."""
         since = model.time - self.start.time
         self.sides.follow(max(self.motion.share(k, since) for k in self.strata), model, force_x)
 

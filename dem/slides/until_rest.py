@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.errors import StepTooLargeError
 from dem.model import DiscModel
 

@@ -30,8 +30,9 @@ import numpy as np
 
 from dem.acceleration import tilted_gravity
 from dem.assembly import DiscMaterials
-from dem.engine.engine import CALL_STEPS, CALL_WORK, Engine, EngineRun, largest_step
+from dem.engine.engine import CALL_STEPS, CALL_WORK, Engine, EngineRun
 from dem.engine.packer import pack, unpack
+from dem.engine.time_step import largest_step
 from dem.kernels.stepping import DONE
 from dem.model import DiscModel
 from dem.packing import Packing, lattice_box

@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, EngineRun, largest_step
+from dem.engine.engine import Engine, EngineRun
+from dem.engine.time_step import largest_step
 from dem.liquefied_ground import SMALLEST_STRAIN, Onset, liquefy, set_share
 from dem.model import DiscModel
 from tests.benchmarks.dem_throughput import box

@@ -8,7 +8,8 @@ from scipy.spatial import cKDTree
 
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.kernels.liquefied_pairs import DENSITY as RHO0
 from dem.kernels.liquefied_pairs import STIFFNESS, STRAIN, STRENGTH
 from dem.liquefied_ground import SMALLEST_STRAIN, Onset, liquefy, set_share

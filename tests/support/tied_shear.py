@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.errors import ConfinementError
 from dem.model import DiscModel
 from dem.springs import LayerSprings

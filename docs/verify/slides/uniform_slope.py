@@ -13,7 +13,8 @@ import numpy as np
 from dem.acceleration import tilted_gravity
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.case import Case
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.ground import Ground
 from dem.laboratory.patch import POROSITY, VOID_RATIO
 from dem.model import DiscModel

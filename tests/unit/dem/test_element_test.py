@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dem.engine.engine import largest_step
 from dem.engine.forces import contact_forces
 from dem.engine.packer import unpack
+from dem.engine.time_step import largest_step
 from dem.errors import EscapeError, OverlapError
 from dem.kernels.patch import share_inside
 from dem.laboratory.element_table import element_tests

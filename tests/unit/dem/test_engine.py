@@ -14,10 +14,11 @@ import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces, resultants
 from dem.engine.memory import ReusedMemory
 from dem.engine.pulses import ShortRuns
+from dem.engine.time_step import largest_step
 from dem.model import DiscModel
 from dem.springs import Law
 from tests.support import TOP

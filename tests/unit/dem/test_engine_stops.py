@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.errors import EnergyBalanceError, EscapeError, NotFiniteError, OverlapError, SpeedError, StepTooLargeError
 from dem.kernels.contact import KN
 from dem.model import DiscModel

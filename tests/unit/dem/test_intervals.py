@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 from numba import njit
 
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces, neighbour_forces
 from dem.engine.packer import pack
+from dem.engine.time_step import largest_step
 from dem.kernels.layout import Layout
 from dem.kernels.liquefied_bonds import fetch_strength, press_pairs_with_losses
 from dem.kernels.liquefied_pairs import EXTRA_SHARE_AT, fetch_motion, look_at_discs, look_at_pairs
@@ -22,16 +23,16 @@ STEPS, EACH = 60, 20
 def test_walls_that_move_in_one_run_have_the_bits_of_runs_of_their_own(soft: bool) -> None:
     """The wall is pushed with a velocity that follows from the force on it, as the sides of a slide are."""
 
-    def push(model: DiscModel, force_x: np.ndarray) -> None:
+    def move_wall(model: DiscModel, force_x: np.ndarray) -> None:
         model.vx = np.where(model.fixed, 1e-7 * force_x[model.fixed].sum(), model.vx)
         model.vx_half = np.where(model.fixed, model.vx, model.vx_half)
 
     together = heap(soft=soft)
     apart = together.copy()
     dt = 0.5 * largest_step(together).seconds
-    Engine(dt=dt, balance=np.inf).run(together, steps=STEPS, every=EACH * dt, on_interval=push)
+    Engine(dt=dt, balance=np.inf).run(together, steps=STEPS, every=EACH * dt, on_interval=move_wall)
     for _ in range(STEPS // EACH):
-        push(apart, neighbour_forces(apart, contact_forces(apart))[0])
+        move_wall(apart, neighbour_forces(apart, contact_forces(apart))[0])
         Engine(dt=dt, balance=np.inf).run(apart, steps=EACH)
     assert np.abs(together.vx[together.fixed]).max() > 0.0
     same(together, apart)

@@ -9,7 +9,8 @@ from scipy.integrate import trapezoid
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.case import Case
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.ground import Ground
 from dem.kernels.contact import ALLOWED, CN, CT, KN, KS, MU
 from dem.kernels.liquefied_bonds import FITTED_STRENGTH

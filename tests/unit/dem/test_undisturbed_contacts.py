@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.kernels.contact import MU, MU_OTHER
 from dem.laboratory.soil_contacts import DILATION_SHARE, soil_contacts
 from dem.model import DiscModel

@@ -9,7 +9,8 @@ from scipy.optimize import curve_fit
 
 from dem.acceleration import Acceleration
 from dem.engine.compliant_base import UPDATE_INTERVAL
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.laboratory.soil_contacts import soil_contacts
 from dem.model import DiscModel
 from dem.search.equilibrium import damp_to_rest

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dem.acceleration import Acceleration
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.model import DiscModel
 from tests.support.dem_cases import BARE_SPRINGS, KN, SOIL_SPRINGS, box, order, random_discs
 

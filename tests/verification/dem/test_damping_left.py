@@ -5,7 +5,8 @@ import pytest
 
 from dem.assembly import DiscGeometry, DiscMaterials
 from dem.case import Case
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.model import DiscModel
 from dem.slides.liquefied_strength import liquefied
 from dem.springs import LayerSprings, Strength, soil_discs

@@ -10,7 +10,8 @@ import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.model import DiscModel
 from dem.springs import LayerSprings, Strength, soil_discs
 from docs.verify.slides.tied_packing import TiedPacking, tied_packing

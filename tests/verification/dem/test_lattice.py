@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces, resultants
+from dem.engine.time_step import largest_step
 from dem.model import DiscModel
 from tests.support.dem_cases import BARE_SPRINGS, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, random_discs, stress, trace
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import dem
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces
+from dem.engine.time_step import largest_step
 from dem.slides.column import WALL
 
 HEIGHT, LONG = 6.0, 6.0  # m; length of the bed over its height: a wedge is 1.6 to 2.1 heights long

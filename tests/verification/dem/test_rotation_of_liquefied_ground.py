@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from dem.assembly import DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.kernels import liquefied_pairs as bond
 from dem.liquefied_ground import SMALLEST_STRAIN, Onset, liquefy, set_share
 from dem.model import DiscModel

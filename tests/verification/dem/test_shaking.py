@@ -7,7 +7,8 @@ import pytest
 
 from dem.acceleration import Acceleration
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
+from dem.engine.time_step import largest_step
 from dem.model import DiscModel
 from tests.support.dem_cases import BARE_SPRINGS, FLOOR, GRAVITY, MASS, RADIUS
 from workflow.estimates.sliding_block import newmark

@@ -7,8 +7,9 @@ import pytest
 
 from dem.acceleration import Acceleration, tilted_gravity
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces, resultants
+from dem.engine.time_step import largest_step
 from dem.kernels.contact import ATTRACTION_REACH
 from dem.model import DiscModel
 from dem.pair_table import pair_table

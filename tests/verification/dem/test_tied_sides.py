@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from dem.acceleration import tilted_gravity
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
-from dem.engine.engine import Engine, largest_step
+from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces, resultants
+from dem.engine.time_step import largest_step
 from dem.kernels.contact import COHESION, MU, MU_ROLLING
 from dem.kernels.neighbours import pairs_within
 from dem.kernels.period import Period
