@@ -135,8 +135,8 @@ class Slider:
                     self._begin_again()
                     continue
                 slide.reason = f"stopped by {type(error).__name__}: {error}"
-                if not slide.rows:  # no other state has been recorded
-                    self._look()
+                if not slide.rows:
+                    self._look()  # no other state has been recorded
                 break
             row = self._look()
             if self._at_rest():
@@ -247,9 +247,8 @@ class Slider:
         """Set the buoyancy of soil discs that have crossed the water table, from the part of each disc below it."""
         if self.buoyed is None or (now := self.ground.buoyancy(self.model)) is None:
             return
-        model, start, change = self.model, self.start, now - self.buoyed
-        model.pore_acceleration_x = start.pore_acceleration_x + change[0]
-        model.pore_acceleration_z = start.pore_acceleration_z + change[1]
+        self.model.pore_acceleration_x = self.start.pore_acceleration_x + (now - self.buoyed)[0]
+        self.model.pore_acceleration_z = self.start.pore_acceleration_z + (now - self.buoyed)[1]
 
     def _look(self) -> Row:
         model, ground = self.model, self.ground
@@ -282,8 +281,8 @@ class Slider:
 
     def _driven_by(self) -> str:
         rows = self.slide.rows
-        weight = [row.work_J - row.shaking_J for row in rows]
-        return residual_motion_source([row.time_s for row in rows], weight, [row.shaking_J for row in rows])
+        shaking = [row.shaking_J for row in rows]
+        return residual_motion_source([r.time_s for r in rows], [r.work_J - r.shaking_J for r in rows], shaking)
 
     def _finished(self) -> Slide:
         slide, model = self.slide, self.model
