@@ -5,9 +5,10 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
+from pyvista import Plotter
 
 from meshes.executor import SERIAL, Executor, Processes
 from tests.support import TOP
@@ -32,8 +33,8 @@ def run(*arguments: object, tasks: str = "here", painted: bool = False) -> int:
     """Run the command in this process, and return its exit code.
 
     This process also does all tasks, unless ``tasks`` names an executor of `EXECUTORS`; the results are equal. Pictures
-    are only ``painted`` if a test looks at them. Otherwise every picture is prepared up to its last steps, the views
-    are empty, and one white line is saved, which saves half of the time of drawing and compressing.
+    are only ``painted`` if a test looks at them. Otherwise every picture is prepared up to its last steps, the views of
+    VTK are white, and one white line is saved, which saves half of the time of drawing and compressing.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("workflow.cli.terminal.Processes", EXECUTORS[tasks])
@@ -49,12 +50,18 @@ def run(*arguments: object, tasks: str = "here", painted: bool = False) -> int:
 def unpainted(patch: pytest.MonkeyPatch) -> None:
     """Replace pictures by white lines while a patch is active."""
     patch.setattr("matplotlib.figure.Figure.savefig", _white)
-    patch.setattr("matplotlib.backends.backend_agg.FigureCanvasAgg.draw", FigureCanvasAgg.get_renderer)
+    patch.setattr("pyvista.Plotter.screenshot", _blank)
 
 
 def _white(_: object, path: Path | str, **__: object) -> None:
     """Return a picture of the usual width without content."""
     Image.new("RGB", (1600, 1), "white").save(path, format="PNG")
+
+
+def _blank(plotter: Plotter, **_: object) -> np.ndarray:
+    """Return a white view."""
+    width, height = plotter.window_size
+    return np.full((height, width, 3), 255, np.uint8)
 
 
 def line(*arguments: object) -> list[str]:

@@ -1,7 +1,7 @@
 """Draws pictures of the strict bounds: the mechanism of the upper bound, the stress of the lower bound, and the
 triangles."""
 
-from functools import partial
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,12 +15,13 @@ from fem.limit.bounds import KhBounds
 from fem.limit.bracket import Mechanism, StressField
 from meshes.section.cutting import soil_of, without_film
 from meshes.section.section import Section
+from meshes.triangles import TriMesh
 from workflow.config import Config
 from workflow.figures.canvas import DPI, INK, Sheet, Window, in_classes, legend_columns, spread
 from workflow.figures.colours import soil_colours
 from workflow.figures.fem import MOBILISED, MOBILISED_COLOURS
 from workflow.figures.ground import borders, foot
-from workflow.figures.raster import draw_outline, fill_cells, fill_classes, painted
+from workflow.figures.raster import BORDER, draw_border, fill_cells, painted
 from workflow.results.answer import FORCE
 from workflow.run.store import Store
 
@@ -84,7 +85,10 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
     every = every[window.holds(mesh.points[every])]
     window = window.with_room_for(mesh.points[every] + stretch * velocity[every])
 
-    outline = partial(draw_outline, mesh=mesh)
+    def outline(axes: Axes) -> None:
+        fill_cells(axes, mesh.points, mesh.cells, ["#efece4"], np.zeros(len(mesh.cells), dtype=np.int64))
+        draw_border(axes, mesh.points, mesh.cells)
+
     title = f"{config.section.heading}: upper bound, Kh = {mechanism.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion] * 3, foot(config.section), legend_rows=3)
     title = "velocities of the mechanism; their magnitude is arbitrary"
@@ -100,8 +104,7 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
         ),
     )
     for view, (values, what) in enumerate(views, start=1):
-        classes = {"values": values, "limits": DISSIPATION, "colours": DISSIPATION_COLOURS}
-        image = painted(window, partial(fill_classes, mesh=mesh, **classes))
+        image = painted(window, _classes(mesh, values, DISSIPATION, DISSIPATION_COLOURS))
         _draw_borders(sheet.show(view, image, window, what), config.section)
     label = "shear rate and dissipation per area, over the largest value (-)"
     sheet.colour_bar(in_classes(DISSIPATION, DISSIPATION_COLOURS), label, DISSIPATION)
@@ -127,10 +130,10 @@ def failure_window(moving: np.ndarray, section: Window) -> Window:
 
 
 def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window: Window) -> Sheet:
+    mesh = stress.problem.mesh_in_metres
     title = f"{config.section.heading}: lower bound, Kh = {stress.multiplier:.4f}"
     sheet = Sheet(title, [window.proportion], foot(config.section), legend_rows=3)
-    mesh, use = stress.problem.mesh_in_metres, yield_use(stress)
-    image = painted(window, lambda axes: fill_classes(axes, mesh, use, MOBILISED, MOBILISED_COLOURS))
+    image = painted(window, _classes(mesh, yield_use(stress), MOBILISED, MOBILISED_COLOURS))
     title = "mobilised strength, largest value of each triangle"
     _draw_borders(sheet.show(0, image, window, title), config.section)
     sheet.colour_bar(
@@ -166,3 +169,13 @@ def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
 def _draw_borders(axes: Axes, section: Section) -> None:
     """Draw the borders of the strata as thin lines, so that a reader sees in which strata the ground fails."""
     axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=0.5, alpha=0.7))
+
+
+def _classes(
+    mesh: TriMesh, values: np.ndarray, limits: Sequence[float], colours: Sequence[str]
+) -> Callable[[Axes], None]:
+    def paint(axes: Axes) -> None:
+        fill_cells(axes, mesh.points, mesh.cells, colours, np.digitize(values, limits[1:-1]))
+        draw_border(axes, mesh.points, mesh.cells, 0.5 * BORDER)
+
+    return paint

@@ -1,15 +1,19 @@
-"""Draws pictures of the discs: layers, states, pore springs, velocities and force chains, in true proportions."""
+"""Draws pictures of the discs: layers, states, pore springs, velocities and force chains, in true proportions.
+
+`in_section` converts a model to coordinates of the
+section.
+"""
 
 import copy
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Protocol
 
 import numpy as np
+import pyvista as pv
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import Normalize, to_rgba_array
+from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -17,9 +21,8 @@ from dem.engine.forces import contact_forces
 from dem.ground import Ground
 from dem.model import DiscModel
 from meshes.section.cutting import soil_of
-from workflow.figures.canvas import INK, Sheet, Window
+from workflow.figures.canvas import INK, Sheet, Window, render
 from workflow.figures.colours import soil_colours
-from workflow.figures.raster import BORDER, Circles, fill_discs, painted
 
 BOUNDARY = "#4a4f55"
 PALE = "#e3e6e8"
@@ -28,6 +31,17 @@ CRACKED = "#d0342c"
 SPEEDS = "viridis"
 DISPLACEMENT_COLOURS = "YlOrRd"
 NO_LINE = np.zeros((0, 2))
+
+
+class Circles(Protocol):
+    """Holds the discs to be drawn: centres and radii (m)."""
+
+    @property
+    def x(self) -> np.ndarray: ...
+    @property
+    def z(self) -> np.ndarray: ...
+    @property
+    def radius(self) -> np.ndarray: ...
 
 
 def window_of(model: Circles, line: np.ndarray = NO_LINE) -> Window:
@@ -57,24 +71,40 @@ def in_section(model: DiscModel, ground: Ground) -> DiscModel:
     return view
 
 
-def draw_strata(axes: Axes, model: Circles, stratum: np.ndarray, colours: Sequence[str]) -> None:
-    """Draw the discs of a ``model`` into ``axes`` in the colours of their strata, and boundary discs (stratum -1)
+def discs(model: Circles, which: np.ndarray, height: float = 0.0) -> pv.PolyData:
+    """Draw some of the discs as filled circles."""
+    if not which.any():
+        return pv.PolyData()
+    cloud = pv.PolyData(np.column_stack([model.x, model.z, np.full(len(model.x), height)])[which])
+    cloud["radius"] = model.radius[which]
+    cloud["disc"] = np.flatnonzero(which)
+    return cloud.glyph(orient=False, scale="radius", geom=pv.Disc(inner=0.0, outer=1.0, c_res=30))
+
+
+def draw_strata(plotter: pv.Plotter, model: Circles, stratum: np.ndarray, colours: Sequence[str]) -> None:
+    """Draw the discs of a ``model`` into a ``plotter`` in the colours of their strata, and boundary discs (stratum -1)
     dark."""
-    fill_discs(axes, model, facecolors=to_rgba_array([BOUNDARY, *colours])[stratum + 1])
+    for k, colour in enumerate([BOUNDARY, *colours], start=-1):
+        mesh = discs(model, stratum == k)
+        if mesh.n_points:
+            plotter.add_mesh(mesh, color=colour, lighting=False)
 
 
-def draw_bars(axes: Axes, model: DiscModel, which: np.ndarray, width: np.ndarray, colour: str) -> None:
-    """Draw some of the pairs as bars between the centres, over the discs.
+def bars(model: DiscModel, which: np.ndarray, width: np.ndarray) -> pv.PolyData:
+    """Draw some of the pairs as bars between the centres, above the discs; width in m.
 
-    axes: the diagram; model: model of the discs; which: mask of the pairs; width: width of the bar of every pair (m);
-    colour: colour of the bars.
+    model: model of the discs; which: numbers of the pairs.
     """
     i, j = model.pair_i[which], model.pair_j[which]
+    if not len(i):
+        return pv.PolyData()
     a, b = np.array([model.x[i], model.z[i]]).T, np.array([model.x[j], model.z[j]]).T
     along = (b - a) / np.hypot(*(b - a).T)[:, None]
     side = 0.5 * width[which][:, None] * np.column_stack([-along[:, 1], along[:, 0]])
-    corners = np.stack([a - side, a + side, b + side, b - side], axis=1)
-    axes.add_collection(PolyCollection(corners, facecolors=colour), autolim=False)
+    corners = np.stack([a - side, a + side, b + side, b - side], axis=1).reshape(-1, 2)
+    points = np.column_stack([corners, np.full(len(corners), 0.1)])
+    faces = np.column_stack([np.full(len(i), 4), np.arange(4 * len(i)).reshape(-1, 4)])
+    return pv.PolyData(points, faces=faces.ravel())
 
 
 def layers(model: DiscModel, title: str = "Discs by layer") -> Sheet:
@@ -82,12 +112,13 @@ def layers(model: DiscModel, title: str = "Discs by layer") -> Sheet:
     window = window_of(model)
     colours = soil_colours([layer.name for layer in model.springs.layers])
 
-    def draw(axes: Axes) -> None:
-        draw_strata(axes, model, model.layer, colours)
+    def draw(plotter: pv.Plotter) -> None:
+        draw_strata(plotter, model, model.layer, colours)
         tip = model.radius * np.array([np.cos(model.angle), np.sin(model.angle)])
-        spokes = np.stack([model.x, model.z, model.x + tip[0], model.z + tip[1]], axis=1).reshape(-1, 2, 2)
-        lines = LineCollection(spokes[~model.fixed], colors=INK, linewidths=0.5 * BORDER, alpha=0.35)
-        axes.add_collection(lines, autolim=False)
+        free = ~model.fixed
+        spokes = np.stack([model.x, model.z, model.x + tip[0], model.z + tip[1]], axis=1)[free].reshape(-1, 2)
+        lines = np.column_stack([spokes, np.full(len(spokes), 0.1)])
+        plotter.add_mesh(pv.line_segments_from_points(lines), color=INK, line_width=1, opacity=0.35, lighting=False)
 
     counts = np.bincount(model.layer + 1, minlength=len(model.springs.layers) + 1)
     soils: dict[tuple[str, str], int] = {}
@@ -109,15 +140,17 @@ def pore_springs(model: DiscModel, title: str = "Pore springs") -> Sheet:
     return _sheet(title, window_of(model), partial(draw_pore_springs, model=model), model, handles)
 
 
-def draw_pore_springs(axes: Axes, model: DiscModel) -> None:
+def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
     """Draw pore springs as bars over pale discs; springs between discs far apart are left out, since they would cross
     the picture.
     """
-    fill_discs(axes, model, facecolors=PALE)
+    plotter.add_mesh(discs(model, np.ones(len(model), bool)), color=PALE, lighting=False)
     near = model.distance() < 1.5 * np.abs(model.pore_length)
     width = np.full(len(model.pair_i), 0.35 * model.radius.mean())
     for which, colour in ((model.pore_length > 0.0, WHOLE), ((model.pore_length < 0.0) & near, CRACKED)):
-        draw_bars(axes, model, which, width, colour)
+        mesh = bars(model, which, width)
+        if mesh.n_points:
+            plotter.add_mesh(mesh, color=colour, lighting=False)
 
 
 def state(model: DiscModel, before: DiscModel, title: str) -> Sheet:
@@ -133,10 +166,10 @@ def state(model: DiscModel, before: DiscModel, title: str) -> Sheet:
     there, cracked = int((model.pore_length != 0.0).sum()), int((model.pore_length < 0.0).sum())
     foot = f"{_count(model)}; {cracked} of {there} pore springs cracked" if there else _count(model)
     sheet = Sheet(title, [window.proportion] * (2 if there else 1), foot, legend_rows=3)
-    sheet.show(0, painted(window, moved), window, "displacement")
+    sheet.show(0, render(window, moved), window, "displacement")
     if there:  # soil discs have none
         springs = partial(draw_pore_springs, model=model)
-        sheet.show(1, painted(window, springs), window, "pore springs: green whole, red cracked")
+        sheet.show(1, render(window, springs), window, "pore springs: green whole, red cracked")
     displacement_scale(sheet, norm)
     return sheet
 
@@ -157,14 +190,25 @@ def round_up(value: float) -> float:
     return float(next(step * power for step in (1, 1.5, 2, 3, 4, 5, 6, 8, 10) if step * power >= value * (1 - 1e-9)))
 
 
-def draw_values(axes: Axes, model: Circles, values: np.ndarray, norm: Normalize, dark: np.ndarray) -> None:
+def draw_values(plotter: pv.Plotter, model: Circles, values: np.ndarray, norm: Normalize, dark: np.ndarray) -> None:
     """Draw discs coloured by a value; discs of a mask are dark.
 
-    axes: the diagram; model: model of the discs; values: one value for each disc; norm: norm of the colours;
+    plotter: plotter that draws; model: model of the discs; values: one value for each disc; norm: norm of the colours;
     dark: mask of the dark discs.
     """
-    fill_discs(axes, model, ~dark, array=values[~dark], norm=norm, cmap=DISPLACEMENT_COLOURS)
-    fill_discs(axes, model, dark, facecolors=BOUNDARY)
+    mesh = discs(model, ~dark)
+    mesh["value"] = values[mesh["disc"]]
+    plotter.add_mesh(
+        mesh,
+        scalars="value",
+        cmap=DISPLACEMENT_COLOURS,
+        clim=(norm.vmin, norm.vmax),
+        lighting=False,
+        show_scalar_bar=False,
+    )
+    fixed = discs(model, dark)
+    if fixed.n_points:
+        plotter.add_mesh(fixed, color=BOUNDARY, lighting=False)
 
 
 def velocities(model: DiscModel, title: str = "Velocity") -> Sheet:
@@ -177,16 +221,16 @@ def velocities(model: DiscModel, title: str = "Velocity") -> Sheet:
     cell = np.column_stack([model.x[free] // coarse, model.z[free] // coarse])
     shown = free[np.unique(cell, axis=0, return_index=True)[1]]
 
-    norm, arrows = Normalize(0.0, fastest), 1.2 * coarse / fastest
+    def draw(plotter: pv.Plotter) -> None:
+        mesh = discs(model, np.ones(len(model), bool))
+        mesh["speed"] = speed[mesh["disc"]]
+        plotter.add_mesh(mesh, scalars="speed", cmap=SPEEDS, clim=(0.0, fastest), lighting=False, show_scalar_bar=False)
+        arrows = pv.PolyData(np.column_stack([model.x, model.z, np.full(len(model), 0.1)])[shown])
+        arrows["v"] = np.column_stack([model.vx, model.vz, np.zeros(len(model))])[shown] * (1.2 * coarse / fastest)
+        glyphs = arrows.glyph(orient="v", scale="v", geom=pv.Arrow(tip_radius=0.12, shaft_radius=0.04))
+        plotter.add_mesh(glyphs, color="white", lighting=False)
 
-    def draw(axes: Axes) -> None:
-        fill_discs(axes, model, array=speed, norm=norm, cmap=SPEEDS)
-        axes.quiver(
-            model.x[shown], model.z[shown], arrows * model.vx[shown], arrows * model.vz[shown], color="white",
-            angles="xy", scale_units="xy", scale=1.0, width=0.0012,
-        )  # fmt: skip
-
-    scale = ScalarMappable(norm, SPEEDS)
+    scale = ScalarMappable(Normalize(0.0, fastest), SPEEDS)
     return _sheet(title, window_of(model), draw, model, [], (scale, "speed (m/s)"))
 
 
@@ -198,10 +242,12 @@ def force_chains(model: DiscModel, title: str = "Force chains") -> Sheet:
     scale = float(np.percentile(size[size > 0.0], 99)) if np.any(size > 0.0) else 1.0
     width = 1.6 * model.radius.mean() * np.minimum(size / scale, 1.0)
 
-    def draw(axes: Axes) -> None:
-        fill_discs(axes, model, facecolors=PALE)
+    def draw(plotter: pv.Plotter) -> None:
+        plotter.add_mesh(discs(model, np.ones(len(model), bool)), color=PALE, lighting=False)
         for which, colour in ((normal > 0.0, INK), (normal < 0.0, CRACKED)):
-            draw_bars(axes, model, which & (size > 0.01 * scale), width, colour)
+            mesh = bars(model, which & (size > 0.01 * scale), width)
+            if mesh.n_points:
+                plotter.add_mesh(mesh, color=colour, lighting=False)
 
     full = f"{scale / 1e3:,.0f} kN/m"
     handles = [Line2D([], [], color=INK, lw=6, label=f"compression; widest bars {full} and more")]
@@ -221,7 +267,7 @@ def _count(model: DiscModel) -> str:
 def _sheet(
     title: str,
     window: Window,
-    draw: Callable[[Axes], None],
+    draw: Callable[[pv.Plotter], None],
     model: DiscModel,
     handles: Sequence[Artist],
     scale: tuple[ScalarMappable, str] | None = None,
@@ -230,7 +276,7 @@ def _sheet(
     columns = min(6, max(1, len(handles)))
     rows = -(-len(handles) // columns) if handles else 2
     sheet = Sheet(title, [window.proportion], f"{_count(model)}; t = {model.time:.4g} s", rows)
-    sheet.show(0, painted(window, draw), window)
+    sheet.show(0, render(window, draw), window)
     if handles:
         sheet.legend(handles, columns)
     if scale is not None:

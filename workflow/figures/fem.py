@@ -1,22 +1,26 @@
 """Draws pictures of the finite element analysis: displacement and mobilised strength at each Kh, and the equilibrium
 path under rising Kh."""
 
-from functools import partial
-from typing import Any, assert_never
+from typing import TYPE_CHECKING, NamedTuple, assert_never
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from fem.continuum.fields import FieldState
 from fem.continuum.strength import flow_of
+from meshes.quad_mesh import QuadMesh
 from meshes.section.section import Section
 from workflow.config import Config
-from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Sheet, Window, in_classes, spread
+from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Renderer, Sheet, Window, in_classes, spread
 from workflow.figures.ground import Overlay, foot, section_sheet
-from workflow.figures.raster import BORDER, draw_outline, fill_classes, painted
+from workflow.figures.raster import draw_border, fill_cells, painted
 from workflow.results.answer import FORCE
 from workflow.results.continuum import FailureAnswer, FemAnswer
 from workflow.results.fem_states import FemResults
 from workflow.run.store import Store
+
+if TYPE_CHECKING:
+    import pyvista as pv
 
 # Mobilised over available shear strength: pale where much is in reserve, red at failure.
 MOBILISED = (0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 1.0)
@@ -41,10 +45,15 @@ def draw_all(config: Config, results: FemResults, store: Store) -> None:
     results : mesh, states, critical Kh and equilibrium path
     store : folder of the run
     """
+    drawn: dict[int, Views] = {}
     names = ["figures/fem_curve.png"]
-    for state in results.states:
-        names.append(picture_of(state))
-        store.save(names[-1], state_sheet(config, results, state))
+    with Renderer() as renderer:
+        for state in results.states:
+            same = id(state.displacement)  # what is past equilibrium shows the plateau's state
+            if same not in drawn:
+                drawn[same] = views_of(results.mesh, state, renderer)
+            names.append(picture_of(state))
+            store.save(names[-1], state_sheet(config, results, state, drawn[same]))
     store.save(names[0], _curve_sheet(config, results.answer))
     if slips := _slip_surfaces(results.answer):
         names.append(SAFETY)
@@ -113,30 +122,63 @@ def _dilations(section: Section) -> str:
     return "°, ".join(f"{angle:g}" for angle in angles) + "°"
 
 
-def state_sheet(config: Config, results: FemResults, state: FieldState) -> Sheet:
-    """Draw a ``state`` of the finite elements; ``results``: results of the finite elements, with the slip surface;
-    ``config``: inputs, with the section."""
-    mesh, slip = results.mesh, results.slip_surface(state)
+class Views(NamedTuple):
+    """Holds the rendered views of a state, the places of its arrows, and their scale."""
+
+    outline: np.ndarray
+    arrow_nodes: np.ndarray
+    safety: np.ndarray
+    stretch: float
+    largest: float
+    window: Window
+
+
+def views_of(mesh: QuadMesh, state: FieldState, renderer: Renderer) -> Views:
+    """Render the views of a state."""
     largest = float(np.hypot(*state.displacement.T).max())
     stretch = nice_number(0.06 * float(np.ptp(mesh.points[:, 0])) / largest) if largest > 0.0 else 1.0
-    nodes = spread(mesh.points, Window.around(mesh.points), ARROWS)
-    arrows = stretch * state.displacement[nodes]
-    window = Window.around(np.vstack([mesh.points, mesh.points[nodes] + arrows]))
+    arrow_nodes = spread(mesh.points, Window.around(mesh.points), ARROWS)
+    tips = mesh.points[arrow_nodes] + stretch * state.displacement[arrow_nodes]
+    window = Window.around(np.vstack([mesh.points, tips]))
+
+    def outline(axes: Axes) -> None:
+        fill_cells(axes, mesh.points, mesh.cells, ["#efece4"], np.zeros(len(mesh.cells), dtype=np.int64))
+        draw_border(axes, mesh.points, mesh.cells)
+
+    def failure_zones(plotter: "pv.Plotter") -> None:
+        import pyvista as pv
+
+        points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
+        grid = pv.UnstructuredGrid({pv.CellType.QUAD: mesh.cells.astype(np.int64)}, points)
+        grid.cell_data["mobilised strength"] = np.digitize(state.mobilised, MOBILISED[1:-1])
+        plotter.add_mesh(
+            grid, cmap=list(MOBILISED_COLOURS), clim=(-0.5, len(MOBILISED_COLOURS) - 0.5), lighting=False,
+            show_scalar_bar=False, show_edges=len(mesh.cells) < MOST_CELLS_WITH_EDGES, edge_color=EDGES, line_width=0.5,
+        )  # fmt: skip
+
+    return Views(painted(window, outline), arrow_nodes, renderer.image(window, failure_zones), stretch, largest, window)
+
+
+def state_sheet(config: Config, results: FemResults, state: FieldState, views: Views) -> Sheet:
+    """Draw a ``state`` of the finite elements in its ``views``; ``results``: results of the finite elements, with the
+    slip surface; ``config``: inputs, with the section."""
+    window, slip = views.window, results.slip_surface(state)
     label = state.label
     if results.answer.end_reason == "limit load":
         label = label.replace("plateau", "end of the path")
     title = f"{config.section.heading}: FEM, {label}"
     sheet = Sheet(title, [window.proportion, window.proportion], foot(config.section), legend_rows=3)
-    outline = painted(window, partial(draw_outline, mesh=mesh))
-    shown = f"displacement since gravity, drawn {stretch:g} times as long; largest {largest:.3g} m"
-    style: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.0016, "minlength": 0.6}
-    sheet.show(0, outline, window, shown).quiver(*mesh.points[nodes].T, *arrows.T, color=CONTINUUM, **style)
-    few = len(mesh.cells) < MOST_CELLS_WITH_EDGES
-    edges: dict[str, Any] = {"edgecolors": EDGES, "linewidths": 0.25 * BORDER} if few else {}
-    safety = painted(
-        window, lambda axes: fill_classes(axes, mesh, state.mobilised, MOBILISED, MOBILISED_COLOURS, **edges)
+    shown = f"displacement since gravity, drawn {views.stretch:g} times as long; largest {views.largest:.3g} m"
+    first = sheet.show(0, views.outline, window, shown)
+    x, z = results.mesh.points[views.arrow_nodes].T
+    u, v = views.stretch * state.displacement[views.arrow_nodes].T
+    first.quiver(x, z, u, v, color=CONTINUUM, angles="xy", scale_units="xy", scale=1.0, width=0.0016, minlength=0.6)
+    axes = sheet.show(
+        1,
+        views.safety,
+        window,
+        "mobilised strength τ / (c + σ'n tan φ) on the worst plane",
     )
-    axes = sheet.show(1, safety, window, "mobilised strength τ / (c + σ'n tan φ) on the worst plane")
     if len(slip):
         surface = Overlay(slip, SLIP, (0, (2, 2)), "slip surface")
         marker = surface.marker(window.right - window.left)

@@ -20,7 +20,7 @@ from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
 from workflow.figures import discs
 from workflow.figures import fem as fem_figures
-from workflow.figures.canvas import INK, Sheet, Window
+from workflow.figures.canvas import INK, Renderer, Sheet, Window
 from workflow.figures.ground import foot, heights_in_words
 from workflow.figures.raster import draw_border, painted, shade_cells
 from workflow.results.discs import SETS
@@ -84,7 +84,9 @@ def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
     for state in _states(results, at):
         if field is None or chosen is None:
             name = fem_figures.picture_of(state)
-            sheet = fem_figures.state_sheet(job.config, results, state)
+            with Renderer() as renderer:
+                views = fem_figures.views_of(results.mesh, state, renderer)
+            sheet = fem_figures.state_sheet(job.config, results, state, views)
         elif state.past_equilibrium and at is None:
             continue  # it would show the last state once more
         else:

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pyvista as pv
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -24,13 +23,14 @@ from workflow.figures.canvas import (
     CRITICAL,
     DISCS,
     INK,
+    Renderer,
     Sheet,
     Window,
     legend_columns,
+    render,
 )
 from workflow.figures.colours import soil_colours
 from workflow.figures.discs import NO_LINE, displacement_scale, draw_strata, draw_values, round_up, window_of
-from workflow.figures.raster import painted
 from workflow.results.cases import CaseAnswer, Profile, equal_cases, smoothed
 from workflow.results.history import SlideHistory
 from workflow.results.lengths import metres
@@ -167,14 +167,14 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     sheet = Sheet(title, [window.proportion] * 2, foot, legend_rows=3 - (-len(handles) // columns))
     axes = sheet.show(
         0,
-        painted(window, partial(draw_frame, frame=frame, norm=norm)),
+        render(window, partial(draw_frame, frame=frame, norm=norm)),
         window,
         "displacement, and the surface before and after",
     )
     size = 2.0 * float(frame.radius[frame.free].mean())
     axes.plot(*smoothed(before, size).T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)), label="surface before")
     axes.plot(*smoothed(after, size).T, color=CONTINUUM, linewidth=1.3, label="surface after")
-    sheet.show(1, painted(window, strata), window, "layers")
+    sheet.show(1, render(window, strata), window, "layers")
     displacement_scale(sheet, norm)
     sheet.legend(handles, columns, below=2.6)
     sheet.figure.legend(
@@ -197,7 +197,10 @@ def animate(config: Config, paths: Sequence[Path], springs: str, out: Mapping[in
     last = Frame.read(paths[-1])
     norm, window = last.scale(), shown_window([Frame.read(paths[0]), last], springs)
     states = [Frame.read(path) for path in paths]
-    pictures = [painted(window, partial(draw_frame, frame=frame, norm=norm), width=FRAME_WIDTH) for frame in states]
+    with Renderer() as renderer:
+        pictures = [
+            renderer.image(window, partial(draw_frame, frame=frame, norm=norm), FRAME_WIDTH) for frame in states
+        ]
     durations = [FRAME_MS] * (len(states) - 1) + [HOLD_MS]
     for number, file in out.items():
         name = name_of(config, springs, number)
@@ -215,9 +218,9 @@ def animate(config: Config, paths: Sequence[Path], springs: str, out: Mapping[in
         )  # fmt: skip
 
 
-def draw_frame(axes: Axes, frame: Frame, norm: Normalize) -> None:
+def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:
     """Draw the discs of a frame, coloured by displacement."""
-    draw_values(axes, frame, frame.moved, norm, ~frame.free)
+    draw_values(plotter, frame, frame.moved, norm, ~frame.free)
 
 
 def history(config: Config, slides: Sequence[SlideHistory]) -> Sheet:

@@ -2,13 +2,13 @@
 
 import subprocess
 import sys
-from types import SimpleNamespace
+from collections.abc import Callable
 
 import numpy as np
 
 from tests.support import TOP
-from workflow.figures.canvas import LEFT, RIGHT, WIDTH, Window
-from workflow.figures.raster import fill_cells, fill_discs, image_size, painted, shade_cells
+from workflow.figures.canvas import LEFT, RIGHT, WIDTH, Renderer, Window, image_size, render
+from workflow.figures.raster import fill_cells, painted, shade_cells
 
 POINTS = np.array([[x, z] for z in (0.0, 1.3, 4.0) for x in (0.0, 3.1, 7.7, 10.0)])
 CELLS = np.array([[k, k + 1, k + 5, k + 4] for k in (0, 1, 2, 4, 5, 6)])
@@ -39,19 +39,27 @@ def test_colours_change_linearly_between_the_points() -> None:
 
 
 def test_modules_of_pictures_load_without_pyvista() -> None:
-    """It takes half a second to load, in each process that draws anything but slides."""
-    names = "bounds, discs, fem, ground, weights"
+    """It takes half a second to load, in each process that draws anything but failure zones and discs."""
+    names = "bounds, fem, ground, weights"
     look = f"import sys; from workflow.figures import {names}; from workflow.results import fem_states, mesh_grids; "
     subprocess.run(
         [sys.executable, "-c", f"{look}assert 'pyvista' not in sys.modules"], cwd=TOP, check=True, timeout=120
     )
 
 
-def test_discs_have_their_radius_in_metres_and_the_colours_of_their_values() -> None:
-    model = SimpleNamespace(x=np.array([2.0, 7.0]), z=np.array([2.0, 2.0]), radius=np.array([1.5, 1.0]))
-    image = painted(WINDOW, lambda axes: fill_discs(axes, model, facecolors=["#ff0000", "#0000ff"]), width=500)
-    assert image.shape == (200, 500, 3)
-    areas = [(image == colour).all(axis=2).mean() * 10.0 * 4.0 for colour in ([255, 0, 0], [0, 0, 255])]
-    np.testing.assert_allclose(areas, np.pi * model.radius**2, rtol=0.03)
-    few = painted(WINDOW, lambda axes: fill_discs(axes, model, np.array([False, True]), facecolors="#0000ff"))
-    assert few[:, : few.shape[1] // 2].min() == 255
+def test_an_image_does_not_depend_on_the_images_rendered_before_it_in_one_window() -> None:
+    """Neither size nor camera, scale of heights or ground of one image stay for the next."""
+    import pyvista as pv
+
+    def plane(size: float, colour: str) -> Callable[[pv.Plotter], object]:
+        ground = pv.Plane(center=(5.0, 1.0, 0.0), i_size=size, j_size=0.3 * size)
+        return lambda plotter: plotter.add_mesh(ground, color=colour, lighting=False)
+
+    requests = [(WINDOW, plane(6.0, "red"), 300, 1), (Window(2.0, 9.0, 0.0, 2.0), plane(3.0, "blue"), 400, 2)]
+    with Renderer() as renderer:
+        together = [renderer.image(*request) for request in requests * 2]
+    for request, first, second in zip(requests, together[:2], together[2:], strict=True):
+        alone = render(*request)
+        np.testing.assert_array_equal(first, alone)
+        np.testing.assert_array_equal(second, alone)
+        assert 0.05 < (alone < 100).any(axis=2).mean() < 0.95
