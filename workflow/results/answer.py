@@ -20,7 +20,6 @@ from pydantic import (
 )
 
 from meshes.section.section import Section
-from workflow.config.renamed import current_answer
 from workflow.run.store import OtherVersionError, Store
 
 Point = tuple[float, float]
@@ -97,7 +96,7 @@ class Answer(Part):
         OtherVersionError
             If another version of the program wrote the file.
         """
-        data = current_answer(store.read_json(cls.FILE))
+        data = store.read_json(cls.FILE)
         version = data.pop("version", None) if isinstance(data, dict) else None
         try:
             answer = cls.model_validate(data)
