@@ -255,7 +255,12 @@ def _followed_path(
         states = states_at(again, mesh, _stored_kh(settings, kc))
     reached = {state.kh for state in states}
     beyond = [
-        replace(last, label=f"{_no_state(kh > kc)} at Kh = {kh:g}", kh=kh, past_equilibrium=True)
+        replace(
+            last,
+            label=f"{'there is no equilibrium' if kh > kc else 'no equilibrium was found'} at Kh = {kh:g}",
+            kh=kh,
+            past_equilibrium=True,
+        )
         for kh in sorted(settings.kh)
         if kh not in reached and limit.verdict != "undecided"
     ]
@@ -283,11 +288,6 @@ def _followed_path(
 def _stored_kh(settings: FemSettings, kc: float) -> list[float]:
     """Return the Kh up to ``kc`` at which fields are stored."""
     return [kh for kh in settings.kh or tuple(float(f"{share * kc:.3g}") for share in STORED_KH_SHARES) if kh <= kc]
-
-
-def _no_state(is_beyond: bool) -> str:
-    """Return why a requested Kh has no state: it ``is_beyond`` the critical Kh, or the iteration did not converge."""
-    return "there is no equilibrium" if is_beyond else "no equilibrium was found"
 
 
 def _label_of_last(limit: LimitLoad, kh: float, relaxed: bool) -> str:

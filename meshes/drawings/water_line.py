@@ -48,7 +48,7 @@ def water_table(lines: Sequence[Shape], left: float, right: float) -> tuple[np.n
     x = np.maximum.accumulate(points[:, 0])
     points = np.column_stack([x, points[:, 1]])
     inside = points[(x > left) & (x < right)]
-    ends = [[side, _elevation_at(points, side)] for side in (left, right)]
+    ends = [[side, float(np.interp(side, *points.T))] for side in (left, right)]  # the line is level beyond its ends
     short = [f"{side:.6g} m" for side, end in ((left, x[0]), (right, x[-1])) if abs(side - end) > JOINED
              and (end > left if side == left else end < right)]  # fmt: skip
     if short:
@@ -71,8 +71,3 @@ def upper_edge(outline: Shape) -> Shape:
 def is_water(line: Shape) -> bool:
     """Return whether a line is on a drawing layer whose name denotes water."""
     return OF_WATER.search(line.layer) is not None
-
-
-def _elevation_at(points: np.ndarray, x: float) -> float:
-    """Return the elevation (m) of a line at x; the line is level beyond its ends."""
-    return float(np.interp(x, points[:, 0], points[:, 1]))

@@ -1,12 +1,12 @@
 """Defines the command `noshiro`. Modules are imported when a command is called, so that `noshiro --help` is fast."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from meshes import shipped
 from meshes.errors import InputError
 from workflow import stages
 from workflow.cli.exit_codes import exit_as_program, exit_on_failure
@@ -30,7 +30,7 @@ from workflow.cli.options import (
     literal_help,
     stages_of_slides,
 )
-from workflow.cli.section import migrate, section
+from workflow.cli.section import init, migrate, section
 from workflow.cli.study import converge, study
 from workflow.run.progress import Verbosity
 
@@ -51,25 +51,6 @@ STAGES = ", ".join(stages.NAMES)
 @app.callback()
 def root(version: Version = False) -> None:
     """Read the options of all commands."""
-
-
-@app.command(rich_help_panel=Panel.BEFORE)
-def init(
-    file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("section.toml"),
-    start: Annotated[
-        str | None,
-        typer.Option(
-            "--from", show_default=False,
-            help=f"A section that comes with noshiro: {', '.join(shipped.names())}. [default: a commented example]",
-        ),
-    ] = None,
-    json: Json = False,
-) -> None:  # fmt: skip
-    """Write a section to start from: a commented example, or one of those that come with noshiro."""
-    from workflow.cli.example import said_of, write_example
-
-    write_example(file, start)
-    typer.echo(said_of(file, json))
 
 
 @app.command(rich_help_panel=Panel.BEFORE)
@@ -256,11 +237,10 @@ def report(
 ) -> None:
     """Write summary and report of a run again, from the stored results."""
     from workflow.cli.invocation import left_out_of_report, stored_job
-    from workflow.cli.terminal import execute, warn, warn_of_old_words
+    from workflow.cli.terminal import execute, warn
     from workflow.run.plan import Choice
 
     job, verbosity = stored_job(folder), Verbosity.of(quiet, verbose, json)
-    warn_of_old_words(folder / "section.toml", verbosity)
     warn(left_out_of_report(job), verbosity)
     execute(job, Choice.of(job.stages, only=["report"], force=True), verbosity, pdf=pdf)
 
@@ -310,7 +290,8 @@ def bounds(
 
     options = {"gap": gap, "davis": davis, "max_cells": max_cells, "safety_factor": safety_factor}
     invocation = Invocation.of(section, folder, {"bounds": options, "fem": {"sides": sides}}, settings)
-    execute(*_up_to("bounds", invocation.with_bounds(), force, Verbosity.of(quiet, verbose, json)))
+    invocation = replace(invocation, config=invocation.config.with_settings("bounds", run=True))
+    execute(*_up_to("bounds", invocation, force, Verbosity.of(quiet, verbose, json)))
 
 
 def _of_stage(stage: str, panel: str, words: str, bounds: bool = False) -> None:
@@ -367,7 +348,7 @@ def slide(
     execute(*_up_to(stage, invocation, force, Verbosity.of(quiet, verbose, json), also, cases=cases))
 
 
-for panel, commands in ((Panel.BEFORE, (section, migrate)), (Panel.UNCERTAIN, (study, converge))):
+for panel, commands in ((Panel.BEFORE, (init, section, migrate)), (Panel.UNCERTAIN, (study, converge))):
     for command in commands:
         app.command(rich_help_panel=panel)(command)
 app.registered_commands.sort(key=lambda command: [*Panel].index(Panel(command.rich_help_panel or Panel.RUN)))

@@ -107,10 +107,6 @@ class Invocation:
         origin: dict[str, Any] = {"mesh_options": self.mesh_options, "section_file": self.section}
         return Job(self.config, self.store, declared.STAGES, **origin, **more)
 
-    def with_bounds(self) -> "Invocation":
-        """Return the invocation with bounds, whatever the setting bounds.run says."""
-        return replace(self, config=self.config.with_settings("bounds", run=True))
-
     def with_safety_factors(self) -> "Invocation":
         """Return the invocation with factors of safety and their bounds, at Kh = 0 and at every Kh whose fields are
         stored."""

@@ -1,12 +1,16 @@
-"""Defines the commands that write section files: `noshiro section` makes one, `noshiro migrate` renews its names."""
+"""Defines the commands that write section files: `noshiro init` writes an example, `noshiro section` makes one from
+other files, `noshiro migrate` renews its names."""
 
+from importlib import resources
+from json import dumps
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from meshes import shipped
 from meshes.errors import InputError
-from workflow.cli.options import SectionFile
+from workflow.cli.options import Json, SectionFile
 
 COLUMNS_OPTION = typer.Option(
     help="A column of a .csv, as standard name = name in the file, such as layer=Stratum; repeatable, or with commas.",
@@ -22,6 +26,23 @@ BORINGS_OPTION = typer.Option(
     help="The borings of the section, by name; repeatable, or with commas. [default: all]", show_default=False
 )
 PART_OPTION = typer.Option(help="The scenario or the analysis of a model. [default: the first]", show_default=False)
+
+
+def init(
+    file: Annotated[Path, typer.Argument(help="The file to write.")] = Path("section.toml"),
+    start: Annotated[
+        str | None,
+        typer.Option(
+            "--from", show_default=False,
+            help=f"A section that comes with noshiro: {', '.join(shipped.names())}. [default: a commented example]",
+        ),
+    ] = None,
+    json: Json = False,
+) -> None:  # fmt: skip
+    """Write a section to start from: a commented example, or one of those that come with noshiro."""
+    write_example(file, start)
+    sentence = f"{file} is a section that runs as it is. Change it to yours, then: noshiro run {file}"
+    typer.echo(dumps({"section": str(file)}) if json else sentence)
 
 
 def section(
@@ -83,3 +104,25 @@ def migrate(
     if not changes:
         return say(f"{section} has no old names of settings.")
     return say("Nothing is written: --write changes the file, --out FILE writes another one.")
+
+
+def example(name: str | None = None) -> str:
+    """Return the text of the commented example, or of a section that comes with the program; raise InputError if there
+    is no section of this name."""
+    if name is None:
+        return resources.files("workflow.cli").joinpath("example.toml").read_text(encoding="utf-8")
+    if name not in shipped.names():
+        raise InputError("--from", [f"{name!r}: expected one of {', '.join(shipped.names())}"])
+    return shipped.file_of(name).read_text(encoding="utf-8")
+
+
+def write_example(path: Path, name: str | None = None) -> None:
+    """Write an example. Raises InputError if the file exists already or cannot be written."""
+    text = example(name)
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InputError(str(path), ["exists already; expected the name of a new file"]) from None
+    except OSError as error:
+        raise InputError(str(path), [f"cannot be written: {error.strerror or error}"]) from None

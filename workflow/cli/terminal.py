@@ -18,9 +18,7 @@ from rich.table import Table
 from meshes.errors import InputError, NoAnswerError
 from meshes.executor import Processes
 from meshes.section.section import Section
-from meshes.section.toml_file import read_toml
 from workflow.config import Config, notice_lines
-from workflow.config.renamed import notices
 from workflow.report import data, tables
 from workflow.run.plan import Action, Choice, Decision, plan
 from workflow.run.progress import TimeLeft, Verbosity
@@ -61,11 +59,6 @@ def warn(lines: Iterable[str], verbosity: Verbosity) -> list[str]:
     for line in messages:
         (out if verbosity.in_sentences else err).print(line, soft_wrap=True, markup=False)
     return messages
-
-
-def warn_of_old_words(section: Path, verbosity: Verbosity) -> None:
-    """Print a notice for every old name in a section file, with the new name."""
-    warn(notices(read_toml(section)), verbosity)
 
 
 def say_data(what: Any) -> None:

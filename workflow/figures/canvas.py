@@ -186,7 +186,7 @@ class Drawing:
             if not words.isascii():
                 families = fonts.families_for(words)
                 text.set_fontfamily(families)
-                words = fonts.without_characters(words, fonts.missing(words))
+                words = words.translate({ord(character): fonts.UNKNOWN for character in fonts.missing(words)})
                 text.set_text(words)
                 if len(families) > 1:  # mathtext has the characters of one font
                     continue

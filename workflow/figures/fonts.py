@@ -49,11 +49,6 @@ def missing(text: str) -> str:
     return "".join(sorted(left, key=text.index))
 
 
-def without_characters(text: str, characters: str) -> str:
-    """Return a text with a question mark in place of each of the ``characters``."""
-    return text.translate({ord(character): UNKNOWN for character in characters})
-
-
 def notice(texts: Iterable[str]) -> str:
     """Return a sentence on the characters that no font can show, and on the font that could; empty if all can be
     shown."""

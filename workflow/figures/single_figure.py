@@ -3,9 +3,10 @@
 import ctypes
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import pyvista as pv
@@ -23,10 +24,12 @@ from workflow.figures import fem as fem_figures
 from workflow.figures.canvas import INK, Renderer, Sheet, Window
 from workflow.figures.ground import foot, heights_in_words
 from workflow.figures.raster import draw_border, painted, shade_cells
-from workflow.results.discs import SETS
+from workflow.results.discs import SETS, RecordedDiscs
 from workflow.results.fem_states import FemResults
 from workflow.results.results import Results
 from workflow.run.stage import Job
+
+State = TypeVar("State", FieldState, RecordedDiscs)
 
 SAME_KH = 5e-4  # Kh is given with three digits
 
@@ -81,7 +84,7 @@ def draw(job: Job, field: str | None, at: float | None) -> list[Path]:
     results = _results(job)
     chosen = _field(field) if field else None
     paths = []
-    for state in _states(results, at):
+    for state in _at(results.states, at, "fem.kh"):
         if field is None or chosen is None:
             name = fem_figures.picture_of(state)
             with Renderer() as renderer:
@@ -102,13 +105,7 @@ def _draw_discs(job: Job, field: str, at: float | None) -> list[Path]:
     if results.dem is None:
         reason = results.missing.get("calibrate", "the stage calibrate ended without an answer")
         raise InputError(str(job.store.folder), [f"has no discs: {reason}"])
-    stored = results.dem.states
-    states = [state for state in stored if at is None or abs(state.kh - at) < SAME_KH]
-    if not states:
-        stored_kh = ", ".join(f"{kh:g}" for kh in sorted({state.kh for state in stored})) or "none"
-        raise InputError(
-            "--at", [f"{at:g}: no state of the discs is stored at this Kh; expected one of {stored_kh}, or set dem.kh"]
-        )
+    states = _at(results.dem.states, at, "dem.kh")
     ground = ground_of(job.config.section, job.config.dem)
     paths = []
     for state in states:
@@ -134,7 +131,7 @@ def window(job: Job, field: str, at: float | None) -> None:
     InputError : There is no screen, no such field, no state at that Kh, or no result of this input.
     """
     results, chosen = _results(job), _field(field)
-    states = _states(results, at)
+    states = _at(results.states, at, "fem.kh")
     missing = no_screen()
     if missing:
         raise InputError(
@@ -192,14 +189,16 @@ def _field(name: str) -> Field:
     return FIELDS[name]
 
 
-def _states(results: FemResults, at: float | None) -> list[FieldState]:
-    if at is None:
-        return results.states
-    states = [state for state in results.states if abs(state.kh - at) < SAME_KH]
-    if not states:
-        stored_kh = ", ".join(f"{state.kh:.3f}" for state in results.states)
-        raise InputError("--at", [f"{at:g}: no state is stored at this Kh; expected one of {stored_kh}, or set fem.kh"])
-    return states
+def _at(states: Sequence[State], at: float | None, setting: str) -> list[State]:
+    """Return the states at one Kh, or all of them; raise InputError, with the ``setting`` of the stored Kh, if no state
+    is stored at this Kh."""
+    wanted = [state for state in states if at is None or abs(state.kh - at) < SAME_KH]
+    if not wanted and at is not None:
+        stored_kh = ", ".join(dict.fromkeys(f"{state.kh:.3f}" for state in states)) or "none"
+        raise InputError(
+            "--at", [f"{at:g}: no state is stored at this Kh; expected one of {stored_kh}, or set {setting}"]
+        )
+    return wanted
 
 
 def _grid(mesh: QuadMesh, state: FieldState, field: Field) -> pv.UnstructuredGrid:

@@ -4,6 +4,7 @@ cuts off, each with advice.
 
 import math
 from collections.abc import Iterator, Sequence
+from operator import attrgetter
 
 import numpy as np
 
@@ -49,7 +50,7 @@ def of_circles(results: Results) -> Iterator[str]:
     if circles is None or bounds is None or results.config.fem.direction != "both":
         return
     section = results.config.section
-    factors = {group.kh: min(group.circles, key=_value) for group in circles.factors if group.circles}
+    factors = {group.kh: group.circles[0] for group in circles.factors if group.circles}
     for part in bounds.safety:
         if (circle := factors.get(part.kh)) is None:
             continue
@@ -60,7 +61,7 @@ def of_circles(results: Results) -> Iterator[str]:
             yield f"{statement}, below the strict lower bound of {part.lower:.2f}{_assumed(section, circle)}"
     if not circles.critical:
         return
-    circle = min(circles.critical, key=_value)
+    circle = circles.critical[0]
     statement = f"slip circles have a critical Kh of {coefficient(circle.bishop)}"
     if bounds.upper is not None and circle.bishop > RATIO_ABOVE_BOUND * bounds.upper + KH_ABOVE_BOUND:
         remedy = _slides_out(bounds) or CIRCLE_REMEDY
@@ -78,10 +79,10 @@ def against_elements(results: Results) -> Iterator[str]:
     yield from _against_failure(results)
     if circles is None or fem is None or fem.flow != "associated" or results.config.fem.direction != "both":
         return
-    least = {group.kh: min(group.circles, key=_value) for group in circles.factors if group.circles}
+    factors = {group.kh: group.circles[0] for group in circles.factors if group.circles}
     strict = {part.kh: (part.lower, part.upper) for part in bounds.safety} if bounds is not None else {}
     for factor in fem.safety_factors:
-        circle = least.get(factor.kh)
+        circle = factors.get(factor.kh)
         if circle is None or _contradicted(circle.bishop, *strict.get(factor.kh, (None, None))):
             continue
         if abs(math.log(max(circle.bishop, 1e-9) / factor.factor)) > math.log(FAR_RATIO):
@@ -92,7 +93,7 @@ def against_elements(results: Results) -> Iterator[str]:
             yield statement + _why_far(results, circle, factor.factor, np.array(factor.slip_surface), factor.kh)
     if not circles.critical or not fem.has_kc:
         return
-    circle, kh = min(circles.critical, key=_value), (None, None) if bounds is None else (bounds.lower, bounds.upper)
+    circle, kh = circles.critical[0], (None, None) if bounds is None else (bounds.lower, bounds.upper)
     apart = abs(circle.bishop - fem.kc)
     if apart > max(FAR_KH, (FAR_RATIO - 1.0) * fem.kc) and not _contradicted(circle.bishop, *kh):
         state = fem.last_in_equilibrium()
@@ -107,7 +108,7 @@ def _against_failure(results: Results) -> Iterator[str]:
     if circles is None or entry is None or not entry.reason.startswith(FAILS) or results.fails_at_rest:
         return
     at_rest = [circle for group in circles.factors if group.kh == 0.0 for circle in group.circles]
-    circle = min(at_rest, key=_value, default=None)
+    circle = min(at_rest, key=attrgetter("bishop"), default=None)
     if circle is not None and circle.bishop > 1.0 and not results.config.section.water_pressure.rises_by_shaking:
         yield (
             f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = 0, while finite elements find that "
@@ -173,10 +174,6 @@ def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
             f"lengthened beyond its sides the critical Kh is {values}: extend the section by {more:g} m at this side, "
             f'or set beyond = "{more:g} m"'
         )
-
-
-def _value(circle: CirclePart) -> float:
-    return circle.bishop
 
 
 def _slides_out(bounds: BoundsAnswer) -> str:

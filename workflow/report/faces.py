@@ -176,7 +176,8 @@ def _slides(results: Results, row: FaceRow) -> Iterator[str]:
     face = row.face
     middle = 0.5 * (face.crest_m[0] + face.crest_m[1])
     start, end = (face.start_m, middle) if face.towards == "left" else (middle, face.end_m)
-    sign = 1.0 if _downhill(results, face.towards) else -1.0
+    falls = sign_of(results.config.section, "downhill") == (LEFT if face.towards == "left" else RIGHT)
+    sign = 1.0 if falls else -1.0
     for method, cases in _moved_surfaces(results):
         values = []
         for case in cases:
@@ -186,19 +187,12 @@ def _slides(results: Results, row: FaceRow) -> Iterator[str]:
             yield f"{_spread(values)} {method}"
 
 
-def _downhill(results: Results, towards: Side) -> bool:
-    return sign_of(results.config.section, "downhill") == (LEFT if towards == "left" else RIGHT)
-
-
 def _settlements(results: Results, row: FaceRow) -> Iterator[str]:
     """Yield the settlement of the half of the crest beside a face by every method, over all cases of liquefaction."""
     left, right = row.face.crest_m
     middle = 0.5 * (left + right)
-    x = (
-        np.linspace(left, middle, HALF_CREST_POINTS)
-        if row.face.towards == "left"
-        else np.linspace(middle, right, HALF_CREST_POINTS)
-    )
+    ends = (left, middle) if row.face.towards == "left" else (middle, right)
+    x = np.linspace(*ends, HALF_CREST_POINTS)
     for method, cases in _moved_surfaces(results):
         values = []
         for case in cases:
@@ -227,7 +221,8 @@ def _elsewhere(results: Results) -> Iterator[FaceLine]:
 
     def is_this_failure(circle: CirclePart) -> bool:
         """Return whether a circle is the failure of the finite elements: it overlaps it, and slides with no crest."""
-        return _meets(circle, surface) and not any(structure.slides_on(circle.surface_m) for structure in structures)
+        line = circle.surface_m
+        return _overlap(line, surface) and not any(structure.slides_on(line) for structure in structures)
 
     others = (None if other is None else other.kc for other in (fem.davis, fem.associated))
     full, low = _by_both_rules(fem.flow, fem.kc, *others)
@@ -259,10 +254,6 @@ def _by_both_rules(
     if flow == "associated":
         return value, davis
     return value if associated is None else associated, value
-
-
-def _meets(circle: CirclePart, surface: list[tuple[float, float]]) -> bool:
-    return _overlap(circle.surface_m, surface)
 
 
 def _overlap(line: tuple[tuple[float, float], ...], surface: list[tuple[float, float]]) -> bool:

@@ -10,8 +10,7 @@ from typing import Literal
 import numpy as np
 
 from workflow.report.faces import FaceLine, face_lines
-from workflow.report.intervals import from_to
-from workflow.report.numbers import coefficient
+from workflow.report.numbers import coefficient, from_to
 from workflow.report.verdicts import spared_structures
 from workflow.results.accuracy import METHODS
 from workflow.results.results import Results

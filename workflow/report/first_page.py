@@ -10,8 +10,7 @@ from workflow.report.at_rest import after_shaking, critical_without_answer, fail
 from workflow.report.crests import crest_parts, crests_in_short
 from workflow.report.first_crests import with_crests
 from workflow.report.flow_rule import FLOW
-from workflow.report.intervals import from_to, interval_text
-from workflow.report.numbers import coefficient, lower_limit, of_cases, rounded_up
+from workflow.report.numbers import coefficient, from_to, interval_text, lower_limit, of_cases, rounded_up
 from workflow.report.paper import rows
 from workflow.report.post_liquefaction import just_enough
 from workflow.report.residual import residual_verdict

@@ -1,7 +1,6 @@
 """Renders report.html: one page for screen and paper, with all its pictures."""
 
 import base64
-from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -46,7 +45,7 @@ from workflow.results.governing import estimates_of, faces_with_bounds
 from workflow.results.lengths import metres
 from workflow.results.results import Results
 from workflow.results.summary import Summary
-from workflow.results.verdicts import NOTE_WEIGHT, WarningPart
+from workflow.results.verdicts import NOTE_WEIGHT
 from workflow.run.log import machine, versions
 from workflow.run.progress import duration
 from workflow.texts.report_texts import Texts
@@ -114,7 +113,9 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "sensitivity": [row for row in uncertainty_rows if row[0] in VARIED],
         "checks": checks,
         "later_warnings": [
-            warning for warning in summary.warnings if warning not in first and not _is_checked(warning, checks)
+            warning
+            for warning in summary.warnings
+            if warning not in first and not any(warning.observation in words for _, words in checks)
         ],
         "stability": stability_rows(results, texts),
         "strata_sources": [tables.source_of(config.section, stratum) for stratum in config.section.strata],
@@ -158,11 +159,6 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "lines": list(tables.line_rows(config.section)),
         "changed": [(name, value, texts.setting(words)) for name, value, words in tables.changed_settings(config)],
     }
-
-
-def _is_checked(warning: WarningPart, checks: Sequence[tuple[str, str]]) -> bool:
-    """Return whether one of the checks already gives a warning."""
-    return any(warning.observation in words for _, words in checks)
 
 
 def _names_of_thirds(section: Section, texts: Texts) -> tuple[str, str, str]:

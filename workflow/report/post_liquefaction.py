@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 
 from meshes.section.cutting import shown_name
 from workflow.report.numbers import bracket, coefficient, of_cases, span
@@ -140,8 +141,8 @@ def just_enough(cases: Sequence[LiquefiedCase], required: Strata = ()) -> Suffic
     at_one = next((case for _, case in known if (case.factor_lower or 0.0) <= 1.0 <= (case.factor_upper or 0.0)), None)
     if at_one is not None:
         return SufficientStrength("about", at_one.strata)
-    flowing = [case for f, case in sorted(known, key=_first) if f < 1.0]
-    standing = [case for f, case in sorted(known, key=_first) if f >= 1.0]
+    flowing = [case for f, case in sorted(known, key=itemgetter(0)) if f < 1.0]
+    standing = [case for f, case in sorted(known, key=itemgetter(0)) if f >= 1.0]
     if flowing and standing and _alike(flowing[-1], standing[0]):
         return SufficientStrength(
             "about", _on_the_line(_middle(flowing[-1]), flowing[-1], _middle(standing[0]), standing[0])
@@ -186,10 +187,6 @@ def _on_the_line(low: float, weaker: LiquefiedCase, high: float, stronger: Lique
     part = (1.0 - low) / (high - low)
     pairs = zip(weaker.strata, stronger.strata, strict=True)
     return tuple(a.scaled(1.0 + part * (b.cohesion_kPa / a.cohesion_kPa - 1.0)) for a, b in pairs)
-
-
-def _first(pair: tuple[float, LiquefiedCase]) -> float:
-    return pair[0]
 
 
 def _field(results: Results, answer: LiquefiedAnswer) -> Iterator[str]:

@@ -4,11 +4,7 @@ surface of the finite elements.
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
 from meshes.section.cutting import shown_name
-from workflow.config import Config
-from workflow.estimates.slip_circles import least_balance
 from workflow.report.circles import (
     RATIO_ABOVE_BOUND,
     RATIO_BELOW_BOUND,
@@ -16,7 +12,6 @@ from workflow.report.circles import (
     of_circles,
     of_longer_sections,
 )
-from workflow.results.continuum import FactorOfSafety
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, SlicesAnswer
 from workflow.results.stability import LiquefiedCase
@@ -154,9 +149,3 @@ def _words(circle: CirclePart, digits: int) -> str:
     smaller = "Kh" if digits == KH_DIGITS else "factor"
     below = f", for failures below the cohesionless face, which fails at a smaller {smaller}"
     return words + (below if circle.strengthened else "")
-
-
-def factor_on_surface(config: Config, factor: FactorOfSafety) -> float | None:
-    """Return Spencer's factor of safety on the slip surface of the finite elements, towards the side to which it
-    slides."""
-    return least_balance(config.section, np.array(factor.slip_surface), factor.kh, config.fem.vertical)

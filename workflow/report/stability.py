@@ -9,11 +9,12 @@ from fem.continuum.shallow_failure import merged_faces, shallow_failures
 from fem.continuum.strength import Flow, strength_of
 from meshes.section.section import Section
 from workflow.estimates.estimate import depth_below_ground
+from workflow.estimates.slip_circles import least_balance
 from workflow.estimates.structures import structures_of
 from workflow.report.first_page import SIDES
 from workflow.report.flow_rule import FLOW
 from workflow.report.numbers import coefficient, lower_limit, number, rough_coefficient
-from workflow.report.slices import KH_DIGITS, factor_on_surface
+from workflow.report.slices import KH_DIGITS
 from workflow.results.accuracy import exceeds, falls_below, strict_factor, strict_kh
 from workflow.results.bounds import SafetyPart
 from workflow.results.continuum import FailureAnswer, FemAnswer, OtherCriticalKh
@@ -178,7 +179,8 @@ def _slices(results: Results, _: Texts) -> Iterator[StabilityRow]:
         yield _circle(_("factor of safety after shaking, slip circles"), circle, section, 2, _)
     yield from (_circle(_("critical Kh, slip circles"), circle, section, 3, _) for circle in results.slices.critical)
     for factor in results.fem.safety_factors if results.fem is not None else ():
-        if (spencer := factor_on_surface(results.config, factor)) is not None:
+        surface, vertical = np.array(factor.slip_surface), results.config.fem.vertical
+        if (spencer := least_balance(section, surface, factor.kh, vertical)) is not None:
             of = _("factor of safety at Kh = {kh}, Spencer", kh=f"{factor.kh:g}")
             yield StabilityRow(of, f"{spencer:.2f}", "", _("slip surface of the finite elements"))
 

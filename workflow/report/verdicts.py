@@ -13,7 +13,7 @@ from workflow.report.crests import crest_parts, water_at_crest
 from workflow.report.slide_headline import block_slides
 from workflow.report.structures import FaceRow, face_rows
 from workflow.report.summary_text import at_rest
-from workflow.results.answer import Line
+from workflow.results.cases import MovedSurface
 from workflow.results.governing import faces_with_bounds, governing_face_value, governing_factor, governing_kh
 from workflow.results.lengths import metres
 from workflow.results.results import Results
@@ -182,14 +182,14 @@ def _displacements(results: Results) -> Iterator[Interval]:
             reason = "a constant Kh above the critical Kh moves it without end"
             yield of, None, None, "it slides without any shaking" if row.block_kh <= 0.0 else reason
     _, cases = results.case_set()
-    slides = [
-        (f"discs, {config.called(number)}", case.slide_along, at_rest(case), _packing_ratios(results, number))
+    slides: list[tuple[str, MovedSurface, bool, tuple[float, float]]] = [
+        (f"discs, {config.called(number)}", case, at_rest(case), _packing_ratios(results, number))
         for number, case in sorted(cases.items())
     ]
     slides += [
         (
             f"material points, {config.called(number)}",
-            case.slide_along,
+            case,
             at_rest(case),
             (
                 case.slide_max_low_m / max(case.slide_max_m, SMALLEST_SPREAD),
@@ -205,15 +205,12 @@ def _displacements(results: Results) -> Iterator[Interval]:
         places = [("the section", *config.section.extent)]
         yield from _section_block(results)
     for name, start, end in places:
-        for by, along, rests, (least, most) in slides:
-            slide = _largest(along, start, end)
-            if slide is not None:
-                yield (
-                    f"{name}, {by}",
-                    least * slide,
-                    most * slide if rests else OPEN_END,
-                    _unrest_reason(rests),
-                )
+        for by, case, rests, (least, most) in slides:
+            inside = np.abs(case.slides_between(start, end))
+            if len(inside):
+                slide = float(inside.max())
+                high = most * slide if rests else OPEN_END
+                yield f"{name}, {by}", least * slide, high, _unrest_reason(rests)
     yield from _not_computed(results)
 
 
@@ -233,12 +230,6 @@ def _packing_ratios(results: Results, case: int) -> tuple[float, float]:
     if random is None or random.slide_max_m.low is None or random.slide_max_m.high is None or largest < SMALLEST_SPREAD:
         return 1.0, 1.0
     return min(random.slide_max_m.low / largest, 1.0), max(random.slide_max_m.high / largest, 1.0)
-
-
-def _largest(along: Line, start: float, end: float) -> float | None:
-    points = np.array(along).reshape(-1, 2)
-    inside = points[(points[:, 0] >= start) & (points[:, 0] <= end), 1]
-    return float(np.abs(inside).max()) if len(inside) else None
 
 
 def _settlements(results: Results) -> Iterator[Interval]:

@@ -1,5 +1,5 @@
-"""Writes discs and their pore springs (the breakable springs between discs that stand for pore water) as VTK files, in
-the section's frame."""
+"""Writes discs with their pore springs (the breakable springs between discs that stand for pore water), and material
+points with the same fields, as VTK files in the section's frame."""
 
 from pathlib import PurePath
 
@@ -8,6 +8,8 @@ import pyvista as pv
 
 from dem.ground import Ground
 from dem.model import DiscModel
+from fem.kernels.material_points import VOLUME
+from fem.mpm import PointSlider
 from workflow.run.store import Store
 
 
@@ -51,6 +53,31 @@ def write_frame(store: Store, name: str, model: DiscModel, before: DiscModel, gr
     grid = grid_of(model, before, ground)
     grid.field_data["seconds"] = np.array([seconds])
     store.write_grid(name, grid)
+
+
+def write_points(store: Store, name: str, slider: PointSlider) -> None:
+    """Write one state of a slide: points with radius_m, stratum (-1: rigid), displacement_m and velocity_m_s.
+
+    The radius is half the side of a square with the area of the point.
+
+    Parameters
+    ----------
+    store : the folder of the run
+    name : file within the folder, as `frame_file` names it
+    slider : the slide in this state
+    """
+    points, offset = slider.ground.points, slider.ground.offset
+    grid = pv.PolyData(_flat(points.x + offset))
+    grid.point_data["radius_m"] = 0.5 * np.sqrt(points.state[:, VOLUME])
+    grid.point_data["stratum"] = points.stratum
+    grid.point_data["displacement_m"] = _flat(np.where(points.stratum[:, None] < 0, 0.0, points.displacement))
+    grid.point_data["velocity_m_s"] = _flat(points.v)
+    grid.field_data["seconds"] = np.array([slider.engine.time])
+    store.write_grid(name, grid)
+
+
+def _flat(values: np.ndarray) -> np.ndarray:
+    return np.column_stack([values, np.zeros(len(values))])
 
 
 def write_collection(store: Store, name: str, folder: str = "dem") -> None:

@@ -7,11 +7,10 @@ from pathlib import Path
 
 from meshes.executor import Tell
 from workflow.config import Config
-from workflow.results.cases import CaseAnswer
+from workflow.results.cases import CaseAnswer, equal_cases
 from workflow.results.disc_grids import case_name, frames
 from workflow.results.material_points import PointCase
 from workflow.run.store import Store
-from workflow.stages.liquefaction import first_equal
 
 POINTS = "mpm"  # the set of springs of material points, and the folder of their states
 
@@ -48,11 +47,10 @@ def case_pictures(
 ) -> list[CasePictures]:
     """Return the pictures of all ``cases`` of a set of ``springs`` from the run folder ``store``. Cases with equal
     answers share their states. ``config``: inputs of the run."""
-    first = first_equal({n: cases[n].model_dump_json(exclude={"stiffness"}) for n in sorted(cases)})
-    groups: dict[int, dict[int, CaseAnswer | PointCase]] = {}
-    for number, same in first.items():
-        groups.setdefault(same, {})[number] = cases[number]
-    return [CasePictures(config, store, springs, group) for group in groups.values()]
+    return [
+        CasePictures(config, store, springs, {number: cases[number] for number in numbers})
+        for numbers in equal_cases(cases)
+    ]
 
 
 def draw_cases(wanted: CasePictures, _: Tell) -> None:

@@ -160,8 +160,7 @@ def slide_of_points(run: PointRun, tell: Tell) -> "PointSlide":
     films = run.store if run.decay == DECAY_RATES[0] and not run.coarse else None
 
     def frame(number: int) -> None:
-        from workflow.results.disc_grids import frame_file
-        from workflow.results.point_grids import write_points
+        from workflow.results.disc_grids import frame_file, write_points
 
         if films is not None:
             write_points(films, frame_file(f"case{run.number}", number, FOLDER), slider)

@@ -92,7 +92,7 @@ class Distribution(Model):
         if self.kind == "lognormal" and not parameters[0] > 0.0:
             return "lognormal: expected a mean above 0"
         if self.kind in ("uniform", "triangular") and (
-            list_(parameters) != sorted(parameters) or parameters[0] == parameters[-1]
+            [*parameters] != sorted(parameters) or parameters[0] == parameters[-1]
         ):
             return f"{self.kind}: expected rising numbers"
         return "" if bounds[0] < bounds[1] else "truncation: expected rising numbers"
@@ -144,11 +144,6 @@ class Distribution(Model):
     def written(self, value: Any) -> Any:
         """Return a sampled value in the form of a section file, with its unit."""
         return f"{value!r} {self.unit}" if self.unit else value
-
-
-def list_(values: tuple[float, ...]) -> "list[float]":
-    """Return the values as a list (a field has the name `list`)."""
-    return [*values]
 
 
 def _is_number(value: Any) -> bool:

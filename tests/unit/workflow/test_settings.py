@@ -13,8 +13,8 @@ from meshes.section.recorded_kh import in_name
 from meshes.settings import MeshSettings
 from tests.support import SECTIONS
 from tests.support.sections import slope
-from workflow.cli.example import example
 from workflow.cli.invocation import Invocation, dotted
+from workflow.cli.section import example
 from workflow.config import Config, merged
 
 
