@@ -10,6 +10,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.patches import Patch
 
 from fem.continuum.load_ends import soil_of_strip
+from fem.continuum.loads import Direction
 from fem.limit.bound_checks import corner_rates, yield_slack
 from fem.limit.bounds import KhBounds
 from fem.limit.bracket import Mechanism, StressField
@@ -21,6 +22,7 @@ from workflow.figures.canvas import DPI, INK, Sheet, Window, in_classes, legend_
 from workflow.figures.colours import soil_colours
 from workflow.figures.fem import MOBILISED, MOBILISED_COLOURS
 from workflow.figures.ground import borders, foot
+from workflow.figures.marks import Towards, draw_water, mark_force, side_of
 from workflow.figures.raster import BORDER, draw_border, fill_cells, painted
 from workflow.results.answer import FORCE
 from workflow.run.store import Store
@@ -56,8 +58,22 @@ def draw_all(config: Config, bounds: KhBounds, store: Store) -> None:
 def conditions(config: Config, bounds: KhBounds, bound: Mechanism | StressField) -> str:
     """Return the conditions of a bound, for the foot of its picture."""
     kv = f", Kv = {config.fem.vertical:g}" if config.fem.vertical else ""
-    direction = next(side.direction for side in bounds.directions if bound in (side.mechanism, side.stress))
-    return f"{config.fem.sides} sides, ψ = φ, seismic force {FORCE[direction]}{kv}"
+    return f"{config.fem.sides} sides, ψ = φ, seismic force {FORCE[_direction(bounds, bound)]}{kv}"
+
+
+def _direction(bounds: KhBounds, bound: Mechanism | StressField) -> Direction:
+    """Return the direction of the seismic force of a bound."""
+    return next(side.direction for side in bounds.directions if bound in (side.mechanism, side.stress))
+
+
+def _force(config: Config, bounds: KhBounds, bound: Mechanism | StressField) -> Towards:
+    """Return the side towards which the seismic force of a bound acts."""
+    return side_of(config.section, _direction(bounds, bound))
+
+
+def _water_words(section: Section) -> str:
+    """Return what the dashed lines of a picture are, for its note."""
+    return "" if section.water_points() is None else "\nBlue, dashed: water table."
 
 
 def yield_use(stress: StressField) -> np.ndarray:
@@ -96,6 +112,7 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
     _draw_borders(axes, config.section)
     arrows = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.0016, "minlength": 0.6}
     axes.quiver(*mesh.points[every].T, *stretch * velocity[every].T, color=ARROWS, **arrows)
+    mark_force(axes, _force(config, bounds, mechanism))
     views = (
         (shear / max(float(shear.max()), 1e-300), "largest shear rate"),
         (
@@ -108,7 +125,7 @@ def _mechanism_sheet(config: Config, bounds: KhBounds, mechanism: Mechanism, win
         _draw_borders(sheet.show(view, image, window, what), config.section)
     label = "shear rate and dissipation per area, over the largest value (-)"
     sheet.colour_bar(in_classes(DISSIPATION, DISSIPATION_COLOURS), label, DISSIPATION)
-    sheet.note(conditions(config, bounds, mechanism))
+    sheet.note(f"{conditions(config, bounds, mechanism)}{_water_words(config.section)}")
     return sheet
 
 
@@ -135,11 +152,13 @@ def _stress_sheet(config: Config, bounds: KhBounds, stress: StressField, window:
     sheet = Sheet(title, [window.proportion], foot(config.section), legend_rows=3)
     image = painted(window, _classes(mesh, yield_use(stress), MOBILISED, MOBILISED_COLOURS))
     title = "mobilised strength, largest value of each triangle"
-    _draw_borders(sheet.show(0, image, window, title), config.section)
+    axes = sheet.show(0, image, window, title)
+    _draw_borders(axes, config.section)
+    mark_force(axes, _force(config, bounds, stress))
     sheet.colour_bar(
         in_classes(MOBILISED, MOBILISED_COLOURS), "radius of Mohr's circle over the largest possible (-)", MOBILISED
     )
-    sheet.note(conditions(config, bounds, stress))
+    sheet.note(f"{conditions(config, bounds, stress)}{_water_words(config.section)}")
     return sheet
 
 
@@ -167,8 +186,10 @@ def _mesh_sheet(section: Section, bounds: KhBounds, window: Window) -> Sheet:
 
 
 def _draw_borders(axes: Axes, section: Section) -> None:
-    """Draw the borders of the strata as thin lines, so that a reader sees in which strata the ground fails."""
+    """Draw the borders of the strata as thin lines, so that a reader sees in which strata the ground fails, and the
+    water."""
     axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=0.5, alpha=0.7))
+    draw_water(axes, section)
 
 
 def _classes(

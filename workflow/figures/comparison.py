@@ -4,6 +4,7 @@ sliding block."""
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
@@ -26,7 +27,7 @@ DISPLACEMENTS = "figures/displacements.png"
 PICTURES = (FRONT, CURVES, SURFACES, CALIBRATION, BLOCK, DISPLACEMENTS)
 SOLID, DASHED, DOTTED = (0, ()), (0, (5, 2)), (0, (1, 2))
 PALE = "#7d8890"
-LEGEND_ROWS = 7  # of the load curves: every entry in a row of its own, since some labels are half as wide as the sheet
+LEGEND_ROWS = 8  # of the load curves: every entry in a row of its own, since some labels are half as wide as the sheet
 
 
 def draw_all(results: Results) -> list[str]:
@@ -69,7 +70,7 @@ def _curves(results: Results) -> Sheet | None:
     path = [step for step in answer.curve if not step.at_rest]
     x = [0.0, *(step.displacement for step in path)]
     axes.plot(x, [0.0, *(step.factor for step in path)], color=CONTINUUM, marker="o", markersize=2.5, linewidth=1.3)
-    handles = [_handle(CONTINUUM, "o", f"FEM, {answer.settings.sides} sides")]
+    handles: list[Artist] = [_handle(CONTINUUM, "o", f"FEM, {answer.settings.sides} sides")]
     widest = x[-1]
     counterpart = results.dem_counterpart
     if counterpart is not None and discs is not None:
@@ -108,10 +109,11 @@ def _curves(results: Results) -> Sheet | None:
     return sheet
 
 
-def _disc_curves(axes: Axes, discs: DiscsAnswer) -> tuple[float, list[Line2D]]:
+def _disc_curves(axes: Axes, discs: DiscsAnswer) -> tuple[float, list[Artist]]:
     """Draw the curves of the discs before and after calibration, and the bracket of their critical Kh. Return the
     largest displacement drawn (m), and the entries of the legend."""
-    farthest, handles = 0.0, []
+    farthest = 0.0
+    handles: list[Artist] = []
     for key, search, look in (
         ("before", discs.before, {"color": PALE, "marker": "x", "linestyle": DOTTED}),
         ("after", discs.after, {"color": DISCS, "marker": "D", "linestyle": SOLID}),
@@ -122,7 +124,9 @@ def _disc_curves(axes: Axes, discs: DiscsAnswer) -> tuple[float, list[Line2D]]:
         handles.append(Line2D([], [], **look, markersize=4, linewidth=1.2, label=f"discs, {key} calibration"))
     after = discs.after
     if after.kc is not None and after.kc_upper is not None:
-        axes.axhspan(after.kc_lower, after.kc_upper, color=DISCS, alpha=0.15, linewidth=0)
+        label = "bracket of the critical Kh of the discs"
+        band = axes.axhspan(after.kc_lower, after.kc_upper, color=DISCS, alpha=0.15, linewidth=0, label=label)
+        handles.append(band)
     return farthest, handles
 
 
@@ -182,7 +186,8 @@ def _surfaces(results: Results) -> Sheet | None:
             f", discs and FEM {surfaces.mean_distance_m:.1f} m apart vertically on average, in the same layer along "
             f"{100 * surfaces.same_stratum_share:.0f} % of their common extent"
         )
-    return section_sheet(results.config.section, title, lines)
+    force = None if results.fem is None else results.fem.towards
+    return section_sheet(results.config.section, title, lines, force=force)
 
 
 def _one_at_a_time(sheet: Sheet, answer: CalibrationAnswer, parameters: list[str]) -> list[Line2D]:
@@ -218,6 +223,8 @@ def _calibration(results: Results) -> Sheet | None:
         if trial.kc is not None and trial.kc_upper is not None:
             low, high = trial.kc - trial.kc_lower, trial.kc_upper - trial.kc
             axes.errorbar(trial.value, trial.kc, [[low], [high]], color=DISCS, marker="D", markersize=4, capsize=2)
+    if answer.trials:
+        handles.append(_handle(DISCS, "D", "critical Kh of the discs, and its bracket"))
     _factors(axes)
     shown = [*FACTORS["soil"], *(trial.value for trial in answer.trials)]
     axes.set_xlim(0.9 * min(shown), 1.1 * max(shown))

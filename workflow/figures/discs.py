@@ -21,8 +21,10 @@ from dem.engine.forces import contact_forces
 from dem.ground import Ground
 from dem.model import DiscModel
 from meshes.section.cutting import soil_of
+from meshes.section.section import Section
 from workflow.figures.canvas import INK, Sheet, Window, render
 from workflow.figures.colours import soil_colours
+from workflow.figures.marks import draw_water, mark_force, side_of
 
 BOUNDARY = "#4a4f55"
 PALE = "#e3e6e8"
@@ -153,11 +155,11 @@ def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
             plotter.add_mesh(mesh, color=colour, lighting=False)
 
 
-def state(model: DiscModel, before: DiscModel, title: str) -> Sheet:
-    """Draw the displacement of every disc since `before` and, for discs with pore springs, these springs, as in Figs 12
-    and 13 of the paper.
+def state(model: DiscModel, before: DiscModel, title: str, section: Section) -> Sheet:
+    """Draw the displacement of every disc since `before` under a seismic force downslope and, for discs with pore
+    springs, these springs, as in Figs 12 and 13 of the paper.
 
-    model: model of the discs; title: title above the picture.
+    model: model of the discs; title: title above the picture; section: the section, with its water.
     """
     window = window_of(model)
     far = np.hypot(model.x - before.x, model.z - before.z)
@@ -166,11 +168,15 @@ def state(model: DiscModel, before: DiscModel, title: str) -> Sheet:
     there, cracked = int((model.pore_length != 0.0).sum()), int((model.pore_length < 0.0).sum())
     foot = f"{_count(model)}; {cracked} of {there} pore springs cracked" if there else _count(model)
     sheet = Sheet(title, [window.proportion] * (2 if there else 1), foot, legend_rows=3)
-    sheet.show(0, render(window, moved), window, "displacement")
+    axes = sheet.show(0, render(window, moved), window, "displacement")
+    mark_force(axes, side_of(section, "downhill"))
+    wet = draw_water(axes, section)
     if there:  # soil discs have none
         springs = partial(draw_pore_springs, model=model)
         sheet.show(1, render(window, springs), window, "pore springs: green whole, red cracked")
     displacement_scale(sheet, norm)
+    if wet:
+        sheet.note("Blue, dashed: water table.")
     return sheet
 
 

@@ -65,6 +65,7 @@ def displacements(results: Results) -> Sheet | None:
     axes.set_yticks(
         [-number for number in range(len(rows))], [in_mathtext(row.description) for row in rows], fontsize=6.5
     )
+    axes.set_ylim(-len(rows) + 0.4, 0.6)  # so that the numbers of the first and the last point stand in the frame
     observed = results.config.report.observed
     most = max(
         [

@@ -13,6 +13,7 @@ from meshes.section.section import Section
 from workflow.config import Config
 from workflow.figures.canvas import CONTINUUM, CRITICAL, INK, Renderer, Sheet, Window, in_classes, spread
 from workflow.figures.ground import Overlay, foot, section_sheet
+from workflow.figures.marks import draw_water, mark_force
 from workflow.figures.raster import draw_border, fill_cells, painted
 from workflow.results.answer import FORCE
 from workflow.results.continuum import FailureAnswer, FemAnswer
@@ -179,6 +180,9 @@ def state_sheet(config: Config, results: FemResults, state: FieldState, views: V
         window,
         "mobilised strength τ / (c + σ'n tan φ) on the worst plane",
     )
+    mark_force(first, results.answer.towards if state.kh else None)
+    draw_water(first, config.section)
+    wet = draw_water(axes, config.section)
     if len(slip):
         surface = Overlay(slip, SLIP, (0, (2, 2)), "slip surface")
         marker = surface.marker(window.right - window.left)
@@ -187,7 +191,9 @@ def state_sheet(config: Config, results: FemResults, state: FieldState, views: V
     sheet.colour_bar(in_classes(MOBILISED, MOBILISED_COLOURS), scale, MOBILISED)
     note = f"{conditions(config, results.answer.element)}."
     if len(slip):
-        note += " Dot: the ground fails first in a few cells." if marker else " Dashed: slip surface."
+        note += " Dot: the ground fails first in a few cells." if marker else " Black, dashed: slip surface."
+    if wet:
+        note += " Blue, dashed: water table."
     if state.past_equilibrium:
         note += f"\nThere is no equilibrium at Kh = {state.kh:g}: shown is the last state of the path."
     sheet.note(note)

@@ -5,7 +5,6 @@ slide.
 from collections.abc import Iterator
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from workflow.figures.canvas import CRITICAL, DISCS, Sheet
 from workflow.figures.ground import Boring, Overlay, section_sheet
@@ -16,9 +15,7 @@ from workflow.results.lengths import metres
 from workflow.results.results import Results
 
 FRONT = "figures/front.png"
-ARROW = 0.12  # of the width of the section
 SAME_KH_RATIO = 1.02  # times the critical Kh of the section: a face up to here fails with it
-ROOM_ABOVE = 0.25  # of the height of the section: room for the arrow above it
 
 
 def front(results: Results) -> Sheet | None:
@@ -49,9 +46,8 @@ def front(results: Results) -> Sheet | None:
         return None
     subject = "failure" if case is None else "failure and slide"
     borings = list(_tested_borings(results))
-    return section_sheet(
-        results.config.section, subject, lines, lambda axes: _mark_force(axes, results), ROOM_ABOVE, borings
-    )
+    force = None if results.fem is None else results.fem.towards
+    return section_sheet(results.config.section, subject, lines, borings, force)
 
 
 def _of_structure(results: Results, kh: float) -> Iterator[Overlay]:
@@ -85,23 +81,3 @@ def _tested_borings(results: Results) -> Iterator[Boring]:
     for boring in results.triggering.borings if results.triggering is not None else ():
         tests = [test for test in results.triggering.tests if test.boring == boring.name] if results.triggering else []
         yield boring.name, tests[0].x_m, max(test.depth_m for test in tests)
-
-
-def _mark_force(axes: Axes, results: Results) -> None:
-    """Draw an arrow in the direction of the seismic force."""
-    section, fem = results.config.section, results.fem
-    if fem is None:
-        return
-    left, right = section.extent
-    ground = section.outline()
-    sign = 1.0 if fem.towards == "right" else -1.0
-    start = left + (0.04 if sign > 0.0 else 0.96) * (right - left)
-    z = ground[:, 1].max() + 0.5 * ROOM_ABOVE * np.ptp(ground[:, 1])
-    axes.annotate(
-        "", (start + sign * ARROW * (right - left), z), (start, z),
-        arrowprops={"arrowstyle": "-|>", "color": CRITICAL, "linewidth": 2.0, "shrinkA": 0.0, "shrinkB": 0.0},
-    )  # fmt: skip
-    axes.annotate(
-        "Kh", (start + sign * 0.5 * ARROW * (right - left), z), (0, 6), textcoords="offset points", fontsize=8,
-        ha="center", color=CRITICAL,
-    )  # fmt: skip

@@ -1,7 +1,7 @@
 """Draws pictures of the ground and of its mesh."""
 
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,11 +33,11 @@ from workflow.figures.canvas import (
     legend_columns,
 )
 from workflow.figures.colours import soil_colours
+from workflow.figures.marks import LOWERED, TABLE, Towards, draw_water, mark_force
 
 HATCH = "...."
 SURVEYED = (0, (1, 3))  # dashes of the ends of the ground that was given
 LEAST_NUMBERED = 0.02  # of the height of a section: a thinner part of a soil has no number if another part has it
-LOWERED = (0, (2, 2))  # dashes of the water table after a drawdown
 CRACK_ENDS = (0, (6, 2, 1, 2))  # dashes of the bottom of tension cracks
 WALL = "#7a1fa2"  # colour of cut-off walls
 NUMBER_SIZE = 6.5  # points
@@ -103,20 +103,19 @@ def section_sheet(
     section: Section,
     title: str = "layers",
     lines: Sequence[Overlay] = (),
-    decorate: Callable[[Axes], None] | None = None,
-    above: float = 0.0,
     borings: Sequence[Boring] = (),
+    force: Towards | None = None,
 ) -> Sheet:
     """Draw the layers in colour, liquefying ones dotted, the water table, borings, and lines over them, in true
     proportions.
 
-    ``decorate``: function that draws more into each view; ``above``: space above the ground as a share of the height.
-    ``section``: the section; ``title``: title above the picture; ``borings``: each with its name, x (m) and depth (m).
+    ``section``: the section; ``title``: title above the picture; ``borings``: each with its name, x (m) and depth (m);
+    ``force``: side towards which the seismic force acts.
     """
     outline = section.outline()
     points_per_metre = (RIGHT - LEFT) * WIDTH / DPI * 72.0 / np.ptp(outline[:, 0])
     names = (NAME_ABOVE if borings else 0.0) + 2.0 * NUMBER_SIZE  # above the ground (points)
-    room = np.array([0.0, max(above * np.ptp(outline[:, 1]), names / points_per_metre)])
+    room = np.array([0.0, names / points_per_metre])
     window = Window.around(np.vstack([outline, outline.max(axis=0) + room, room_for_loads(section)]))
     handles = _legend_of(section)
     width = float(np.ptp(outline[:, 0]))
@@ -141,12 +140,7 @@ def section_sheet(
         if section.given_extent != section.extent:
             for x in section.given_extent:  # what lies beyond was not surveyed
                 axes.axvline(x, color=INK, linewidth=0.8, linestyle=SURVEYED)
-        water = section.water_points()
-        if water is not None:
-            _fill_water(axes, section, water)
-            axes.plot(*water.T, color=WATER, linewidth=1.4, linestyle=(0, (6, 3)))
-        if (lowered := section.water_points_after_drawdown()) is not None:
-            axes.plot(*lowered.T, color=WATER, linewidth=1.4, linestyle=LOWERED)
+        draw_water(axes, section)
         _draw_walls(axes, section)
         axes.add_collection(LineCollection(crack_bottoms(section), colors=INK, linewidths=1.2, linestyle=CRACK_ENDS))
         for line in lines:
@@ -158,8 +152,7 @@ def section_sheet(
             }
             axes.plot(*line.points.T, **style)
         mark_borings(axes, section, borings)
-        if decorate is not None:
-            decorate(axes)
+    mark_force(sheet.views[0], force)
     return sheet
 
 
@@ -341,14 +334,6 @@ def _number_strata(axes: Axes, section: Section, lines: Sequence[np.ndarray] = (
         thin += 1
 
 
-def _fill_water(axes: Axes, section: Section, table: np.ndarray) -> None:
-    """Draw free water: the area between the ground and a higher water table."""
-    x = np.union1d(section.ground[:, 0], table[:, 0])
-    x = np.union1d(x, np.linspace(x[0], x[-1], 2000))
-    level, ground = np.interp(x, *table.T), np.interp(x, *section.ground.T)
-    axes.fill_between(x, ground, level, where=list(level > ground), color=WATER, alpha=0.25, linewidth=0)
-
-
 def heights_in_words(much: int) -> str:
     """Return how many times the heights of a view are exaggerated."""
     return "true proportions" if much == 1 else f"heights exaggerated {much} times"
@@ -377,7 +362,7 @@ def _legend_of(section: Section, water: bool = True) -> list[Artist]:
     if water and section.water_points() is not None:
         lowered = section.water_points_after_drawdown() is not None
         label = "water table before the drawdown" if lowered else "water table"
-        handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=(0, (6, 3)), label=label))
+        handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=TABLE, label=label))
         if lowered:
             label = "water table after the drawdown"
             handles.append(Line2D([], [], color=WATER, linewidth=1.4, linestyle=LOWERED, label=label))

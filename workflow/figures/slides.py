@@ -30,7 +30,8 @@ from workflow.figures.canvas import (
     render,
 )
 from workflow.figures.colours import soil_colours
-from workflow.figures.discs import NO_LINE, displacement_scale, draw_strata, draw_values, round_up, window_of
+from workflow.figures.discs import BOUNDARY, NO_LINE, displacement_scale, draw_strata, draw_values, round_up, window_of
+from workflow.figures.marks import draw_water, mark_force, sides_of_slide
 from workflow.results.cases import CaseAnswer, Profile, equal_cases, smoothed
 from workflow.results.history import SlideHistory
 from workflow.results.lengths import metres
@@ -87,13 +88,16 @@ class Frame:
 
 def shown_window(states: Sequence[Frame], springs: str, line: np.ndarray = NO_LINE) -> Window:
     """Return the part of the plane that the pictures of a slide show. For discs it contains the first state with the
-    box; for material points it contains the ground of all states, since the base of their grid continues beyond the
-    section.
+    box; for material points it contains the ground of all states with the base below it, since the base of their grid
+    continues beyond the section.
     """
     if springs != "mpm":
         return window_of(states[0], line)
     free = {name: [getattr(state, name)[state.free] for state in states] for name in ("x", "z", "radius")}
-    return window_of(replace(states[0], **{name: np.concatenate(parts) for name, parts in free.items()}), line)
+    window = window_of(replace(states[0], **{name: np.concatenate(parts) for name, parts in free.items()}), line)
+    below = ~states[0].free & (states[0].x > window.left) & (states[0].x < window.right)
+    lowest = (states[0].z - states[0].radius)[below].min(initial=window.bottom)
+    return replace(window, bottom=float(lowest))
 
 
 def name_of(config: Config, springs: str, case: int) -> str:
@@ -163,6 +167,8 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
         if np.any(frame.stratum == k)
     }
     handles: list[Artist] = [Patch(color=colour, label=soil) for soil, colour in soils.items()]
+    if not frame.free.all():
+        handles.append(Patch(color=BOUNDARY, label="boundary"))
     columns = legend_columns(handles, most=6)
     sheet = Sheet(title, [window.proportion] * 2, foot, legend_rows=3 - (-len(handles) // columns))
     axes = sheet.show(
@@ -174,12 +180,13 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     size = 2.0 * float(frame.radius[frame.free].mean())
     axes.plot(*smoothed(before, size).T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)), label="surface before")
     axes.plot(*smoothed(after, size).T, color=CONTINUUM, linewidth=1.3, label="surface after")
-    sheet.show(1, render(window, strata), window, "layers")
+    mark_force(axes, sides_of_slide(config))
+    wet = draw_water(sheet.show(1, render(window, strata), window, "layers"), config.section)
     displacement_scale(sheet, norm)
     sheet.legend(handles, columns, below=2.6)
     sheet.figure.legend(
-        handles=axes.lines, loc="upper right", bbox_to_anchor=(0.985, sheet.legend_at[1]), ncols=2, fontsize=7.5,
-        frameon=False, borderaxespad=0.0, labelcolor=INK,
+        handles=[*axes.lines, *wet], loc="upper right", bbox_to_anchor=(0.985, sheet.legend_at[1]), ncols=3,
+        fontsize=7.5, frameon=False, borderaxespad=0.0, labelcolor=INK,
     )  # fmt: skip
     return sheet
 
@@ -302,6 +309,8 @@ def seen_from_above(surface: np.ndarray, cell: float) -> np.ndarray:
 def point_profiles(config: Config, answer: PointSlidesAnswer) -> Sheet:
     """Draw the surface of every case before and after its slide by the material point method.
 
+    The slide along the surface is drawn, too: the surface of a slope that slides as a whole hardly changes.
+
     Parameters
     ----------
     config : section, and names of the cases
@@ -309,23 +318,30 @@ def point_profiles(config: Config, answer: PointSlidesAnswer) -> Sheet:
 
     Returns
     -------
-    The picture, with a view for each group of equal cases.
+    The picture, with a view for each group of equal cases, and one of the slides along the surface.
     """
     title = f"{config.section.heading}: slides by the material point method, cells of {answer.cell_m:.2g} m"
     groups = equal_cases(answer.cases)
-    sheet = Sheet(title, [0.16] * len(groups), "", 1)
+    sheet = Sheet(title, [0.16] * len(groups) + [0.12], "", 1)
     heights = np.concatenate([case.surfaces[0][:, 1] for case in answer.cases.values()])
     margin = ROOM * (heights.max() - heights.min()) + answer.cell_m
-    lines: list[Line2D] = []
+    dashes = (0, (4, 2))
+    lines = [Line2D([], [], color=INK, linewidth=0.9, linestyle=dashes, label="surface before")]
+    along = sheet.plot(len(groups), "distance x (m)", "slide (m)", "slide of the surface, downslope")
     for view, (numbers, case) in enumerate(groups.items()):
-        last = view == len(groups) - 1
-        name = f"{config.called(*numbers)}: largest slide {metres(case.slide_max_m)}; {case.reason}"
-        axes = sheet.plot(view, "distance x (m)" if last else "", "elevation (m)", name)
+        name, colour = config.called(*numbers), _colour(numbers[0])
+        words = f"{name}: largest slide {metres(case.slide_max_m)}; {case.reason}"
+        axes = sheet.plot(view, "", "elevation (m)", words)
         before, after = case.surfaces[0], seen_from_above(case.surfaces[1], answer.cell_m)
-        moved = axes.plot(*after.T, color=CONTINUUM, linewidth=1.3, label="surface after")
-        lines = axes.plot(*before.T, color=INK, linewidth=0.9, linestyle=(0, (4, 2)), label="surface before") + moved
+        lines += axes.plot(*after.T, color=colour, linewidth=1.3, label=f"after, {name}")
+        axes.plot(*before.T, color=INK, linewidth=0.9, linestyle=dashes)
         axes.set_xlim(before[0, 0], before[-1, 0])
         axes.set_ylim(heights.min() - margin, heights.max() + margin)  # alike in all cases
         sheet.state_exaggeration(view)
-    sheet.legend(lines, 2)
+        along.plot(*np.array(case.slide_along).reshape(-1, 2).T, color=colour, linewidth=1.3)
+        along.set_xlim(axes.get_xlim())
+    low, high = along.get_ylim()
+    along.set_ylim(min(0.0, low), 1.05 * high)
+    mark_force(sheet.views[0], sides_of_slide(config))
+    sheet.legend(lines, 4)
     return sheet

@@ -122,4 +122,6 @@ def _said(section: Section) -> str:
         )
     if section.water is not None and section.water.after_drawdown is not None:
         phrases.append("pore pressure after the drawdown, dashed the water table before it")
+    elif section.water_points() is not None and section.water_pressure.flow is None:
+        phrases.append("blue, dashed: water table")
     return textwrap.fill("; ".join(phrases), 180)

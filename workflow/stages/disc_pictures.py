@@ -50,4 +50,7 @@ def _drawn(wanted: StatePicture, _: Tell) -> None:
         return
     before, model = (wanted.placed(state.set, file) for file in (STARTS[state.set], state.file))
     title = f"{name}: discs {SETS[state.set]}, Kh = {state.kh:g}: {state.verdict}"
-    store.save(f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png", dem_figures.state(model, before, title))
+    store.save(
+        f"figures/dem_{state.set}_kh_{in_name(state.kh)}.png",
+        dem_figures.state(model, before, title, wanted.config.section),
+    )

@@ -9,7 +9,8 @@ from workflow.figures import comparison
 
 
 def test_the_legend_of_the_load_curves_does_not_cover_the_note() -> None:
-    """Seven curves in two columns were four rows; the fourth lay on the note, and a label was cut off at the right."""
+    """Seven curves in two columns were four rows; the fourth lay on the note, and a label was cut off at the right. The
+    bracket of the discs had no label."""
     steps = [SimpleNamespace(displacement=0.1 * k, factor=0.08 * k, at_rest=k == 2, balanced=True) for k in range(1, 4)]
     trials = [SimpleNamespace(kh=0.1 * k, displacement_m=0.2 * k, verdict="stands") for k in range(4)]
     fem = SimpleNamespace(
@@ -33,7 +34,7 @@ def test_the_legend_of_the_load_curves_does_not_cover_the_note() -> None:
     sheet = comparison._curves(cast(Any, results))
     assert sheet is not None
     (legend,), note = sheet.figure.legends, sheet.figure.texts[1]
-    assert len(legend.get_texts()) == 7
+    assert len(legend.get_texts()) == 8
     assert "Reconstruction" in note.get_text()
     sheet.figure.canvas.draw()
     assert legend.get_window_extent().y0 >= note.get_window_extent().y1

@@ -124,3 +124,6 @@ def test_a_picture_of_material_points_shows_the_ground_and_not_the_base_beyond_t
     assert -5.5 < window.left < -2.5
     assert 141.5 < window.right < 144.5
     assert shown_window([first, last], "calibrated").left < -44.0
+    deep = replace(first, x=np.array([-44.0, 0.0, 70.0, 184.0]), z=np.array([10.0, 10.0, 2.0, -9.0]))
+    deep = replace(deep, stratum=np.array([-1, 0, -1, -1]))
+    assert shown_window([deep, last], "mpm").bottom == 1.5  # the whole base below the ground, which was cut

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.patches import ArrowStyle
+from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 
 from meshes.section.surcharge import Surcharge
@@ -14,6 +16,7 @@ from workflow.config import Config
 from workflow.figures.canvas import Sheet
 from workflow.figures.fem import conditions
 from workflow.figures.ground import WALL, WATER, Overlay, crack_bottoms, pressure_of, section_sheet
+from workflow.figures.marks import Towards, sides_of_slide
 from workflow.report.tables import parameter_rows
 
 
@@ -31,6 +34,41 @@ def test_a_cut_off_wall_is_drawn_from_the_ground_to_its_foot(tmp_path: Path, mon
     top = section.ground[:, 1].max()
     assert x == [40.0, 40.0]
     assert z[1] == 5.0 < z[0] <= top
+
+
+@pytest.mark.parametrize(("force", "style"), [("right", "-|>"), ("left", "-|>"), ("both", "<|-|>")])
+def test_the_direction_of_the_seismic_force_stands_above_the_frame(force: Towards, style: str) -> None:
+    """Clear of the ground and within the picture; only the picture of the first page had an arrow."""
+    sheet = section_sheet(Config.parse(slope()).section, force=force)
+    axes = sheet.views[0]
+    sheet.figure.canvas.draw()
+    (arrow,) = [
+        text
+        for text in axes.texts
+        if isinstance(text, Annotation)
+        and text.arrow_patch is not None
+        and text.arrow_patch.get_arrowstyle().__class__ is ArrowStyle(style).__class__
+        and not text.get_text()
+    ]
+    assert arrow.arrow_patch is not None
+    tail, tip = arrow.arrow_patch.get_path().vertices[[0, 2]]  # type: ignore[index]
+    assert (tip[0] < tail[0]) == (force == "left")
+    (label,) = [text for text in axes.texts if text.get_text() == "Kh"]
+    for box in (label.get_window_extent(), arrow.arrow_patch.get_window_extent()):
+        assert box.y0 > axes.get_window_extent().y1
+        assert box.x1 <= sheet.figure.bbox.x1
+
+
+def test_without_a_seismic_force_there_is_no_arrow() -> None:
+    texts = section_sheet(Config.parse(slope()).section).views[0].texts
+    assert not [text for text in texts if text.get_text() == "Kh"]
+
+
+def test_the_arrow_of_a_slide_is_that_of_its_shaking() -> None:
+    """A constant Kh acts downslope, cycles and records in both directions."""
+    cyclic = {"kh": 0.1, "kh_cycles": 10, "kh_period": 0.7}
+    for slide, towards in (({"kh": 0.1}, "right"), ({"kh": 0.0}, None), (cyclic, "both")):
+        assert sides_of_slide(Config.parse({**slope(), "slide": slide})) == towards
 
 
 def test_both_water_tables_of_a_drawdown_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -23,7 +23,10 @@ from workflow.texts.picture_texts import language_of, translated
         "distance x (m)",
         "FEM, plateau, Kh = 0.235",
         "free-field sides, ψ = φ, reduced element, seismic force downslope and upslope; the smaller\nKh counts. "
-        "Dashed: slip surface.",
+        "Black, dashed: slip surface. Blue, dashed: water table.",
+        "slide of the surface, downslope",
+        "after, cases 1, 2, 3",
+        "bracket of the critical Kh of the discs",
         "free-field sides, ψ = φ, reduced element, seismic force downslope and upslope; the smaller\nKh counts. "
         "Dot: the ground fails first in a few cells.",
         "critical Kh: FEM 0.237; discs 0.343 (0.342 to 0.344) for 0.339 of the FEM (dashed)",
