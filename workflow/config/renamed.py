@@ -64,6 +64,38 @@ RENAMED = (
 # Keys of every distribution of the table [uncertain], and of every pair of its list "correlated": old key, new key.
 DISTRIBUTION_KEYS = {"between": "truncation", "chances": "probabilities", "does": "applied_as"}
 CORRELATION_KEYS = {"of": "paths"}
+# Keys of the files that a run leaves: old key, new key, and another key of the same table ("" for any table), without
+# which the old key is the name of something else, such as a stratum.
+ANSWER_KEYS = (
+    ("doubt", "warning", ""),
+    ("doubts", "warnings", ""),
+    ("skin", "shallow_failure", ""),
+    ("skins", "shallow_failures", ""),
+    ("what", "observation", "remedy"),
+    ("rest", "remaining_error", "factor"),
+    ("held", "strong_zones", "slip_surface"),
+    ("stands", "verdict", "factor_lower"),
+    ("given", "argument", "task"),
+    ("by", "method", "reconsolidation_m"),
+    ("of", "subject", "criterion"),
+    ("over_effective", "residual_strength_ratio", "cohesion_kPa"),
+    ("judged", "assessed", "liquefies"),
+    ("left", "residual_strengths", "relations"),
+    ("first", "first_order", "correlation"),
+    ("first_ci95", "first_order_ci95", "correlation"),
+    ("total", "total_order", "correlation"),
+    ("total_ci95", "total_order_ci95", "correlation"),
+    ("over", "coefficient", "low"),
+    ("chance", "probability", "low"),
+    ("without", "parts_without_answer", "seed"),
+    ("fails", "failure_probability", "seed"),
+    ("over", "refined", "sizes"),
+    ("left", "remaining_error", "sizes"),
+    ("within", "tolerance", "converged"),
+    ("words", "description", "residuals"),
+    ("words", "description", "validity"),
+    ("words", "texts", "numbers"),
+)
 
 
 def current(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -94,6 +126,28 @@ def _current_entry(path: str, entry: Any) -> Any:
         return [_current_entry(path, each) for each in entry]
     keys = CORRELATION_KEYS if path == "correlated" else DISTRIBUTION_KEYS
     return {keys.get(key, key): value for key, value in entry.items()} if isinstance(entry, Mapping) else entry
+
+
+def current_answer(data: Any) -> Any:
+    """Return the content of a run's JSON file with new names in place of old ones: keys, and the values of settings.
+
+    Parameters
+    ----------
+    data : content of the file, or a part of it
+
+    Returns
+    -------
+    A copy with new names.
+    """
+    if isinstance(data, list):
+        return [current_answer(each) for each in data]
+    if not isinstance(data, dict):
+        return data
+    new_keys = {old: new for old, new, sibling in ANSWER_KEYS if not sibling or sibling in data}
+    answer = {new_keys.get(str(key), str(key)): current_answer(each) for key, each in data.items()}
+    for rule in RENAMED:
+        answer = rule.moved(answer, rule.key, rule.key_now)
+    return answer
 
 
 def notices(data: Mapping[str, Any]) -> list[str]:

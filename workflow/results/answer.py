@@ -20,6 +20,7 @@ from pydantic import (
 )
 
 from meshes.section.section import Section
+from workflow.config.renamed import current_answer
 from workflow.run.store import OtherVersionError, Store
 
 Point = tuple[float, float]
@@ -96,7 +97,7 @@ class Answer(Part):
         OtherVersionError
             If another version of the program wrote the file.
         """
-        data = store.read_json(cls.FILE)
+        data = current_answer(store.read_json(cls.FILE))
         version = data.pop("version", None) if isinstance(data, dict) else None
         try:
             answer = cls.model_validate(data)

@@ -1,9 +1,9 @@
 """Stores the numbers of a run, with units in their names, in summary.json."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from dem.laboratory.layer_check import LayerCheck
 from fem.continuum.strength import Flow
@@ -274,3 +274,14 @@ class Summary(Answer):
     no_answer: dict[str, NoAnswer] = Field(description="stages that ended without an answer, by name")
     seconds: dict[str, float] = Field(description="computing time of every stage (s)")
     made_with: MadeWith = Field(description="machine and versions of the run")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_old_key(cls, data: Any) -> Any:
+        """Read the files of version 0.1, whose warnings were sentences under the key doubtful."""
+        if not isinstance(data, dict) or "doubtful" not in data:
+            return data
+        sentences = data["doubtful"]
+        answers = {key: value for key, value in data.items() if key != "doubtful"}
+        warnings = [{"weight": 2, "observation": text, "remedy": ""} for text in sentences]
+        return {"headlines": (), "findings": (), **answers, "warnings": warnings}

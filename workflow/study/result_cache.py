@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from meshes.errors import InputError
 from meshes.files import whole_file
+from workflow.config.renamed import current_answer
 
 FOLDER = "tasks"
 
@@ -49,7 +50,7 @@ class ResultCache:
     def read(self, fingerprint: str) -> Outcome | None:
         """Return the outcome of a task; None if it has not ended, or if the file is not an outcome of this program."""
         try:
-            return Outcome.model_validate(json.loads(self.path(fingerprint).read_bytes()))
+            return Outcome.model_validate(current_answer(json.loads(self.path(fingerprint).read_bytes())))
         except (OSError, ValueError):
             return None
 

@@ -27,7 +27,7 @@ from workflow.results.continuum import VariantsAnswer
 from workflow.results.results import Results
 from workflow.results.slices import FacePart, FactorCircles, SlicesAnswer
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
-from workflow.results.summary import NoAnswer
+from workflow.results.summary import NoAnswer, Summary
 from workflow.results.verdicts import WarningPart
 from workflow.run.store import Store
 from workflow.texts.report_texts import Texts
@@ -216,6 +216,17 @@ def test_no_markup_of_a_template_stands_raw_in_a_page() -> None:
         for text in re.findall(r'"[^"]*<[a-z]+>[^"]*"(?!\)?\s*\|\s*safe)', "".join(expression))
     ]
     assert raw == []
+
+
+def test_a_summary_with_warnings_as_sentences_is_still_read(s13: Config) -> None:
+    """Runs of version 0.1 are compared with those of today."""
+    today = summary(whole(s13), 0.0)
+    old = today.model_dump(mode="json", exclude={"warnings", "headlines", "findings"}) | {
+        "doubtful": ["The base is near."]
+    }
+    read = Summary.model_validate(old)
+    assert [(warning.weight, warning.observation) for warning in read.warnings] == [(2, "The base is near.")]
+    assert read.in_short == today.in_short
 
 
 def test_a_run_is_told_in_twelve_lines(s13: Config) -> None:

@@ -1,17 +1,23 @@
 """Old words of settings: read, told in one line, and rewritten in a file whose comments stay."""
 
+import importlib
+import pkgutil
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+import workflow.results
 from meshes.errors import InputError
 from tests.support import SECTIONS
 from tests.support.command_line import run
 from workflow.cli.invocation import Invocation
 from workflow.config import Config, renamed
-from workflow.config.renamed import Renamed, current, notices, rewritten
+from workflow.config.renamed import ANSWER_KEYS, Renamed, current, current_answer, notices, rewritten
+from workflow.results.answer import Part
+from workflow.study.result_cache import Outcome
+from workflow.study.task import Numbers
 from workflow.uncertain.settings import UncertainSettings
 
 OLD = """# sides = "roller" is an old word
@@ -63,6 +69,9 @@ def test_the_flow_rule_of_a_path_has_the_name_of_the_field() -> None:
     assert [line.split(";")[0] for line in notices(tomllib.loads(old))] == [
         'fem.flow = "section" is now fem.flow = "non-associated"'
     ]
+    assert current_answer({"flow": "section", "section": {"flow": True}}) == {
+        "flow": "non-associated", "section": {"flow": True},
+    }  # fmt: skip
 
 
 def test_a_word_that_is_spelt_out_by_escapes_is_told() -> None:
@@ -109,6 +118,29 @@ def test_a_later_renaming_is_one_entry() -> None:
     assert text == new.replace("tied", "periodic")
     assert len(changes) == 3
     assert notices(tomllib.loads(old))[1].startswith("fem.least_depth is now fem.minimum_depth; ")
+
+
+def test_answers_of_old_folders_are_read() -> None:
+    old = {"settings": {"sides": "roller", "kh": [0.1]}, "name": "tied", "skins": [], "cases": [{"sides": "tied"}]}
+    assert current_answer(old) == {
+        "settings": {"sides": "free-field", "kh": [0.1]}, "name": "tied", "shallow_failures": [],
+        "cases": [{"sides": "periodic"}],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new", "sibling"), ANSWER_KEYS)
+def test_an_old_key_is_renamed_only_in_the_table_that_has_it(old: str, new: str, sibling: str) -> None:
+    assert new in current_answer({old: 1, sibling: 2} if sibling else {old: 1})
+    assert current_answer({old: 1, "Silt": 2}) == ({old: 1, "Silt": 2} if sibling else {new: 1, "Silt": 2})
+    for module in pkgutil.iter_modules(workflow.results.__path__):
+        importlib.import_module(f"workflow.results.{module.name}")
+    parts = [part.model_fields for part in (*parts_of(Part), Outcome, Numbers)]
+    assert any(new in fields and (not sibling or sibling in fields) for fields in parts) or new == "warning"
+    assert not any(old in fields and sibling in fields for fields in parts)
+
+
+def parts_of(part: type[Part]) -> list[type[Part]]:
+    return [each for child in part.__subclasses__() for each in (child, *parts_of(child))]
 
 
 def test_old_words_in_file_and_on_the_command_line_are_read_with_a_notice(tmp_path: Path) -> None:
