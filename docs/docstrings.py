@@ -28,7 +28,7 @@ TOP = Path(__file__).resolve().parent.parent
 PACKAGES = ("meshes", "fem", "dem")
 ALL_PACKAGES = (*PACKAGES, "workflow")
 # Packages in which everything that another room imports is documented.
-SHARED: tuple[str, ...] = ("meshes", "dem", "workflow")
+SHARED = ("meshes", "fem", "dem", "workflow")
 # First words of docstrings that have no verb in front.
 NO_VERB = re.compile(
     r"(The|An?|This|These|Such|All|Every|Each|Both|One|Two|Some|Whether|What|Which|Where|Who|How|Why)\b"

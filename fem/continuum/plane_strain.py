@@ -67,7 +67,7 @@ class PlaneStrain:
         The strata; ``material`` (points,) contains the number of the stratum of each quadrature point.
     flow, form : FlowSetting, DavisForm
         The flow rule of the analysis, see ``strength.py``.
-    strength : Strength
+    strength : StrataStrength
         Cohesion, friction and dilation angle of the strata in this analysis.
     grid : Discretisation
         The elements.

@@ -7,10 +7,14 @@ import numpy as np
 
 @nb.njit(cache=True, nogil=True)
 def strains(matrix: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out: np.ndarray) -> None:
-    """Compute the strain at every quadrature point, B u, into ``out`` (nc * nq, 4).
+    """Compute the strain at every quadrature point, B u.
 
-    ``matrix`` is B (nc, nq, 4, nd) in 1/m; ``dofs`` (nc, nd) are the components of each cell; ``displacement`` has all
-    degrees of freedom (m).
+    Parameters
+    ----------
+    matrix (nc, nq, 4, nd) : strain-displacement matrix B (1/m)
+    dofs (nc, nd) : numbers of the displacement components of each cell
+    displacement (needed,) : displacement components (m)
+    out (nc * nq, 4) : set to the strain [xx, yy, zz, xy], engineering shear
     """
     cells, points, _, entries = matrix.shape
     for cell in range(cells):
@@ -27,10 +31,15 @@ def strains(matrix: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out:
 def internal_forces(
     matrix: np.ndarray, weights: np.ndarray, dofs: np.ndarray, stress: np.ndarray, out: np.ndarray
 ) -> None:
-    """Compute the nodal forces ∫ Bᵀσ dA (N/m) into ``out``.
+    """Compute the nodal forces ∫ Bᵀσ dA of a stress.
 
-    ``matrix`` is B (nc, nq, 4, nd) in 1/m; ``weights`` (nc, nq) are the areas of the points (m²); ``dofs`` (nc, nd) are
-    the components of each cell; ``stress`` (nc * nq, 4) is in Pa, tension positive.
+    Parameters
+    ----------
+    matrix (nc, nq, 4, nd) : strain-displacement matrix B (1/m)
+    weights (nc, nq) : areas of the quadrature points (m²)
+    dofs (nc, nd) : numbers of the displacement components of each cell
+    stress (nc * nq, 4) : stress [xx, yy, zz, xy], tension positive (Pa)
+    out (needed,) : set to the forces (N/m)
     """
     cells, points, _, entries = matrix.shape
     out[:] = 0.0
@@ -64,10 +73,16 @@ def element_stiffness(
     dofs: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Add ∫ BᵀCB dA of every cell to ``out`` (nc, nd, nd); rows and columns that are not ``free`` become zero.
+    """Add ∫ BᵀCB dA of every cell to its stiffness matrix; rows and columns of fixed components become zero.
 
-    ``matrix`` is B (nc, nq, 4, nd) in 1/m; ``weights`` (nc, nq) are the areas of the points (m²); ``tangent`` is C (nc
-    * nq, 4, 4) in Pa; ``dofs`` (nc, nd) are the components of each cell.
+    Parameters
+    ----------
+    matrix (nc, nq, 4, nd) : strain-displacement matrix B (1/m)
+    weights (nc, nq) : areas of the quadrature points (m²)
+    tangent (nc * nq, 4, 4) : tangent stiffness C (Pa)
+    free (needed,) : mask of the displacement components that can move
+    dofs (nc, nd) : numbers of the displacement components of each cell
+    out (nc, nd, nd) : stiffness matrices of the cells, which are changed (Pa)
     """
     cells, points, _, entries = matrix.shape
     product = np.empty((4, entries))
@@ -92,10 +107,14 @@ def element_stiffness(
 
 @nb.njit(cache=True, nogil=True)
 def add_forces(stiffness: np.ndarray, dofs: np.ndarray, displacement: np.ndarray, out: np.ndarray) -> None:
-    """Add the nodal forces K u (N/m) to ``out``.
+    """Add the nodal forces K u of every cell.
 
-    ``stiffness`` (nc, nd, nd) is the matrix of every element; ``dofs`` (nc, nd) are the components of each cell;
-    ``displacement`` has all degrees of freedom (m).
+    Parameters
+    ----------
+    stiffness (nc, nd, nd) : stiffness matrix K of every cell (Pa)
+    dofs (nc, nd) : numbers of the displacement components of each cell
+    displacement (needed,) : displacement components (m)
+    out (needed,) : increased by the forces (N/m)
     """
     for cell in range(len(stiffness)):
         for a in range(dofs.shape[1]):

@@ -12,12 +12,13 @@ import numpy as np
 
 @nb.njit(cache=True, nogil=True, error_model="numpy")
 def condense(elements: np.ndarray, inverse: np.ndarray) -> None:
-    """Eliminate the last two components of every stiffness matrix in ``elements`` (nc, nd, nd), in place (static
-    condensation).
+    """Eliminate the last two displacement components of every stiffness matrix (static condensation).
 
-    The blocks K_bi and K_ib stay in the matrices, for ``condense_force`` and ``expand``. K_ii⁻¹ is written to
-    ``inverse`` (nc, 2, 2), and is not finite for a cell that has no stiffness inside. The border block becomes the
-    condensed matrix.
+    Parameters
+    ----------
+    elements (nc, nd, nd) : stiffness matrices (Pa), whose border blocks become the condensed matrices. The blocks K_bi
+        and K_ib stay, for `condense_force` and `expand`.
+    inverse (nc, 2, 2) : set to K_ii⁻¹ (1/Pa); not finite for a cell that has no stiffness inside
     """
     cells, entries, _ = elements.shape
     inside = 2
@@ -40,11 +41,15 @@ def condense(elements: np.ndarray, inverse: np.ndarray) -> None:
 def condense_force(
     elements: np.ndarray, inverse: np.ndarray, dofs: np.ndarray, force: np.ndarray, change: np.ndarray
 ) -> None:
-    """Compute the ``change`` (needed,) of the force on the borders of cells, -K_bi K_ii⁻¹ f_i, from the ``force``
-    (needed,).
+    """Compute the force -K_bi K_ii⁻¹ f_i that the forces inside the cells exert on the borders of the cells.
 
-    ``elements`` (nc, nd, nd) are the stiffness matrices of the cells, borders first; ``inverse`` is K_ii⁻¹ of every
-    cell; ``dofs`` (nc, nd) are the components of each cell.
+    Parameters
+    ----------
+    elements (nc, nd, nd) : stiffness matrices of `condense`, borders first (Pa)
+    inverse (nc, 2, 2) : K_ii⁻¹ of every cell (1/Pa)
+    dofs (nc, nd) : numbers of the displacement components of each cell
+    force (needed,) : nodal forces (N/m)
+    change (needed,) : set to the forces to be added on the borders (N/m)
     """
     cells, entries, _ = elements.shape
     inside = inverse.shape[1]
@@ -63,9 +68,12 @@ def condense_force(
 def expand(
     elements: np.ndarray, inverse: np.ndarray, dofs: np.ndarray, force: np.ndarray, displacement: np.ndarray
 ) -> None:
-    """Compute the ``displacement`` (needed,) inside the cells from that of the borders of the cells and the ``force``.
+    """Compute the displacement inside the cells from the displacement of their borders.
 
-    ``elements``, ``inverse`` and ``dofs`` are those of `condense_force`.
+    Parameters
+    ----------
+    elements, inverse, dofs, force : as in `condense_force`
+    displacement (needed,) : displacements (m), of which those inside the cells are set
     """
     cells, entries, _ = elements.shape
     inside = inverse.shape[1]

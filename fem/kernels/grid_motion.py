@@ -31,8 +31,12 @@ def move_base(grid: Floats, uplift: Floats, support: NDArray[np.int8], dt: float
 
     M their mass, F the force on them, and F_0 the sum of all forces on the ground but those of shaking: the base
     carries F_0 while the ground is at rest. The dashpots are implicit, so that no time step is too long for them.
-    ``base`` (BASE_FIELDS,) is changed; ``grid``, ``uplift``, ``support``, ``dt``: as in `move_grid`; ``shaking``: as in
-    `scatter`.
+
+    Parameters
+    ----------
+    grid, uplift, support, dt : as in `move_grid`
+    shaking : horizontal acceleration of the whole mass by shaking (m/s²)
+    base (BASE_FIELDS,) : impedance, velocities and radiated energy of the base, which are changed
     """
     if base[IMPEDANCE] == 0.0:
         return
@@ -57,13 +61,20 @@ def move_grid(
     first: int, last: int, grid: Floats, uplift: Floats, support: NDArray[np.int8], dt: float, damping: float,
     base: Floats, velocity: Floats, gained: Floats,
 ) -> None:  # fmt: skip
-    """Compute the velocities (nx, nz, 4) of the nodes in columns first to last, before and after a step.
+    """Compute the velocities of the nodes in some columns before and after a step.
 
-    ``grid`` (nx, nz, NODE): see `scatter`; ``uplift`` (nx, nz, 2): force of pore water on a volume of ground, minus its
-    pressure gradient (N/m³); ``support`` (nx, nz): FREE, FIXED or WALL; ``dt``: time step (s); ``damping``: local
-    non-viscous damping of the forces (Cundall 1987), 0 for none; ``base`` (BASE_FIELDS,): motion of the base and of the
-    nodes fixed to it. Fills ``velocity`` (m/s) and ``gained`` (nx, 2): the kinetic energy (J/m) that all forces gave to
-    the nodes of each column, and the part of this energy by pore water.
+    Parameters
+    ----------
+    first, last : the first column, and the one behind the last
+    grid (nx, nz, NODE) : mass, momentum, force and volume of the nodes, as of `material_points.scatter`
+    uplift (nx, nz, 2) : force of pore water on a volume of ground, minus the gradient of its pressure (N/m³)
+    support (nx, nz) : FREE, FIXED or WALL
+    dt : time step (s)
+    damping : local non-viscous damping of the forces (Cundall 1987), 0 for none (-)
+    base (BASE_FIELDS,) : motion of the base and of the nodes fixed to it
+    velocity (nx, nz, 4) : set to the velocities [x, z] before and [x, z] after the step (m/s)
+    gained (nx, 2) : increased by the kinetic energy that all forces gave to the nodes of each column, and by the part
+        of this energy by pore water (J/m)
     """
     base_old, base_new = base[OLD_VELOCITY], base[NEW_VELOCITY]
     for i in range(first, last):

@@ -58,8 +58,6 @@ from fem.kernels.spline_transfer import NODE, VELOCITIES, add_to_nodes, collect_
 
 Integers = NDArray[np.int64]
 
-# Record of a node, of which the last number is idle: mass, momentum (2), force (2), volume, a number above 0 where the
-# node is fixed vertically.
 # Of the points in the knot span about the next node to the right and above: volume strain (m²) by the mean stress, and
 # compliance (m²/Pa).
 SPAN_STRAIN, SPAN_COMPLIANCE = range(2)
@@ -115,16 +113,28 @@ def scatter(
     heavy: Floats, side: Floats, properties: Floats, cell: float, slope: float, periodic: bool, shaking: float,
     gravity_x: float, gravity_z: float, grid: Floats, spans: Floats,
 ) -> None:  # fmt: skip
-    """Add mass, momentum, force and volume of the points of some stripes to the ``grid`` (nx, nz, NODE), and their
-    strain to the ``spans`` (nx, nz, SPAN).
+    """Add mass, momentum, force and volume of the points of some stripes to the grid, and their strain to the spans.
 
-    ``stripes``: their numbers; ``offsets``: first point of every stripe; ``x``, ``v`` (n, 2): places (m) and velocities
-    (m/s); ``affine`` (n, 4): C of the velocities, row by row (1/s); ``stress`` (n, 3): Pa; ``state`` (n, STATE);
-    ``properties`` (n, PROPERTIES); ``heavy`` (n,): weight over seismic mass; ``cell``: size of a cell (m);
-    ``slope``: dz/dx of the rows of nodes; ``periodic``: whether the sides move alike;
-    ``shaking`` (m/s²): horizontal acceleration of the whole mass by shaking; ``gravity_x``, ``gravity_z`` (m/s²) act on
-    ``heavy`` times the mass; ``side`` (N/m): horizontal force on points next to a free-field side, a quarter of a cell
-    away, where nodes are held vertically; 0 elsewhere.
+    Parameters
+    ----------
+    stripes : numbers of the stripes, all even or all odd
+    offsets (stripes + 1,) : number of the first point of every stripe
+    x, v (n, 2) : places (m) and velocities (m/s)
+    affine (n, 4) : C of the velocities, row by row (1/s)
+    stress (n, 3) : stress [xx, zz, xz], tension positive (Pa)
+    state (n, STATE) : volume, mass and strains, see `point_stress`
+    heavy (n,) : weight over seismic mass (-)
+    side (n,) : horizontal force on points next to a free-field side, a quarter of a cell away, where nodes are held
+        vertically; 0 elsewhere (N/m)
+    properties (n, PROPERTIES) : properties of the soil, see `point_stress`
+    cell : side of a cell (m)
+    slope : dz/dx of the rows of nodes (-)
+    periodic : whether the sides move alike
+    shaking : horizontal acceleration of the whole mass by shaking (m/s²)
+    gravity_x, gravity_z : acceleration that acts on ``heavy`` times the mass (m/s²)
+    grid (nx, nz, NODE) : record of a node, increased by mass (kg/m), momentum [x, z] (N s/m), force [x, z] (N/m),
+        volume (m²), and a number above 0 where the node is fixed vertically; the last number is idle
+    spans (nx, nz, SPAN) : strain by the mean stress, and compliance, of the points in a knot span that flow, increased
     """
     inverse, columns, rows = 1.0 / cell, grid.shape[0], grid.shape[1]
     stiff, nodes = 4.0 * inverse * inverse, grid.reshape(-1)
@@ -171,12 +181,18 @@ def gather(
 ) -> None:  # fmt: skip
     """Move the points of some stripes with the grid, and update their stress. Places are relative to the base.
 
-    ``velocity`` (nx, nz, VELOCITIES): velocities of the nodes, see `move_grid`; ``dt``: time step (s); ``keep``: share
-    α, 0 or 1, of the part of its velocity that a point keeps although the grid cannot resolve it; ``base``: velocity of
-    the base (m/s); ``sums`` (stripes, 2) take energies (J/m). ``side`` (N/m), as in `scatter`, becomes 0 where ground
-    has come apart (`DETACHED_SHARE`). ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``, ``state``,
-    ``properties``, ``spans``, ``cell``, ``slope``, ``periodic``, ``shaking``, ``gravity_x``, ``gravity_z``: as in
-    `scatter`.
+    Parameters
+    ----------
+    stripes, offsets, grid, spans : as in `scatter`, after the points of all stripes were added
+    velocity (nx, nz, VELOCITIES) : velocities of the nodes, as of `grid_motion.move_grid` (m/s)
+    cell, slope, periodic, shaking, gravity_x, gravity_z : as in `scatter`
+    dt : time step (s)
+    keep : share α, 0 or 1, of the part of its velocity that a point keeps although the grid cannot resolve it
+    base : velocity of the base (m/s)
+    x, v, affine, stress, state : as in `scatter`; they are changed
+    side (n,) : as in `scatter`; becomes 0 where ground has come apart (`DETACHED_SHARE`)
+    properties (n, PROPERTIES) : as in `scatter`
+    sums (stripes, 2) : increased by the work of weight and shaking, and by the energy dissipated (J/m)
     """
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
     stiff, nodes = 4.0 * inverse * inverse, velocity.reshape(-1)
@@ -235,9 +251,12 @@ def take_off(
 ) -> None:  # fmt: skip
     """Subtract from the velocities of the points of some stripes the velocity that the grid resolves: (I - S) (v, C).
 
-    ``velocity`` (nx, nz, 4): velocities of the nodes before and after a step, of which the first two components are
-    subtracted; ``v`` (n, 2), ``affine`` (n, 4) are changed; ``stripes``,
-    ``offsets``, ``x``, ``cell``, ``slope``, ``periodic``: as in `scatter`.
+    Parameters
+    ----------
+    stripes, offsets, cell, slope, periodic, x : as in `scatter`
+    velocity (nx, nz, VELOCITIES) : velocities of the nodes, of which those before the step are subtracted (m/s)
+    v (n, 2) : velocities of the points, which are changed (m/s)
+    affine (n, 4) : C of the velocities, which is changed (1/s)
     """
     inverse, columns, rows = 1.0 / cell, velocity.shape[0], velocity.shape[1]
     stiff, nodes = 4.0 * inverse * inverse, velocity.reshape(-1)
@@ -267,10 +286,18 @@ def advance(
 ) -> None:  # fmt: skip
     """Advance the material points by some time steps on one thread.
 
-    ``accelerations`` (steps,): accelerations by shaking (m/s²); ``steps``: how many. ``base``: as in `move_base`;
-    ``uplift``, ``support``, ``damping``, ``velocity``, ``gained``: as in `move_grid`; ``keep``, ``properties``,
-    ``sums``: as in `gather`; ``stripes``, ``offsets``, ``x``, ``v``, ``affine``, ``stress``, ``state``, ``side``,
-    ``cell``, ``slope``, ``periodic``, ``dt``, ``gravity_x``, ``gravity_z``, ``grid``, ``spans``: as in `scatter`.
+    Parameters
+    ----------
+    steps : number of time steps
+    stripes, offsets, cell, slope, periodic, gravity_x, gravity_z : as in `scatter`, with all stripes
+    dt, keep : as in `gather`
+    accelerations (steps,) : horizontal accelerations of the whole mass by shaking (m/s²)
+    damping, uplift, support : as in `grid_motion.move_grid`
+    base (BASE_FIELDS,) : motion of the base, which is changed
+    x, v, affine, stress, state, side : as in `gather`; they are changed
+    properties : as in `scatter`
+    grid, spans, velocity : work arrays, as in `scatter` and `grid_motion.move_grid`
+    gained, sums : energies, increased as by `grid_motion.move_grid` and `gather` (J/m)
     """
     heavy = properties[:, WEIGHT_RATIO].copy()
     for step in range(steps):

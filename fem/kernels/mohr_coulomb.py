@@ -33,13 +33,25 @@ def table(
     dilation: ArrayLike,
     tension: ArrayLike = np.nan,
 ) -> Floats:
-    """Return the constants of m materials for `update`: shape (m, COLUMNS).
+    """Return the constants of m materials for `update`.
 
-    Arguments are numbers or arrays of shape (m,): ``young`` modulus (Pa), ``poisson`` ratio in [0, 0.5), ``cohesion``
-    (Pa), ``friction`` angle in [0, pi/2) and ``dilation`` angle in [0, friction] (rad), ``tension``: tensile strength
-    (Pa; NaN or inf for none). A tensile strength beyond the apex c cot phi never acts.
+    Parameters
+    ----------
+    young : Young's modulus, a number or (m,) as all arguments (Pa)
+    poisson : Poisson's ratio in [0, 0.5)
+    cohesion : cohesion (Pa)
+    friction : friction angle in [0, π/2) (rad)
+    dilation : dilation angle in [0, friction] (rad)
+    tension : tensile strength (Pa); NaN or inf for none. One beyond the apex c cot φ never acts.
 
-    Raises ValueError that names every bad value of every material.
+    Returns
+    -------
+    A row (COLUMNS,) for each material, of which `return_mapping` has the columns.
+
+    Raises
+    ------
+    ValueError
+        With every bad value of every material.
     """
     properties = (young, poisson, cohesion, friction, dilation, tension)
     E, nu, c, phi, psi, T = (np.array(a, dtype=float) for a in np.broadcast_arrays(*map(np.atleast_1d, properties)))
@@ -128,18 +140,23 @@ def update(
 ) -> None:
     """Update the stress after a strain increment at n points; optional arrays that are not None are filled.
 
-    strain_increment (n, 4)            its zz need not be zero, since B-bar averages it over a cell
-    stress_old (n, 4)                  Pa; may be the same array as `stress`
-    material (n,), any integer type    row of `table`
-    table (m, COLUMNS)                 from the function `table`
-    stress (n, 4)                      Pa, out
-    tangent (n, 4, 4)                  Pa, out: d stress_i / d strain_increment_j; takes half the time
-    plastic_strain_increment (n, 4)    out
-    region (n,) int8                   out: part of the surface, a code of `return_mapping`
-    threads                            the result is the same, to the bit, for any number of them
+    Parameters
+    ----------
+    strain_increment (n, 4) : its zz need not be zero, since B-bar averages it over a cell
+    stress_old (n, 4) : stress before (Pa); may be the same array as ``stress``
+    material (n,) : rows of ``table``, of any integer type
+    table (m, COLUMNS) : constants, from the function `table`
+    stress (n, 4) : set to the stress after (Pa)
+    tangent (n, 4, 4) : set to d stress_i / d strain_increment_j (Pa), which takes half the time
+    plastic_strain_increment (n, 4) : set to the plastic part of the increment (-)
+    region (n,) : set to the part of the surface, a code of `return_mapping`, int8
+    threads : number of threads; the result is the same, to the bit, for any number
 
-    Raises ValueError if an array has another shape, type or layout (C-contiguous float64), or if `material`
-    points outside the table.
+    Raises
+    ------
+    ValueError
+        If an array has another shape, type or layout (C-contiguous float64), or if ``material`` points outside the
+        table.
     """
     n = len(strain_increment)
     if material.shape != (n,) or material.dtype.kind not in "iu":
@@ -217,8 +234,7 @@ def _circle(stress: Floats) -> tuple[Floats, Floats]:
 
 
 def mobilised_strength(stress: Floats, material: Integers, table: Floats) -> Floats:
-    """Return the mobilised strength (n,), the paper's local safety factor: 1 at yield, less than 1 inside the yield
-    surface.
+    """Return the mobilised strength, the paper's local safety factor: 1 at yield, less than 1 inside the yield surface.
 
     The mobilised strength is the greatest tau / (c + N tan phi) over all planes through a point.
 
@@ -228,8 +244,18 @@ def mobilised_strength(stress: Floats, material: Integers, table: Floats) -> Flo
 
         t / sqrt(A^2 - t^2 tan^2 phi).
 
-    The mobilised strength is infinite if a plane has no strength (A <= t tan phi), as anywhere beyond the apex. At the
-    apex, with neither shear nor strength, it is 1. The tension cut-off is disregarded.
+    The tension cut-off is disregarded.
+
+    Parameters
+    ----------
+    stress (n, 4) : stress, tension positive (Pa)
+    material (n,) : rows of ``table``
+    table (m, COLUMNS) : constants, from the function `table`
+
+    Returns
+    -------
+    The mobilised strength (n,) (-). It is infinite if a plane has no strength (A <= t tan phi), as anywhere beyond the
+    apex; at the apex, with neither shear nor strength, it is 1.
     """
     s, t = _circle(stress)
     rows = table[material]

@@ -23,10 +23,18 @@ def add_overstress(
     tangent: np.ndarray,
     plastic_strain_increment: np.ndarray,
 ) -> None:
-    """Add a share of the elastic stress to the inviscid one, in place; ``b`` is the weight of the elastic stress.
+    """Add a share of the elastic stress to the inviscid one, in place.
 
-    ``strain_increment``, ``stress_old``, ``stress`` and ``plastic_strain_increment`` are (n, 4), ``tangent`` is (n, 4,
-    4) or empty, ``material`` (n,) contains indices of ``elastic`` (materials, 4, 4).
+    Parameters
+    ----------
+    b : weight of the elastic stress (-)
+    strain_increment (n, 4) : strain increment of the step (-)
+    stress_old (n, 4) : stress before the step (Pa)
+    material (n,) : numbers of the materials
+    elastic (materials, 4, 4) : Hooke's law (Pa)
+    stress (n, 4) : inviscid stress (Pa), which becomes the weighted mean
+    tangent (n, 4, 4) : inviscid tangent (Pa), which becomes the weighted mean; may be empty
+    plastic_strain_increment (n, 4) : plastic strain increment, which is reduced (-)
     """
     for point in range(len(stress)):
         law = elastic[material[point]]

@@ -18,12 +18,13 @@ from fem.limit.limit_problem import LimitProblem, bare_corners
 from fem.limit.point_freedom import SHEAR_ROWS, pressed_all_round, stress_free_corners
 from fem.solvers import cone_program
 from fem.solvers.least_norm import smallest_correction
+from fem.solvers.program_accuracy import REGULARISATIONS_OF_STRESS, accuracy_of_bounds
 
 # Margin of the stress from the yield surface over the unit of stress, which covers rounding, in a cell of unit size.
 # The margin is proportional to the size of the cell, and at least the second number.
 STRESS_MARGIN, SMALLEST_MARGIN = 3e-5, 1e-6
 LARGEST_MARGIN = 0.1  # of the strength of clay
-ACCURACY = cone_program.of_bounds(cone_program.REGULARISATIONS_OF_STRESS)
+ACCURACY = accuracy_of_bounds(REGULARISATIONS_OF_STRESS)
 
 # Matrix A, right-hand sides b0 (dead) and b1 (live), and the point of every equation.
 Equations = tuple[sparse.csr_matrix, np.ndarray, np.ndarray, np.ndarray]

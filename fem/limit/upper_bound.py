@@ -16,6 +16,7 @@ from fem.limit.limit_problem import LimitProblem
 from fem.limit.point_freedom import unstrained_points
 from fem.solvers import cone_program
 from fem.solvers.least_norm import smallest_correction
+from fem.solvers.program_accuracy import FEASIBILITY, accuracy_of_bounds
 from meshes.triangles import TriMesh
 
 # Volumetric strain rate beyond that of the flow rule, so that rounding does not break it: in units of velocity over
@@ -31,7 +32,7 @@ MOST_REPAIRS = 30
 # Residual of the solver's velocities that is accepted if its iterations no longer reduce it. The volume conditions of
 # clay are nearly dependent where edges pass almost straight through a point, and a residual of 2e-8 remained in layers
 # of clay whose strength follows the stress; the velocities are corrected to rounding afterwards.
-ACCURACY = cone_program.of_bounds(stalled_residual=1e-7)
+ACCURACY = accuracy_of_bounds(stalled_residual=1e-7)
 # Ratio of singular values of the volume equations at a point up to which they depend on each other. The equations that
 # are left out then hold to this share of the strain rates.
 DEPENDENT_VOLUMES = 1e-10
@@ -117,7 +118,7 @@ def upper_bound(
     rates = _corrected(program, solution.rates, dilates, points)
     slack, _ = _flow_slack(program, rates)
     shortfalls = np.maximum(program.strain_margin - slack, 0.0)
-    shortfalls[slack < 0.0] += cone_program.FEASIBILITY * np.abs(rates).max()  # the margin of a sliver may be less
+    shortfalls[slack < 0.0] += FEASIBILITY * np.abs(rates).max()  # the margin of a sliver may be less
     shortfall = np.zeros(len(areas))
     shortfall[corners] = np.where(dilates, shortfalls, 0.0)
     velocity = (basis @ rates).reshape(-1, 2)[nodes]

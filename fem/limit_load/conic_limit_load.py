@@ -22,6 +22,7 @@ from fem.errors import UnstableError
 from fem.kernels import mohr_coulomb
 from fem.settings import LEAST_KH
 from fem.solvers import cone_program
+from fem.solvers.program_accuracy import accuracy_of_elements
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 
@@ -136,7 +137,7 @@ class DiscreteEquilibrium:
         """
         attempts = []
         for ground, place in ((self, start), (replace(self, unit=UNIT_RATIO * self.unit), None)):
-            solution = cone_program.solve(program(ground), cone_program.of_elements(least), start=place)
+            solution = cone_program.solve(program(ground), accuracy_of_elements(least), start=place)
             if solution.sure and solution.none != "no stress":
                 return ground, solution
             attempts.append((ground, solution))

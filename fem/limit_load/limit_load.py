@@ -39,7 +39,7 @@ class LoadedGround:
     problem : the ground: in equilibrium under its weight, or without stress where ``gravity`` is None
     weight (dofs,) : nodal forces of the weight of the ground (N/m)
     constant (dofs,) : nodal forces that are constant (N/m)
-    gravity : the path under gravity
+    gravity : the path under gravity; None if the ground was not brought to rest
     faces : cohesionless faces that were strengthened, since such faces fail first
     load (dofs,) : nodal forces of Kh = 1 (N/m)
     limit : limit load of the seismic force, if it is unique and the element suits limit analysis

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fem.settings import PathVerdict
 
 # Relative difference of two limit loads of the same mesh and loading that exceeds the accuracy of the solver, which is
-# 0.01 % in most cases and 0.1 % in some (``cone_program.FEASIBILITY_OF_ELEMENTS``).
+# 0.01 % in most cases and 0.1 % in some (``program_accuracy.FEASIBILITY_OF_ELEMENTS``).
 SOLVER_ACCURACY = 1e-3
 # Corner angle (degrees) below which a cell is a wedge.
 NARROW_ANGLE = 15.0

@@ -159,7 +159,12 @@ def _neighbourhoods(lower: sparse.csc_matrix) -> np.ndarray:
 
 @cache
 def available() -> bool:
-    """Return whether CHOLMOD is installed and solves equations whose solution is known."""
+    """Return whether CHOLMOD is installed and solves equations whose solution is known.
+
+    Returns
+    -------
+    False if the library is missing, its version is unknown or its solution is wrong; it is tried once in a process.
+    """
     try:
         size = 400
         matrix = sparse.diags([-1.0, 4.0, -1.0], [-20, 0, 20], shape=(size, size))

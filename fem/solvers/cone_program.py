@@ -29,36 +29,24 @@ import clarabel
 import numpy as np
 from scipy import sparse
 
-from fem.settings import LEAST_KH
 from fem.solvers import cholmod, interior_point
 from fem.solvers.blas_threads import use_one_thread
 from fem.solvers.cone_matrices import Assembled, ConeProgram, assembled, standard, stress_of
-from fem.solvers.convergence import STALLED_RESIDUAL, Place, Tolerance
+from fem.solvers.convergence import Place, Tolerance
 from fem.solvers.corner_matrix import CornerMatrix
 from fem.solvers.interior_point import Standard
+from fem.solvers.program_accuracy import BOUNDS, ProgramAccuracy
 from meshes.executor import interruptible
 
 use_one_thread()
 
-# Relative gap at which the solver stops: each bound may lie this far from the best one of its mesh. And the residual of
-# its equations: at 1e-8 what corrects it led out of the yield surface by more than the margin.
-SOLVER_GAP, FEASIBILITY = 5e-6, 1e-9
-# The residual where a cut-off leaves a bare surface no room for a margin.
-FEASIBILITY_AT_CUT_OFF = 1e-11
+# Relative gap at which Clarabel stops: each bound may lie this far from the best one of its mesh.
+SOLVER_GAP = 5e-6
 # Statuses with which the tolerances are met, in the second case those of 1e-4 and 5e-5; bounds are checked separately.
 CONVERGED_STATUSES = ("Solved", "AlmostSolved")
 # The ends that prove that there is no solution.
 NoSolution = Literal["no stress", "no mechanism"]
 INFEASIBLE: Mapping[str, NoSolution] = {"PrimalInfeasible": "no mechanism", "DualInfeasible": "no stress"}
-# Of the pivots, for mechanisms the solver's own first. Where ground next to rock has hardly any strength, which of many
-# mechanisms goes is open, factorisations break down, and more of it helps; iterative refinement takes it out of the
-# answer. For stress fields 1e-8 is too little from the start: of 180 programs of benches with seams, random slopes and
-# layers of clay a quarter ended in "NumericalError" or met their tolerances only almost, with 1e-7 none, in as many
-# iterations.
-REGULARISATIONS, REGULARISATIONS_OF_STRESS = (1e-8, 1e-7, 1e-6), (1e-7, 1e-6)
-# The same for elements, whose answer is no bound: at 1e-8 they often break down, and a residual of 1e-7 is met in three
-# quarters of the iterations and changes the answer by 0.03 % at most, as a rule (0.1 % in 1 of 10 published cases).
-REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS, STALLED_RESIDUAL_OF_ELEMENTS = (1e-7, 1e-6), 1e-7, 3e-7
 # Tolerances met almost will do where the equations are met to this.
 ACCEPTED_RESIDUAL = 1e-6
 MOST_ITERATIONS = 120
@@ -70,15 +58,11 @@ MOST_ITERATIONS = 120
 # the equations, the correction of the solution, its check, and the triangles.
 COST_NONZEROS, COST_SECONDS, COST_EXPONENT = 1e6, 0.065, 1.13
 SETUP_SECONDS = 1.4e-5
-# Relative gaps of the interior-point method of our own (``interior_point.py``), how many times as much will do where it
-# breaks down, and the velocities below which Clarabel is as quick. The middle of the bracket of elements is off by less
-# than half of their gap, which is a tenth of the accuracy that is asked for of the discretisation.
-INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS, ACCEPTED_GAP_RATIO, FEWEST_VELOCITIES = 3e-4, 1e-3, 2.5, 2000
-# No stress balances the dead load of bounds where velocities prove that the multiplier is below this number: a Kh below
-# -1 has no meaning, and a share of loads is positive.
-LEAST_MULTIPLIER = -10.0
-# Its computing work: time (s) of an iteration whose stiffness matrix has INTERIOR_ENTRIES entries, and the power of
-# their number that the time is proportional to.
+# Multiple of its gap that will do where the built-in interior-point method breaks down, and the number of velocities
+# below which Clarabel is as quick.
+ACCEPTED_GAP_RATIO, FEWEST_VELOCITIES = 2.5, 2000
+# Computing work of the built-in method: time (s) of an iteration whose stiffness matrix has INTERIOR_ENTRIES entries,
+# and the power of their number that the time is proportional to.
 INTERIOR_ENTRIES, INTERIOR_SECONDS, INTERIOR_EXPONENT = 1e6, 0.35, 1.1
 
 
@@ -161,46 +145,6 @@ class Warm:
         )
 
 
-@dataclass(frozen=True)
-class ProgramAccuracy:
-    """Holds how exactly a program is solved.
-
-    Attributes
-    ----------
-    tolerance : criteria of the built-in interior-point method
-    regularisations : of Clarabel, which is called again with the next one if it ends without an answer, or almost meets
-        its tolerances but with large residuals
-    feasibility, feasibility_at_cut_off : residual of the equations of Clarabel, and the same with tension cut-offs
-    in_the_middle : whether the multiplier is the mean of the bracket of the solver
-    """
-
-    tolerance: Tolerance
-    regularisations: tuple[float, ...]
-    feasibility: float
-    feasibility_at_cut_off: float
-    in_the_middle: bool = False
-
-
-def of_bounds(
-    regularisations: tuple[float, ...] = REGULARISATIONS, stalled_residual: float = STALLED_RESIDUAL
-) -> ProgramAccuracy:
-    """Return the accuracy of a bound. Residuals of the equations up to ``stalled_residual`` are accepted where
-    iterations no longer reduce them."""
-    tolerance = Tolerance(INTERIOR_GAP, LEAST_KH, stalled_residual=stalled_residual, floor=LEAST_MULTIPLIER)
-    return ProgramAccuracy(tolerance, regularisations, FEASIBILITY, FEASIBILITY_AT_CUT_OFF)
-
-
-def of_elements(least: float = 1.0) -> ProgramAccuracy:
-    """Return the accuracy of a finite element limit analysis, which is less than that of a bound. The width of the
-    bracket is a share of the multiplier, or of ``least`` where the multiplier is smaller."""
-    feasibility = FEASIBILITY_OF_ELEMENTS
-    tolerance = Tolerance(INTERIOR_GAP_OF_ELEMENTS, least, feasibility, STALLED_RESIDUAL_OF_ELEMENTS)
-    return ProgramAccuracy(tolerance, REGULARISATIONS_OF_ELEMENTS, feasibility, feasibility, in_the_middle=True)
-
-
-BOUNDS = of_bounds()
-
-
 def solve(
     program: ConeProgram,
     accuracy: ProgramAccuracy = BOUNDS,
@@ -208,13 +152,19 @@ def solve(
     most_work: float = math.inf,
     start: Warm | None = None,
 ) -> Solution:
-    """Solve a cone program by the built-in interior-point method, or by Clarabel if this method finds no solution;
-    return stress, velocities and multiplier.
+    """Solve a cone program by the built-in interior-point method, or by Clarabel if this method finds no solution.
 
-    Forces are multiplied by ``magnified``, since the tolerances of Clarabel are relative to one where forces are
-    smaller than one. After ``most_work`` (seconds on the reference machine) both methods end with their last iterate.
-    The built-in method begins at a ``start`` that suits the program, which changes only its computing time.
-    ``accuracy``: tolerances and regularisation, for bounds or for elements.
+    Parameters
+    ----------
+    program : the cone program, with forces and strengths over the units of force and stress
+    accuracy : tolerances and regularisation, for bounds or for elements
+    magnified : factor on forces, since the tolerances of Clarabel are relative to one where forces are smaller than one
+    most_work : computing work after which both methods end with their last iterate (seconds on the reference machine)
+    start : starting point, used if it suits the program; it changes only the computing time
+
+    Returns
+    -------
+    Stress, velocities and multiplier, with the status of the solver.
     """
     corners, n = len(program.cohesion), len(program.live)
     clay = np.flatnonzero(program.friction == 0.0)

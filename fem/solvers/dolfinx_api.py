@@ -40,7 +40,13 @@ def _symbols_to_themselves() -> Iterator[None]:
 
 
 def require() -> None:
-    """Raise InputError with instructions of installation unless dolfinx is installed and recent enough."""
+    """Refuse to continue unless dolfinx is installed and recent enough.
+
+    Raises
+    ------
+    InputError
+        With instructions of installation.
+    """
     try:
         with _symbols_to_themselves():
             import dolfinx
@@ -75,11 +81,18 @@ class RankDistribution:
 
 
 def distribute(comm: Any, points: np.ndarray, cells: np.ndarray, degree: int) -> RankDistribution:
-    """Distribute quadrilaterals, points (n, 2) and cells (m, 4) in the order of gmsh, and number the nodes of the
-    space.
+    """Distribute quadrilaterals among the ranks, and number the nodes of a scalar Lagrange space on them.
 
-    The space is bilinear (``degree`` 1) or biquadratic (``degree`` 2).
-    ``comm``: MPI communicator.
+    Parameters
+    ----------
+    comm : MPI communicator
+    points (n, 2) : coordinates of the corners (m), read on the first rank
+    cells (m, 4) : corners of the cells in the order of gmsh, round each cell
+    degree : degree of the space, 1 (bilinear) or 2 (biquadratic)
+
+    Returns
+    -------
+    The cells of this rank and their nodes.
     """
     if comm.rank == 0:
         ordered, x = cells[:, TENSOR_ORDER].astype(np.int64), np.ascontiguousarray(points, dtype=np.float64)
@@ -124,8 +137,17 @@ def _grid_and_space(comm: Any, cells: np.ndarray, x: np.ndarray, degree: int) ->
 
 
 def tabulate(degree: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the shape functions (points, nodes) and their reference gradients (points, nodes, 2) at reference
-    points."""
+    """Return the shape functions and their gradients at points of the reference square.
+
+    Parameters
+    ----------
+    degree : degree of the shape functions, 1 or 2
+    points (n, 2) : points in [0, 1]²
+
+    Returns
+    -------
+    Shape functions (n, nodes), and gradients (n, nodes, 2) by the reference coordinates (-).
+    """
     import basix
 
     table = _element(degree, basix.create_element).tabulate(1, points)[..., 0]
