@@ -51,16 +51,20 @@ def mark_force(axes: Axes, towards: Towards | None) -> None:
     axes.text(RIGHT, 1.0, "Kh", transform=moved(-ARROW - 4.0), fontsize=8, color=CRITICAL, ha="right", va="center")
 
 
-def draw_water(axes: Axes, section: Section) -> Sequence[Line2D]:
-    """Draw the water table, the table after a drawdown, and free water. Return the lines, with labels."""
+def draw_water(axes: Axes, section: Section, moved: bool = False) -> Sequence[Line2D]:
+    """Draw the water table, the table after a drawdown, and free water. Return the lines, with labels. In a picture of
+    ground that has ``moved`` there is no free water, since the surface is another one, and the table is called that
+    before the slide."""
     water, lowered = section.water_points(), section.water_points_after_drawdown()
     if water is None:
         return []
-    x = np.union1d(section.ground[:, 0], water[:, 0])
-    x = np.union1d(x, np.linspace(x[0], x[-1], 2000))
-    level, ground = np.interp(x, *water.T), np.interp(x, *section.ground.T)
-    axes.fill_between(x, ground, level, where=list(level > ground), color=WATER, alpha=0.25, linewidth=0)
-    tables = [(water, TABLE, "water table" if lowered is None else "water table before the drawdown")]
+    if not moved:
+        x = np.union1d(section.ground[:, 0], water[:, 0])
+        x = np.union1d(x, np.linspace(x[0], x[-1], 2000))
+        level, ground = np.interp(x, *water.T), np.interp(x, *section.ground.T)
+        axes.fill_between(x, ground, level, where=list(level > ground), color=WATER, alpha=0.25, linewidth=0)
+    name = "water table before the slide" if moved else "water table"
+    tables = [(water, TABLE, name if lowered is None else "water table before the drawdown")]
     if lowered is not None:
         tables.append((lowered, LOWERED, "water table after the drawdown"))
     return [

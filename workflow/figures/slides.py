@@ -181,7 +181,7 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     axes.plot(*smoothed(before, size).T, color=INK, linewidth=1.1, linestyle=(0, (4, 2)), label="surface before")
     axes.plot(*smoothed(after, size).T, color=CONTINUUM, linewidth=1.3, label="surface after")
     mark_force(axes, sides_of_slide(config))
-    wet = draw_water(sheet.show(1, render(window, strata), window, "layers"), config.section)
+    wet = draw_water(sheet.show(1, render(window, strata), window, "layers"), config.section, moved=True)
     displacement_scale(sheet, norm)
     sheet.legend(handles, columns, below=2.6)
     sheet.figure.legend(

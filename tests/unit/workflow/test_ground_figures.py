@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import ArrowStyle
 from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
@@ -16,7 +17,7 @@ from workflow.config import Config
 from workflow.figures.canvas import Sheet
 from workflow.figures.fem import conditions
 from workflow.figures.ground import WALL, WATER, Overlay, crack_bottoms, pressure_of, section_sheet
-from workflow.figures.marks import Towards, sides_of_slide
+from workflow.figures.marks import Towards, draw_water, sides_of_slide
 from workflow.report.tables import parameter_rows
 
 
@@ -69,6 +70,15 @@ def test_the_arrow_of_a_slide_is_that_of_its_shaking() -> None:
     cyclic = {"kh": 0.1, "kh_cycles": 10, "kh_period": 0.7}
     for slide, towards in (({"kh": 0.1}, "right"), ({"kh": 0.0}, None), (cyclic, "both")):
         assert sides_of_slide(Config.parse({**slope(), "slide": slide})) == towards
+
+
+def test_water_beside_ground_that_has_moved_is_that_before_the_slide() -> None:
+    """Its table hung over a levee that had slid, and free water covered the ground that lay in the river."""
+    section = Config.parse({**slope(), "water": {"table": [[0, 12], [100, 12]]}}).section
+    for moved, label, fills in ((False, "water table", 1), (True, "water table before the slide", 0)):
+        axes = Figure().add_subplot()
+        (line,) = draw_water(axes, section, moved)
+        assert (line.get_label(), len(axes.collections)) == (label, fills)
 
 
 def test_both_water_tables_of_a_drawdown_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
