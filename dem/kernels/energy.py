@@ -12,13 +12,12 @@ from dem.kernels import layout as field
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.added_mass import pull_added_mass
 from dem.kernels.arguments import Law, Loads, Springs, State
-from dem.kernels.bond_law import energy_share
 from dem.kernels.chunks import add, load_geometry
 from dem.kernels.device_function import device_function
 from dem.kernels.interaction import Contact, at_line, between_discs, line_lane
 from dem.kernels.layout import Layout
 from dem.kernels.liquefied_bonds import bond_lines
-from dem.kernels.liquefied_laws import water_energy
+from dem.kernels.liquefied_laws import energy_share, water_energy
 from dem.kernels.losses import along
 from dem.kernels.prefetch import wide_vectors
 from dem.kernels.work_buffers import OWNED_DISCS, ROW, SUM_R, SUM_X, SUM_Z, load_all_constants, load_own, new_buffer

@@ -7,9 +7,18 @@ import math
 import numpy as np
 
 from dem.kernels import liquefied_pairs as bond
-from dem.kernels.bond_law import SOFT_CREEP_TIME, decay, energy_share, force_share, mobilised, slopes
 from dem.kernels.device_function import device_function
-from dem.kernels.liquefied_laws import bond_kernel, dashpot_share, stand_in_shares
+from dem.kernels.liquefied_laws import (
+    SOFT_CREEP_TIME,
+    bond_kernel,
+    dashpot_share,
+    decay,
+    energy_share,
+    force_share,
+    mobilised,
+    slopes,
+    stand_in_shares,
+)
 from dem.kernels.losses import both
 from dem.kernels.prefetch import wide_vectors
 

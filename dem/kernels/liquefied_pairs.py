@@ -25,9 +25,9 @@ comes within reach would get a force as many times too large as its w has grown 
 area: a slope of clay on a weak seam moved 1.0 m instead of 1.7 m, since the wedge behind its crest did not fall.
    Bonds of two strata slip about the rotation of the weaker disc alone, and count in its sums alone.
    Ground with a strain potential is soft at first: the force-displacement law is a straight line up to the potential,
-   with a dashpot in parallel, and a steep one from there to the limit (`kernels.bond_law`). A part of a bond between
-   liquefied and other ground lies in the other ground, which does not strain: the displacements of such a bond are
-   multiplied by `STRAINING_SHARE`. Bonds that exist from the onset have 1 + `EXTRA_STRENGTH` times this limit until
+   with a dashpot in parallel, and a steep one from there to the limit (`kernels.liquefied_laws`). A part of a bond
+   between liquefied and other ground lies in the other ground, which does not strain: the displacements of such a bond
+   are multiplied by `STRAINING_SHARE`. Bonds that exist from the onset have 1 + `EXTRA_STRENGTH` times this limit until
    they have slipped: discs that lose their contacts rearrange, and until slip has aligned all bonds, those at their
    limit give only 0.77 s.
 

@@ -13,9 +13,8 @@ import numpy as np
 from numba import njit
 
 from dem.kernels import liquefied_pairs as bond
-from dem.kernels.bond_law import force_share
 from dem.kernels.liquefied_bonds import BOND_LIMIT, EXTRA_STRENGTH, bond_lines
-from dem.kernels.liquefied_laws import bond_kernel, density_kernel, stand_in_shares
+from dem.kernels.liquefied_laws import bond_kernel, density_kernel, force_share, stand_in_shares
 from dem.kernels.period import Period, image
 
 ALONG_AT, ACROSS_AT, DASH_ALONG_AT, DASH_ACROSS_AT = (

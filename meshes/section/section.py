@@ -13,6 +13,7 @@ import tomli_w
 from pydantic import Field, PrivateAttr, StrictBool, ValidationError, model_validator
 
 from meshes.errors import InputError
+from meshes.section import geometry_problems as checks
 from meshes.section.beyond import Continuation, Slope, continuation, continuation_words
 from meshes.section.cohesion_field import CohesionField
 from meshes.section.consolidation import Consolidation
@@ -20,7 +21,6 @@ from meshes.section.cutting import Cutting, cut_films, cut_strata, key_in_file, 
 from meshes.section.dense_lines import CELL, lines_by_place, mean_height, thinned_lines, with_lines, without_films
 from meshes.section.flow import seepage_of
 from meshes.section.flow_grid import Wall
-from meshes.section.geometry_problems import geometry_problems, problems_of_the_rest
 from meshes.section.layering import Layering, Layers, elevations_below, layering
 from meshes.section.line_order import in_order
 from meshes.section.model import Model
@@ -38,7 +38,6 @@ from meshes.section.uplift import Uplift, uplift
 from meshes.section.vertical_flow import heads_of, with_ends
 from meshes.section.water import Water
 from meshes.section.water_pressure import WaterPressure
-from meshes.section.water_problems import cutoff_problems, surcharge_problems, water_problems
 from meshes.section.zone import Zone, with_elevations, with_materials, without_depth, zoned
 
 
@@ -100,19 +99,19 @@ class Section(Model):
         problems = list(naming_problems(names := [soil.name for soil in (*self.strata, *self.zones)]))
         if self.reconstruction and not self.reconstruction_note.strip():
             problems.append("reconstruction_note: expected a sentence that says what was reconstructed from what")
-        bottoms = [stratum.bottom for stratum in self.strata]
-        problems += geometry_problems(self.surface, self.base, self._water_lines(), bottoms, names[: len(bottoms)])
+        bottoms, waters = [stratum.bottom for stratum in self.strata], self._water_lines()
+        problems += checks.geometry_problems(self.surface, self.base, waters, bottoms, names[: len(bottoms)])
         if not self.unusual:
             soils = [zone.soil.in_table(f"zones {k}") for k, zone in enumerate(self.zones, 1) if not zone.material]
             problems += implausible([*self.strata, *soils], self.water, self.surcharges)
         if not problems:
             problems += self._apply_zones()
         if not problems:
-            problems += water_problems(self.water, self.water_table, self.strata, self.consolidation)
-            problems += surcharge_problems(self.surcharges, *self.given_extent)
+            problems += checks.water_problems(self.water, self.water_table, self.strata, self.consolidation)
+            problems += checks.surcharge_problems(self.surcharges, *self.given_extent)
             problems += structure_problems(self.structures, self.given_extent)
         if not problems and self.water is not None and self.water.cutoffs:
-            problems += cutoff_problems(self.water.cutoffs, self.layering)
+            problems += checks.cutoff_problems(self.water.cutoffs, self.layering)
         if problems:
             raise ValueError("\n".join(dict.fromkeys(problems)))
         return self
@@ -382,7 +381,7 @@ class Section(Model):
             problems = sentences(error, known, cls)
             # pydantic validates the whole only if all parts are valid; here both are reported at once.
             if not any(entry["loc"] == () for entry in error.errors()):
-                problems += problems_of_the_rest(known)
+                problems += checks.problems_of_the_rest(known)
             raise InputError(source, list(dict.fromkeys(problems))) from error
         section._line_notices = tuple(moved)
         return section

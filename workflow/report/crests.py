@@ -9,8 +9,7 @@ from meshes.section.stratum import liquefying_strata
 from workflow.config import Config
 from workflow.earthquake.triggering.assessment import assess
 from workflow.earthquake.triggering.consequences import residual_strengths
-from workflow.estimates.crest import Crest
-from workflow.estimates.crest_settlement import crest_settlement, freeboard, reconsolidation_settlement
+from workflow.estimates.crest import Crest, crest_settlement, freeboard, reconsolidation_settlement
 from workflow.estimates.structures import CrestedStructure, structures_of
 from workflow.report.numbers import signed_span, span
 from workflow.report.summary_text import at_rest

@@ -7,7 +7,7 @@ import numpy as np
 
 from meshes.section.stratum import cases_of
 from workflow.criteria.settings import common_verdict, judge
-from workflow.estimates.crest_settlement import freeboard
+from workflow.estimates.crest import freeboard
 from workflow.estimates.structures import structures_of
 from workflow.report.crests import crest_parts, water_at_crest
 from workflow.report.slide_headline import block_slides

@@ -1,5 +1,7 @@
 """Computes the critical Kh or the factor of safety of one face of a structure, by finite elements and bounds: with as
-many strong zones elsewhere as its failure takes to contain the crest."""
+many strong zones elsewhere as its failure takes to contain the crest. Also computes the factors of safety of all faces
+in ground with another strength or pore pressure than that of the input.
+"""
 
 import math
 from dataclasses import dataclass
@@ -11,9 +13,11 @@ from meshes.errors import InputError, NoAnswerError
 from meshes.executor import Tell
 from workflow.config import Config
 from workflow.estimates.face_zones import Surface, is_of_face, zones_against
+from workflow.estimates.slices import LEFT, RIGHT
 from workflow.estimates.structures import CrestedStructure, structures_of
 from workflow.results.answer import line
-from workflow.results.faces import FaceValue, StrongZonePart
+from workflow.results.faces import FaceAtRest, FaceValue, StrongZonePart
+from workflow.results.slices import CirclesAtRest
 
 if TYPE_CHECKING:
     from fem.search.face_limits import FaceLimit
@@ -158,3 +162,38 @@ def unwanted(config: Config) -> str:
     if config.faces.run == "auto" and count > MOST_STRUCTURES:
         return f"there are {count} structures, more than {MOST_STRUCTURES}: faces.run = true computes their faces"
     return ""
+
+
+def faces_at_rest(section: "Section", config: Config, circles: CirclesAtRest | None) -> tuple[FaceAtRest, ...]:
+    """Return the factor of safety of every face that has a slip circle, by finite elements on one mesh, in a
+    ``section`` after shaking or liquefaction; nothing if the stage `faces` is not wanted.
+
+    ``circles``: the circles of the faces in this section.
+    """
+    if circles is None or not circles.faces or unwanted(config):
+        return ()
+    ground = config.model_copy(update={"section": section})
+    ground = ground.with_settings("fem", accuracy=0.0, kh=()).with_settings("faces", bounds=False)
+    whole = unchanged_value(ground, ("factor of safety", LEFT), _silent)
+    answers = []
+    for structure in structures_of(config.section):
+        ends = structure.crest.start, structure.crest.end
+        for face in circles.faces:
+            if (face.start_m, face.end_m) != ends:
+                continue
+            side = LEFT if face.towards == "left" else RIGHT
+            task = FaceTask(ground, structure, side, "factor of safety", whole, face.circle.surface_m)
+            value = face_value(task, _silent)
+            answers.append(
+                FaceAtRest(
+                    structure=structure.name,
+                    towards=face.towards,
+                    safety=value if isinstance(value, FaceValue) else None,
+                    reason="" if isinstance(value, FaceValue) else value,
+                )
+            )
+    return tuple(answers)
+
+
+def _silent(message: str) -> None:
+    """Report nothing: the stage names the case that it computes."""

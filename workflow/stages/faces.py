@@ -17,8 +17,7 @@ from workflow.results.faces import FaceAtRest, FacesAnswer, FaceStrength, FaceVa
 from workflow.results.finished_parts import FinishedParts
 from workflow.results.slices import FacePart, SlicesAnswer
 from workflow.run.stage import Job, Stage
-from workflow.stages.face_values import FaceTask, Quantity, face_value, unchanged_value, unwanted
-from workflow.stages.faces_at_rest import faces_at_rest
+from workflow.stages.face_values import FaceTask, Quantity, face_value, faces_at_rest, unchanged_value, unwanted
 
 if TYPE_CHECKING:
     from fem.search.face_limits import FaceLimit

@@ -11,7 +11,7 @@ from workflow.results.finished_parts import FinishedParts
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase, LiquefiedStratum
 from workflow.run.stage import Job, Stage, unless_it_liquefies
 from workflow.stages.bearing import WITHOUT_EFFECT, bearing_of
-from workflow.stages.faces_at_rest import faces_at_rest
+from workflow.stages.face_values import faces_at_rest
 from workflow.stages.liquefaction import (
     STRENGTH_KEYS,
     cases_as_data,

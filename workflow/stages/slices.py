@@ -36,8 +36,7 @@ def work(job: Job) -> None:
     """Find the critical circles; writes fem/slices.json and figures/slip_circles.png."""
     from workflow.estimates.deeper_circles import ground_of_circles
     from workflow.estimates.slices import LEFT, RIGHT
-    from workflow.estimates.strong_blocks import strong_blocks
-    from workflow.estimates.weak_layers import thin_weak_layers
+    from workflow.estimates.weak_layers import strong_blocks, thin_weak_layers
 
     section, fem, crack = job.config.section, job.config.fem, job.config.tension_crack
     coefficients = dict.fromkeys((0.0, *fem.safety_factor_at, *_criterion_kh(job.config)))

@@ -20,7 +20,7 @@ from workflow.results.faces import StrongZonePart
 from workflow.results.slices import CirclesAtRest, SlicesAnswer
 from workflow.results.stability import LiquefiedAnswer, LiquefiedCase
 from workflow.run.store import Store
-from workflow.stages.faces_at_rest import faces_at_rest
+from workflow.stages.face_values import faces_at_rest
 from workflow.stages.slices import circles_at_rest, work
 from workflow.texts.report_texts import Texts
 

@@ -3,8 +3,15 @@
 import numpy as np
 import pytest
 
-from workflow.estimates.crest import Crest, crest_between, embankments
-from workflow.estimates.crest_settlement import crest_level, crest_settlement, freeboard, reconsolidation_settlement
+from workflow.estimates.crest import (
+    Crest,
+    crest_between,
+    crest_level,
+    crest_settlement,
+    embankments,
+    freeboard,
+    reconsolidation_settlement,
+)
 
 # The levee of tests/support/levee: crest at 15 m from x = 66 to 72 m, a berm, low-water bank at 40 to 48 m.
 LEVEE = np.array(

@@ -22,7 +22,7 @@ from workflow.report.study import _strongest as strongest
 from workflow.report.study import sentences
 from workflow.results.cases import Spread
 from workflow.results.study import Effect, Result, StudyAnswer
-from workflow.study import continuum, task
+from workflow.study import parts, task
 from workflow.study.ensemble import Ensemble
 from workflow.study.fragility import curve, fit, fragility
 from workflow.study.statistics import effects, probability
@@ -157,13 +157,13 @@ def test_a_path_without_equilibrium_is_no_answer_and_not_a_critical_kh_of_0(
     def ended(*paths: Any) -> None:
         raise error("it ended")
 
-    monkeypatch.setattr(continuum, "_critical", ended)
+    monkeypatch.setattr(parts, "_critical", ended)
     sample = task.StudySample(data={**slope(), "mesh": {"size": 10}})
     if error is UnstableError:
-        assert continuum.continuum(sample).numbers == {"kc": 0.0}
+        assert parts.continuum(sample).numbers == {"kc": 0.0}
     else:
         with pytest.raises(NoEquilibriumError):
-            continuum.continuum(sample)
+            parts.continuum(sample)
 
 
 @pytest.mark.parametrize("samples", [8, 30])

@@ -4,8 +4,7 @@ import pytest
 
 from meshes.section.section import Section
 from tests.support.water import soil
-from workflow.estimates.strong_blocks import strong_blocks
-from workflow.estimates.weak_layers import thin_weak_layers
+from workflow.estimates.weak_layers import strong_blocks, thin_weak_layers
 from workflow.report.slices import slices_sentences
 from workflow.results.answer import SectionLabel
 from workflow.results.slices import CirclePart, FactorCircles, SlicesAnswer
