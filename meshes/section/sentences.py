@@ -87,8 +87,10 @@ def _without_choices(location: Place, data: Any) -> tuple[Place, Place]:
     return tuple(place), field
 
 
-# What other programs and hand calculations call a key of a stratum: the key, and what to know of it.
+# What other programs and hand calculations call a key of a stratum or a case: the key, and what to know of it.
 UNDRAINED = ("cohesion", ', with friction_angle = "0 deg"')
+RESIDUAL_RATIO = ("residual", ", the residual strength over the vertical effective stress before shaking")
+RESIDUAL = ("residual_strength", ' as a stress ("4 kPa"), or residual as a ratio to the vertical effective stress')
 WEIGHT = ("density", ', which may be a unit weight such as "18 kN/m^3"')
 SATURATED = ("density_saturated", WEIGHT[1])
 HOEK_BROWN = ("cohesion", " and friction_angle, fitted to the Hoek-Brown envelope: see docs/how-to/section.md, Rock")
@@ -104,6 +106,7 @@ OTHER_WORDS = {
     "kx": ("permeability", ""), "ky": ("permeability_vertical", ""), "kv": ("permeability_vertical", ""),
     "borings": ("triggering", ", where [[triggering.borings]] have blow counts or cones"),
     "pop": ("pre_overburden_pressure", ""), "shansep": ("strength_ratio", ""),
+    "residual_strength_ratio": RESIDUAL_RATIO, "residual_ratio": RESIDUAL_RATIO, "sr": RESIDUAL, "s_r": RESIDUAL,
 }  # fmt: skip
 
 

@@ -86,6 +86,12 @@ def test_borings_outside_their_table_are_told_where_they_stand() -> None:
         Config.parse({**slope(), "earthquakes": [{"magnitude": 7.5}]})
 
 
+def test_a_ratio_of_residual_strength_is_not_taken_for_a_stress() -> None:
+    """0.1 as residual_strength would be 0.1 Pa."""
+    with pytest.raises(InputError, match="residual_strength_ratio: unknown key; expected residual, the residual"):
+        Config.parse({**slope(), "slide": {"cases": [{"residual_strength_ratio": 0.1}]}})
+
+
 def test_merging_leaves_its_parts_alone() -> None:
     lower, upper = {"a": {"x": 1, "y": 2}, "b": 1}, {"a": {"y": 3}}
     assert merged(lower, upper) == {"a": {"x": 1, "y": 3}, "b": 1}
