@@ -29,6 +29,8 @@ PACKAGES = ("meshes", "fem", "dem")
 ALL_PACKAGES = (*PACKAGES, "workflow")
 # Packages in which everything that another room imports is documented.
 SHARED = ("meshes", "fem", "dem", "workflow")
+# Of these also what a room takes from a module of another room.
+BY_MODULE = ("fem",)
 # First words of docstrings that have no verb in front.
 NO_VERB = re.compile(
     r"(The|An?|This|These|Such|All|Every|Each|Both|One|Two|Some|Whether|What|Which|Where|Who|How|Why)\b"
@@ -101,19 +103,29 @@ def room(module: str) -> str:
 
 
 def shared() -> Iterator[tuple[str, str]]:
-    """Yield module and name of everything that a room imports from another room, once."""
+    """Yield module and name of everything that a room imports from another room, once. Of the packages of `BY_MODULE`
+    what it takes from a module that it imports, such as ``cholmod.available``, is among them."""
     names = set()
     for package in ALL_PACKAGES:
         for path in sorted((TOP / package).rglob("*.py")):
             importer = ".".join(path.relative_to(TOP).with_suffix("").parts)
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[2]:
-                    names |= {
-                        (node.module, alias.name)
-                        for alias in node.names
-                        if node.module.partition(".")[0] in ALL_PACKAGES and room(node.module) != room(importer)
-                    }
-    yield from sorted(names)
+            tree, modules = ast.parse(path.read_text(encoding="utf-8")), {}
+            for node in ast.walk(tree):
+                if (
+                    isinstance(node, ast.ImportFrom)
+                    and (node.module or "").partition(".")[2]
+                    and node.module.partition(".")[0] in ALL_PACKAGES
+                    and room(node.module) != room(importer)
+                ):
+                    names |= {(node.module, alias.name) for alias in node.names}
+                    if node.module.partition(".")[0] in BY_MODULE:
+                        modules |= {alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names}
+            names |= {
+                (modules[node.value.id], node.attr)
+                for node in ast.walk(tree)
+                if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in modules
+            }
+    yield from sorted((module, name) for module, name in names if (TOP / f"{module.replace('.', '/')}.py").exists())
 
 
 def shared_faults(places: tuple[str, ...]) -> Iterator[str]:

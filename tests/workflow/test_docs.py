@@ -316,6 +316,12 @@ def test_parameters_may_have_a_shape_or_a_type() -> None:
     assert list(program("docstrings").faults(moved)) == ["where is not under Parameters"]
 
 
+def test_what_a_room_takes_from_a_module_of_another_room_is_shared() -> None:
+    shared = set(program("docstrings").shared())
+    assert {("fem.errors", "UnstableError"), ("fem.kernels.mohr_coulomb", "update")} <= shared
+    assert ("fem.kernels.mohr_coulomb", "_check") not in shared
+
+
 def test_readmes_of_packages_are_a_page() -> None:
     for package in PACKAGES:
         text = (TOP / package / "README.md").read_text(encoding="utf-8")
