@@ -258,6 +258,10 @@ class SlideSettings(Model):
         gt=0.0,
         description=("duration of the constant Kh (s) after the layers have liquefied; by default it has no end"),
     )
+    kh_towards: Literal["left", "right"] | None = Field(
+        default=None,
+        description="side to which a constant Kh acts; by default the lower end of the ground, or the right",
+    )
     kh_cycles: float | None = Field(
         default=None,
         gt=0.0,
@@ -354,6 +358,8 @@ class SlideSettings(Model):
             problems.append("slide, kh_cycles and kh_seconds: expected one of them; Kh is cyclic, or constant")
         elif self.kh_cycles is not None and self.accelerogram:
             problems.append("slide, kh_cycles and accelerogram: expected one of them; a record has its own cycles")
+        if self.kh_towards and (self.kh_cycles is not None or self.accelerogram):
+            problems.append("slide, kh_towards: expected with a constant Kh alone; cycles and records act both ways")
         return problems + [
             f'slide, cases {number}, {key}: there is no "{name}"; expected one of {", ".join(strata)}'
             for number, case in enumerate(self.cases, start=1)
@@ -374,7 +380,8 @@ class SlideSettings(Model):
             return "its weight alone"
         if self.kh_cycles is not None:
             return f"Kh = {self.kh:g} in both directions ({self.kh_cycles:g} cycles, period {self.kh_period:g} s)"
-        return f"Kh = {self.kh:g}" + (f" for {self.kh_seconds:g} s" if self.kh_seconds is not None else "")
+        duration = f" for {self.kh_seconds:g} s" if self.kh_seconds is not None else ""
+        return f"Kh = {self.kh:g}{duration}" + (f" towards the {self.kh_towards}" if self.kh_towards else "")
 
     def onset_of(self, model: DiscModelName) -> float:
         """Return the setting `onset` (s), or its default for the chosen model of the discs."""

@@ -115,6 +115,18 @@ def cycles(
     return Shaking(time, acceleration, {k: over * shares.get(k, 0.0) for k in strata})
 
 
+def downslope_kh(settings: SlideSettings, downhill: int) -> float:
+    """Return the constant Kh of slides, positive towards the lower end of the ground.
+
+    Parameters
+    ----------
+    settings : settings of the slide: ``kh``, ``kh_towards``
+    downhill : +1 if the ground falls to the right, or its ends are equally high; -1 if it falls to the left
+    """
+    towards = {"left": -1, "right": 1, None: downhill}[settings.kh_towards]
+    return settings.kh * towards * downhill
+
+
 def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> BaseMotion:
     """Return the loading by a constant Kh, under which all strata liquefy together. Strata of soil discs liquefy once
     Kh has its full value, and ``kh_seconds`` count from the time at which they have liquefied.
@@ -125,7 +137,7 @@ def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], setting
     begin = lead + onset
     return BaseMotion(
         acceleration=ground.constant_acceleration(
-            settings.kh,
+            downslope_kh(settings, ground.downhill),
             start.time,
             lead or max(onset, 1e-3),
             None if settings.kh_seconds is None else begin + settings.kh_seconds,

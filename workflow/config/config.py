@@ -27,6 +27,7 @@ from workflow.config.contradictions import (
     strata_of,
     valid_tables,
 )
+from workflow.config.one_way_kh import faces_without_kh
 from workflow.config.renamed import current
 from workflow.config.tables import Tables
 from workflow.earthquake.records_in_use import other_peak, remarks, unreadable_records
@@ -143,6 +144,7 @@ class Config(Tables):
         slides = self.section.liquefies
         notices = [*remarks(self), *other_peak(self), *self.earthquake.notices(self.slide if slides else None)]
         notices += below_loads(self.section, self.triggering)
+        notices += faces_without_kh(self.section.ground, self.slide) if slides else []
         if slides and self.slide.cases and self.slide.cases == cases_of_loose_sand(self.section):
             notices.append(
                 "no residual strength of liquefied ground is given; loose sand with (N1)60 = 8, 3 "

@@ -180,7 +180,7 @@ def slide_of_points(run: PointRun, tell: Tell) -> "PointSlide":
 
 def programme_of(config: Config, number: int) -> "SlideProgramme":
     """Return loading of the ground and onset of liquefaction: a constant Kh, or a record, as for the discs."""
-    from dem.slides.drive import LEAD_TIME
+    from dem.slides.drive import LEAD_TIME, downslope_kh
     from fem.mpm.slide import SlideProgramme
     from meshes.section.base_impedance import base_impedance
     from meshes.section.quantity import GRAVITY
@@ -198,13 +198,13 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
             float(time[-1]) + settings.duration, settings.still, case.volumetric_strain,
             0.0 if shaking.of_the_base else base_impedance(config.section),
         )  # fmt: skip
-    lead = LEAD_TIME["soil"]
+    lead, kh = LEAD_TIME["soil"], downslope_kh(settings, downhill(config.section.ground))
     liquefied_at = lead + onset
     ends_at = None if settings.kh_seconds is None else liquefied_at + settings.kh_seconds
 
     def acceleration_at(t: np.ndarray) -> np.ndarray:
         rise = 0.5 - 0.5 * np.cos(np.pi * np.clip(t / lead, 0.0, 1.0))
-        return settings.kh * GRAVITY * rise * (np.ones_like(t) if ends_at is None else t < ends_at)
+        return kh * GRAVITY * rise * (np.ones_like(t) if ends_at is None else t < ends_at)
 
     rest_from = liquefied_at if ends_at is None else ends_at + REST_DELAY
     return SlideProgramme(
@@ -295,7 +295,8 @@ STAGE = Stage(
     draw=draw,
     needs=("mesh",),
     reads=(
-        "slide.kh", "slide.kh_seconds", "slide.kh_cycles", "slide.kh_period", "slide.unit", "slide.component",
+        "slide.kh", "slide.kh_seconds", "slide.kh_towards", "slide.kh_cycles", "slide.kh_period", "slide.unit",
+        "slide.component",
         "slide.scale", "slide.frames", "slide.liquefies_at", "slide.onset", "slide.still", "slide.duration",
         "slide.mpm_cells", "slide.mpm_sides", "fem.sides", "site_response",
     ),

@@ -1,0 +1,76 @@
+"""A constant Kh acts to one side: which side can be given, and ground with another face has a notice."""
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from dem.ground import Ground
+from dem.model import DiscModel
+from dem.packing import Packing
+from dem.slides.drive import constant_kh
+from meshes.errors import InputError
+from meshes.section.polyline import downhill
+from meshes.section.quantity import GRAVITY
+from workflow.config import Config
+from workflow.stages.mpm import programme_of
+from workflow.texts.report_texts import Texts
+
+LEVEE = [[0.0, 6.0], [30.0, 6.0], [50.0, 14.0], [56.0, 14.0], [76.0, 6.0], [106.0, 6.0]]
+LATE = 9.0  # s: the constant Kh is complete
+
+
+def _config(surface: list[list[float]], **slide: Any) -> Config:
+    """Return a ground whose lower stratum liquefies."""
+    soil = {
+        "youngs_modulus": "20 MPa", "poissons_ratio": 0.3, "density": "19 kN/m^3", "cohesion": "5 kPa",
+        "friction_angle": "32 deg",
+    }  # fmt: skip
+    strata = [
+        soil | {"name": "Fill", "bottom": {"elevation": 5.0}},
+        soil | {"name": "Loose", "liquefies_in": [1]},
+    ]
+    cases = [{"name": "r", "residual_strength": "9 kPa"}]
+    return Config.parse(
+        {
+            "name": "levee", "surface": surface, "base": {"elevation": -2.0}, "strata": strata,
+            "slide": {"kh": 0.1, "cases": cases, **slide},
+        }
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("falls", ["left", "right", "level"])
+@pytest.mark.parametrize("towards", [None, "left", "right"])
+def test_a_constant_kh_acts_to_the_side_that_is_given(falls: str, towards: str | None) -> None:
+    """By default to the lower end, and to the right of ground with equal ends; discs and points alike."""
+    step = {"left": -2.0, "right": 2.0, "level": 0.0}[falls]
+    config = _config([[x, z + step * (x < 40.0)] for x, z in LEVEE], **({"kh_towards": towards} if towards else {}))
+    expected = {"left": -1, "right": 1, None: -1 if falls == "left" else 1}[towards]
+    sign = downhill(config.section.ground)
+    points = sign * programme_of(config, 1).shaking(np.array([LATE]))[0]
+    ground = Ground(cast("Packing", None), "random", 0.5, 0, 0.0, (0.0, 0.0), sign)
+    motion = constant_kh(cast("DiscModel", SimpleNamespace(law="soil", time=0.0)), ground, [1], config.slide)
+    discs = np.interp(LATE, motion.acceleration.times, motion.acceleration.x)
+    assert [points, discs] == pytest.approx([expected * 0.1 * GRAVITY] * 2)
+
+
+def test_the_other_face_of_a_levee_is_told() -> None:
+    (notice,) = [text for text in _config(LEVEE).notices_of_slides if "acts towards the right alone" in text]
+    assert "falls by 8.0 m towards the left" in notice
+    translated = Texts("ja").page(f"<td>{notice[0].upper()}{notice[1:]}.</td>")
+    assert "左向きにも8.0 m" in translated
+    assert "acts" not in translated
+    slope = [[0.0, 14.0], [40.0, 14.0], [60.0, 6.0], [90.0, 6.5]]
+    for other in (
+        _config(LEVEE, kh_towards="left"),
+        _config(LEVEE, kh=0.0),
+        _config(LEVEE, kh_cycles=5.0, kh_period=0.6),
+        _config(slope),
+    ):
+        assert not [text for text in other.notices_of_slides if " alone, but the ground" in text]
+
+
+def test_cycles_act_to_both_sides() -> None:
+    with pytest.raises(InputError, match="kh_towards: expected with a constant Kh alone"):
+        _config(LEVEE, kh_cycles=5.0, kh_period=0.6, kh_towards="left")
