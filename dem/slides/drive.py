@@ -116,12 +116,16 @@ def cycles(
 
 
 def downslope_kh(settings: SlideSettings, downhill: int) -> float:
-    """Return the constant Kh of slides, positive towards the lower end of the ground.
+    """Return the constant Kh of slides.
 
     Parameters
     ----------
     settings : settings of the slide: ``kh``, ``kh_towards``
     downhill : +1 if the ground falls to the right, or its ends are equally high; -1 if it falls to the left
+
+    Returns
+    -------
+    Kh (-), positive towards the lower end of the ground.
     """
     towards = {"left": -1, "right": 1, None: downhill}[settings.kh_towards]
     return settings.kh * towards * downhill
