@@ -18,7 +18,7 @@ from workflow.stages.mpm import programme_of
 from workflow.texts.report_texts import Texts
 
 LEVEE = [[0.0, 6.0], [30.0, 6.0], [50.0, 14.0], [56.0, 14.0], [76.0, 6.0], [106.0, 6.0]]
-LATE = 9.0  # s: the constant Kh is complete
+TIME_UNDER_KH = 9.0  # s: the constant Kh is complete
 
 
 def _config(surface: list[list[float]], **slide: Any) -> Config:
@@ -48,10 +48,10 @@ def test_a_constant_kh_acts_to_the_side_that_is_given(falls: str, towards: str |
     config = _config([[x, z + step * (x < 40.0)] for x, z in LEVEE], **({"kh_towards": towards} if towards else {}))
     expected = {"left": -1, "right": 1, None: -1 if falls == "left" else 1}[towards]
     sign = downhill(config.section.ground)
-    points = sign * programme_of(config, 1).shaking(np.array([LATE]))[0]
+    points = sign * programme_of(config, 1).shaking(np.array([TIME_UNDER_KH]))[0]
     ground = Ground(cast("Packing", None), "random", 0.5, 0, 0.0, (0.0, 0.0), sign)
     motion = constant_kh(cast("DiscModel", SimpleNamespace(law="soil", time=0.0)), ground, [1], config.slide)
-    discs = np.interp(LATE, motion.acceleration.times, motion.acceleration.x)
+    discs = np.interp(TIME_UNDER_KH, motion.acceleration.times, motion.acceleration.x)
     assert [points, discs] == pytest.approx([expected * 0.1 * GRAVITY] * 2)
 
 
