@@ -25,11 +25,11 @@ def side_of(section: Section, direction: Direction) -> Towards:
 
 def sides_of_slide(config: Config) -> Towards | None:
     """Return the sides towards which the shaking of the slides acts; None without shaking. Cycles and records act in
-    both directions, a constant Kh downslope."""
+    both directions, a constant Kh towards the side of ``kh_towards``, by default downslope."""
     slide = config.slide
     if slide.accelerogram or slide.kh_cycles is not None or slide.kh == "earthquake":
         return "both"
-    return side_of(config.section, "downhill") if slide.kh else None
+    return (slide.kh_towards or side_of(config.section, "downhill")) if slide.kh else None
 
 
 def mark_force(axes: Axes, towards: Towards | None) -> None:

@@ -66,9 +66,10 @@ def test_without_a_seismic_force_there_is_no_arrow() -> None:
 
 
 def test_the_arrow_of_a_slide_is_that_of_its_shaking() -> None:
-    """A constant Kh acts downslope, cycles and records in both directions."""
+    """A constant Kh acts downslope or to the given side, cycles and records in both directions."""
     cyclic = {"kh": 0.1, "kh_cycles": 10, "kh_period": 0.7}
-    for slide, towards in (({"kh": 0.1}, "right"), ({"kh": 0.0}, None), (cyclic, "both")):
+    to_left = {"kh": 0.1, "kh_towards": "left"}
+    for slide, towards in (({"kh": 0.1}, "right"), (to_left, "left"), ({"kh": 0.0}, None), (cyclic, "both")):
         assert sides_of_slide(Config.parse({**slope(), "slide": slide})) == towards
 
 
