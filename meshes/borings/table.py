@@ -178,7 +178,7 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
     heading = re.sub(r'"[^"]*"|\([^)]*\)', "", lines[first]) if lines else ""
     separator = separator or max(SEPARATORS, key=heading.count)
     reader = csv.reader(lines[first:], delimiter=separator)
-    rows = [(first + reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    rows = [(first + reader.line_num, row) for row in reader if any(map(str.strip, row)) and not _is_comment(row)]
     rows = [(number, [_decimal(cell.strip(), separator) for cell in row]) for number, row in rows]
     width = max((k for _, row in rows for k, cell in enumerate(row, start=1) if cell), default=0)
     rows = rows and [(rows[0][0], rows[0][1][:width]), *rows[1:]]
@@ -200,6 +200,12 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
     if any(line.strip(" \t\r\n,;") for line in lines[:first]):
         notices.append(f"{path.name}: the heading is read from line {first + 1}; the lines above it are not read")
     return _Sheet(rows, heads, notices)
+
+
+def _is_comment(row: Sequence[str]) -> bool:
+    """Return whether a row contains a comment alone, such as "# site A"; "#1" before other cells names a boring."""
+    cells = [cell for cell in map(str.strip, row) if cell]
+    return len(cells) == 1 and cells[0].startswith("#")
 
 
 def _heading_line(lines: Sequence[str], names: set[str]) -> int:

@@ -178,3 +178,14 @@ def test_a_heading_that_may_be_either_of_two_is_not_guessed(tmp_path: Path) -> N
     named = read_csv(path, {"layer": "Geology", "ground_level": "Level"})
     assert named.logs[0].layers[0].name == "C"
     assert any(text.endswith("not used: Stratum") for text in named.notices)
+
+
+def test_comments_below_the_heading_are_no_borings(tmp_path: Path) -> None:
+    """Lines that hold a comment alone are passed over, also with the separators of a spreadsheet behind them; a boring
+    may be called #1."""
+    lines = LINES.replace("B2,", "#1,").splitlines(keepends=True)
+    commented = "".join([HEAD, "\n# Kommentar\n", *lines[:2], "# second boring,,,,,,,,,\n", *lines[2:]])
+    logs, notices = read(tmp_path, commented)
+    assert [log.name for log in logs] == ["B1", "#1"]
+    assert logs == read(tmp_path, HEAD + "\n" + "".join(lines))[0]
+    assert not notices
