@@ -13,6 +13,8 @@ import numpy as np
 from dem.laboratory.element_table import SHARES, middle_stresses
 from dem.laboratory.strength_map import EVEN_COHESION, ContactStrength, strength_map
 from dem.springs import ROLLING, LayerSprings, Strength, soil_discs
+from meshes.section.layering import middles
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section, Stratum
 
 # kn over the stress of the layer: below the first, strength falls; above the second, it does not depend on kn any more,
@@ -25,6 +27,10 @@ FIRM_STIFFNESS = 200.0
 STRENGTH_TOLERANCE = 0.09  # of the required strength
 DILATION_SHARE = 0.45  # of mu squared: share of dilation in the friction of undisturbed sand
 OVERLAP = 0.5  # of a radius, that soil discs may reach whatever softens
+# Strength of rock and concrete over the largest total overburden: a vertical cut of the whole height stands with 0.26.
+# Bonds that are stronger would be stiffer, too, and vibrate on a compliant base.
+STRENGTH_MARGIN = 1.2
+COLUMNS = 100  # of a section, in which that is found
 
 
 @dataclass(frozen=True)
@@ -117,14 +123,26 @@ class SoilLayer(SoilContacts):
     Attributes
     ----------
     stratum : the soil of the stratum
+    is_rock : whether it is too strong to fail, as rock and concrete without friction are: it keeps its contacts, while
+        clay takes pore pressure and bonds (`dem.search.undrained_clay`)
     """
 
     stratum: Stratum
+    is_rock: bool = False
 
     def springs(self, radius: float, void_ratio: float) -> LayerSprings:
         """Return the constants of discs of a given mean radius (m) in a packing of a given void ratio."""
         s = self.stratum
-        return self.discs(s.name, s.density_seismic, radius, void_ratio, buoyant_density=s.density_ordinary)
+        discs = self.discs(s.name, s.density_seismic, radius, void_ratio, buoyant_density=s.density_ordinary)
+        return replace(discs, undrained_strength=0.0) if self.is_rock else discs
+
+
+def rock_strength(section: Section) -> float:
+    """Return the undrained strength (Pa) above which no ground of a section can fail: ``STRENGTH_MARGIN`` times the
+    largest total overburden."""
+    levels = section.layering.interfaces(middles(*section.extent, COLUMNS))
+    weights = GRAVITY * np.array([max(s.density_seismic, s.density_ordinary) for s in section.strata])
+    return STRENGTH_MARGIN * float(((levels[:, :-1] - levels[:, 1:]) @ weights).max())
 
 
 def mohr_coulomb_strength(cohesion: float, friction_angle: float, pressure: np.ndarray) -> np.ndarray:
@@ -226,15 +244,20 @@ def soil_layers(section: Section) -> list[SoilLayer]:
     list of SoilLayer
         Contacts of the strata, from the top down.
     """
-    strata = section.cohesion_field.means()
-    stresses = middle_stresses(section)
+    field, stresses, most = section.cohesion_field, middle_stresses(section), rock_strength(section)
     typical = float(stresses[stresses > 0.0].min()) if (stresses > 0.0).any() else 1e4
-    return [_fitted_layer(s, float(v) if v > 0.0 else typical) for s, v in zip(strata, stresses, strict=True)]
+    return [
+        _fitted_layer(soil, float(stress) if stress > 0.0 else typical, np.inf if varies else most)
+        for soil, stress, varies in zip(field.means(), stresses, field.varies, strict=True)
+    ]
 
 
-def _fitted_layer(stratum: Stratum, stress: float) -> SoilLayer:
-    contacts = soil_contacts(stratum.cohesion, stratum.friction_angle, stress, stratum.youngs_modulus)
-    return SoilLayer(**vars(contacts), stratum=stratum)
+def _fitted_layer(stratum: Stratum, stress: float, most: float) -> SoilLayer:
+    """Return the contacts of a stratum; stress: vertical effective stress (Pa); most: strength of rock (Pa)."""
+    is_rock = stratum.friction_angle == 0.0 and stratum.cohesion >= most
+    cohesion = most if is_rock else stratum.cohesion
+    contacts = soil_contacts(cohesion, stratum.friction_angle, stress, stratum.youngs_modulus)
+    return SoilLayer(**vars(contacts), stratum=stratum, is_rock=is_rock)
 
 
 def _on_strength(

@@ -17,6 +17,7 @@ from dem.disc_area import area_with_voids
 from dem.engine.engine import Engine
 from dem.engine.time_step import largest_step
 from dem.ground import Ground
+from dem.laboratory.soil_contacts import rock_strength
 from dem.liquefied_ground import (
     FADING_STEPS,
     LARGEST_STRAIN,
@@ -31,14 +32,7 @@ from dem.liquefied_ground import (
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
 from dem.springs import LayerSprings
-from meshes.section.layering import middles
-from meshes.section.quantity import GRAVITY
-from meshes.section.section import Section
 
-# Strength of rock and concrete over the largest total overburden: a vertical cut of the whole height stands with 0.26.
-# Bonds that are stronger would be stiffer, too, and vibrate on a compliant base.
-STRENGTH_MARGIN = 1.2
-COLUMNS = 100  # of a section, in which that is found
 STEP_SHARE = 0.5  # of the stable step
 
 
@@ -91,8 +85,7 @@ def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.nda
     """Return the undrained strength s_u (n,) of all discs of clay in Pa, and 0 for other discs. The parameters are
     explained in `replace_contacts_of_clay`.
 
-    Ground that is too strong to fail, such as rock, gets a multiple (``STRENGTH_MARGIN``) of the largest total
-    overburden as strength.
+    Clay that is as strong as rock at some places has the strength of rock (`rock_strength`) there.
     """
     layers = model.springs.layers
     strength = np.append([layer.undrained_strength for layer in layers], 0.0)[model.layer]
@@ -102,18 +95,10 @@ def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.nda
     points = np.column_stack(ground.to_section(model.x[discs_of_clay], model.z[discs_of_clay]))
     field = section.cohesion_field
     means = np.array([soil.cohesion for soil in field.means()])[model.layer[discs_of_clay]]
-    most = STRENGTH_MARGIN * _largest_overburden(section)
     strength[discs_of_clay] = np.minimum(
-        strength[discs_of_clay] * field.at(points, points, model.layer[discs_of_clay]) / means, most
+        strength[discs_of_clay] * field.at(points, points, model.layer[discs_of_clay]) / means, rock_strength(section)
     )
     return strength
-
-
-def _largest_overburden(section: Section) -> float:
-    """Return the largest total vertical stress at the base of a section (Pa)."""
-    levels = section.layering.interfaces(middles(*section.extent, COLUMNS))
-    weights = GRAVITY * np.array([max(s.density_seismic, s.density_ordinary) for s in section.strata])
-    return float(((levels[:, :-1] - levels[:, 1:]) @ weights).max())
 
 
 def _state_of_clay(model: DiscModel, discs: np.ndarray, strength: np.ndarray) -> Onset:

@@ -9,7 +9,9 @@ from dem.laboratory.soil_contacts import (
     FIRM_STIFFNESS,
     LARGEST_STIFFNESS,
     SMALLEST_STIFFNESS,
+    STRENGTH_MARGIN,
     mohr_coulomb_strength,
+    rock_strength,
     soil_layers,
 )
 from dem.laboratory.strength_map import strength_map
@@ -103,7 +105,7 @@ def test_every_layer_of_s13() -> None:
         for at_stress, spring in zip(springs, layers.values(), strict=True)
     )
     assert all(entry.stiffness >= SMALLEST_STIFFNESS * entry.stress for entry in layers.values())
-    assert "as strong as this soil" in layers["10 Base"].notes[0]
+    assert [name for name, item in layers.items() if item.is_rock] == ["10 Base"]
 
 
 def test_contacts_of_stiff_ground_are_as_soft_as_their_strength_allows() -> None:
@@ -112,7 +114,10 @@ def test_contacts_of_stiff_ground_are_as_soft_as_their_strength_allows() -> None
     assert gravel.stiffness == pytest.approx(LARGEST_STIFFNESS * gravel.stress)
     assert gravel.expected_strength == pytest.approx(gravel.required_strength, rel=0.1)
     assert "softer than the soil" in gravel.notes[-1]
-    clay = soil_layers(homogeneous(youngs_modulus="2 GPa", cohesion="900 kPa", friction_angle="0 deg"))[0]
+    data = slope()
+    firm = layer("firm", bottom={"depth": 2.0}, youngs_modulus="2 GPa", cohesion="100 kPa", friction_angle="0 deg")
+    data["strata"] = [firm, layer("soil")]
+    clay = soil_layers(Section.parse(data))[0]
     assert clay.stiffness == pytest.approx(FIRM_STIFFNESS * clay.required_strength[-1])
     assert clay.expected_strength == pytest.approx(clay.required_strength, rel=0.1)
 
@@ -145,3 +150,30 @@ def test_stiff_sand_is_asked_for_less_since_its_discs_dilate_more() -> None:
     assert ten.friction < item.friction
     hardly = float(table.gained_by_softness(6000.0 * 1e5, np.array(1e5), 1.0))
     assert hardly == pytest.approx(stiff, rel=1e-3)  # a pascal of cohesion is none
+
+
+def test_rock_keeps_its_contacts_and_clay_takes_bonds() -> None:
+    """Ground of 1.2 times the largest total overburden cannot fail: the bonds of clay would only take time."""
+    data = slope()
+    data["strata"] = [
+        layer("clay", bottom={"elevation": 4.0}, cohesion="60 kPa", friction_angle="0 deg"),
+        layer("rock", cohesion="10 MPa", friction_angle="0 deg"),
+    ]
+    data["unusual"] = True
+    section = Section.parse(data)
+    height = np.ptp(section.outline()[:, 1])
+    heaviest = max(s.density_seismic for s in section.strata)
+    assert rock_strength(section) == pytest.approx(STRENGTH_MARGIN * 9.80665 * heaviest * height, rel=0.05)
+    clay, rock = soil_layers(section)
+    assert (clay.is_rock, rock.is_rock) == (False, True)
+    assert clay.springs(0.5, 0.2).undrained_strength == pytest.approx(6e4)
+    assert rock.springs(0.5, 0.2).undrained_strength == 0.0
+    assert rock.expected_strength.min() > 0.9 * rock_strength(section)
+    assert not rock.springs(0.5, 0.2).rolling_friction < np.inf
+
+
+def test_clay_that_varies_is_no_rock() -> None:
+    """Its mean says nothing of its weakest place."""
+    section = homogeneous(cohesion="10 MPa", friction_angle="0 deg", cohesion_increase="100 kPa/m", cohesion_from=20.0)
+    assert section.cohesion_field.varies[0]
+    assert not soil_layers(section)[0].is_rock
