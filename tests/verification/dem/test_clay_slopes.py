@@ -44,11 +44,21 @@ def test_discs_have_the_undrained_strength_of_their_depth(growing: Deposit) -> N
     assert (model.liquefied[:, STRENGTH] / model.strength_factor)[free] == pytest.approx(expected[free], rel=5e-3)
 
 
-def test_rock_is_as_strong_as_its_overburden_can_ask_for() -> None:
-    """Bonds of 10 MPa would be as much stiffer: S-13, whose base has that cohesion, flew apart on a compliant base."""
-    lies = deposit(clay_slope(strength="10 MPa"), DemSettings(elements=300))
+def test_clay_is_at_most_as_strong_as_its_overburden_can_ask_for() -> None:
+    """Bonds of 10 MPa would be as much stiffer: discs with such bonds flew apart on a compliant base."""
+    lies = deposit(clay_slope(GRADIENT, strength="10 MPa"), DemSettings(elements=300))
     strength = undrained_strength(lies.settled, lies.ground)[~lies.settled.fixed]
     assert strength == pytest.approx(1.2 * 1800.0 * 9.81 * (HEIGHT + 4.0), rel=1e-3)
+
+
+def test_rock_has_no_bonds_and_stands() -> None:
+    """Its contacts alone are strong enough for any earthquake."""
+    lies = deposit(clay_slope(strength="10 MPa"), DemSettings(elements=300))
+    assert not len(lies.settled.liquefied)
+    search, _ = pushover_critical_kh(
+        lies.settled, lies.ground, DemSettings(elements=300), Continuum(0.5, 0.004 * HEIGHT), until_failed=False
+    )
+    assert search.kc is not None and search.kc > 1.5
 
 
 def test_a_factor_of_the_calibration_multiplies_the_strength_of_clay(growing: Deposit) -> None:
