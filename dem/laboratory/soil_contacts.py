@@ -138,8 +138,16 @@ class SoilLayer(SoilContacts):
 
 
 def rock_strength(section: Section) -> float:
-    """Return the undrained strength (Pa) above which no ground of a section can fail: ``STRENGTH_MARGIN`` times the
-    largest total overburden."""
+    """Return the undrained strength above which no ground of a section can fail.
+
+    Parameters
+    ----------
+    section : section with its strata
+
+    Returns
+    -------
+    ``STRENGTH_MARGIN`` times the largest total overburden (Pa).
+    """
     levels = section.layering.interfaces(middles(*section.extent, COLUMNS))
     weights = GRAVITY * np.array([max(s.density_seismic, s.density_ordinary) for s in section.strata])
     return STRENGTH_MARGIN * float(((levels[:, :-1] - levels[:, 1:]) @ weights).max())
