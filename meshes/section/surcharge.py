@@ -86,6 +86,7 @@ class Surcharge(Model):
 
 # Of the pressure of moving water on a wall, Westergaard 1933, Trans. ASCE 98, eq. 24 in its rounded form.
 WESTERGAARD = 7.0 / 8.0
+LEVEL_SLOPE = 0.02  # up to which ground is level, and moving water draws on it no more than on the bed of a river
 
 
 @dataclass(frozen=True)
@@ -140,16 +141,45 @@ class SurfaceLoads:
 
     @property
     def notices(self) -> list[str]:
-        """Return a notice on the ends of all surcharges on ground without cohesion, for every such stratum."""
+        """Return a notice on moving water that draws on ground without cohesion, and one on the ends of all surcharges
+        on such ground, for every stratum."""
         places: dict[str, list[float]] = {}
         for _, x, name in self.bare_ends():
             places.setdefault(name, []).append(x)
-        return [
+        drawn = [self._drawn_notice()] if self.water.moves else []
+        return [*filter(None, drawn)] + [
             f'surcharges: their ends at x = {", ".join(f"{x:.4g}" for x in sorted(set(ends)))} m lie on "{name}", '
             "which has no cohesion, and no bearing capacity next to bare ground; elements and bounds give the ground "
             "within fem.least_depth of these ends a cohesion of half of the pressure"
             for name, ends in places.items()
         ]
+
+    def _drawn_notice(self) -> str:
+        """Return a notice if moving water draws on inclined ground that has no cohesion, or ends on such ground; else
+        an empty string.
+
+        The pressure drawn from the ground, 7/8 γw sqrt(H y) Kh times the horizontal component of the normal, is
+        tension at a surface without effective stress: bare sand there fails at any Kh, however strong the slope is.
+        """
+        layers, water = self.water.layers, self.water
+        places: dict[str, list[float]] = {}
+        for k in np.flatnonzero(np.abs(layers.right - layers.left)[:, 0] > LEVEL_SLOPE * layers.width):
+            ends = np.array([[layers.x[k], layers.left[k, 0]], [layers.x[k + 1], layers.right[k, 0]]])
+            wet = water.on_ground(ends, np.repeat(ends.mean(axis=0)[None], 2, axis=0)) > 0.0
+            for place, levels in ((0, layers.left[k]), (1, layers.right[k])):
+                top = int(np.argmax(levels[:-1] - levels[1:] > layers.tolerance))
+                if wet[place] and not water.strata[top].has_cohesion:
+                    places.setdefault(water.strata[top].name, []).append(float(ends[place, 0]))
+        if not places:
+            return ""
+        where = "; ".join(
+            f'"{name}" at x = {", ".join(f"{x:.4g}" for x in sorted(set(ends)))} m' for name, ends in places.items()
+        )
+        return (
+            f"water, westergaard: moving water draws on inclined ground that meets ground without cohesion, {where}, a "
+            "little of which fails at a small Kh before the slope does: give this ground a cohesion of some kPa within "
+            "fem.least_depth of there, as a zone, or leave out westergaard"
+        )
 
     def bare_ends(self) -> Iterator[tuple[int, float, str]]:
         """Return number, x (m) and stratum of every end of a surcharge with a pressure on ground without cohesion.
