@@ -48,7 +48,8 @@ def read(folders: Sequence[Path]) -> list[ComparedRun]:
         except InputError as error:
             problems += [f"{error.source}: {problem}" for problem in error.problems]
     if problems:
-        raise InputError("compare", [*problems, "expected folders of runs with a report"])
+        remedy = "noshiro report FOLDER writes the report and summary.json of a run of single commands"
+        raise InputError("compare", [*problems, f"expected folders of runs with a report: {remedy}"])
     return summaries
 
 
