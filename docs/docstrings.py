@@ -30,7 +30,7 @@ ALL_PACKAGES = (*PACKAGES, "workflow")
 # Packages in which everything that another room imports is documented.
 SHARED = ("meshes", "fem", "dem", "workflow")
 # Of these also what a room takes from a module of another room.
-BY_MODULE = ("fem",)
+BY_MODULE = ("meshes", "fem", "dem", "workflow")
 # First words of docstrings that have no verb in front.
 NO_VERB = re.compile(
     r"(The|An?|This|These|Such|All|Every|Each|Both|One|Two|Some|Whether|What|Which|Where|Who|How|Why)\b"

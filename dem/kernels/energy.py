@@ -174,10 +174,19 @@ def kinetic(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def energies(layout: Layout, springs: Springs, law: Law, loads: Loads, last_dt: float) -> np.ndarray:
-    """Compute the energies of all discs and contacts (ENERGIES,) in J.
+    """Compute the energies of all discs and contacts.
 
-    layout: discs and contacts; springs: constants; law: law of the contacts; loads: acceleration at this instant;
-    last_dt: length of the last step (s).
+    Parameters
+    ----------
+    layout : discs and contacts
+    springs : constants of the contacts
+    law : law of the contacts
+    loads : acceleration at this instant
+    last_dt : length of the last step (s)
+
+    Returns
+    -------
+    Energies (ENERGIES,) in J.
     """
     out = np.zeros(ENERGIES)
     slices = len(layout.chunk_start) - 1

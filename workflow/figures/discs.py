@@ -110,7 +110,17 @@ def bars(model: DiscModel, which: np.ndarray, width: np.ndarray) -> pv.PolyData:
 
 
 def layers(model: DiscModel, title: str = "Discs by layer") -> Sheet:
-    """Draw every disc in the colour of its layer, and boundary discs dark. A spoke shows the rotation of a disc."""
+    """Draw every disc in the colour of its layer, and boundary discs dark. A spoke shows the rotation of a disc.
+
+    Parameters
+    ----------
+    model : the discs
+    title : title above the picture
+
+    Returns
+    -------
+    The picture.
+    """
     window = window_of(model)
     colours = soil_colours([layer.name for layer in model.springs.layers])
 
@@ -156,10 +166,20 @@ def draw_pore_springs(plotter: pv.Plotter, model: DiscModel) -> None:
 
 
 def state(model: DiscModel, before: DiscModel, title: str, section: Section) -> Sheet:
-    """Draw the displacement of every disc since `before` under a seismic force downslope and, for discs with pore
-    springs, these springs, as in Figs 12 and 13 of the paper.
+    """Draw the displacement of every disc under a seismic force downslope, as in Figs 12 and 13 of the paper.
 
-    model: model of the discs; title: title above the picture; section: the section, with its water.
+    Discs with pore springs have a second view, with these springs.
+
+    Parameters
+    ----------
+    model : the discs
+    before : the discs from which the displacement is measured
+    title : title above the picture
+    section : the section, with its water
+
+    Returns
+    -------
+    The picture.
     """
     window = window_of(model)
     far = np.hypot(model.x - before.x, model.z - before.z)

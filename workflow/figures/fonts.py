@@ -50,8 +50,16 @@ def missing(text: str) -> str:
 
 
 def notice(texts: Iterable[str]) -> str:
-    """Return a sentence on the characters that no font can show, and on the font that could; empty if all can be
-    shown."""
+    """Return a sentence on the characters that no font can show, and on the font that could.
+
+    Parameters
+    ----------
+    texts : texts of a picture
+
+    Returns
+    -------
+    The sentence; empty if all characters can be shown.
+    """
     missing_characters = missing("".join(texts))
     if not missing_characters:
         return ""

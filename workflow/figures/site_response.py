@@ -9,8 +9,17 @@ HEIGHT = 5.0  # inches
 
 
 def draw(section: Section, answer: SiteResponseAnswer) -> Frames:
-    """Draw four frames over the strata: acceleration, shear strain, shear stress and average acceleration with
-    depth."""
+    """Draw four frames over the strata: acceleration, shear strain, shear stress and average acceleration with depth.
+
+    Parameters
+    ----------
+    section : the section, for its heading and the colours of the strata
+    answer : response of a column of the section to a record
+
+    Returns
+    -------
+    The picture.
+    """
     picture = Frames(HEIGHT, f"{section.heading}: response at x = {answer.x_m:g} m to {answer.record}")
     names = [stratum.name for stratum in section.strata]
     layers = answer.layers

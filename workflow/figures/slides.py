@@ -231,7 +231,17 @@ def draw_frame(plotter: pv.Plotter, frame: Frame, norm: Normalize) -> None:
 
 
 def history(config: Config, slides: Sequence[SlideHistory]) -> Sheet:
-    """Draw settlement uphill and largest slide against time, a line for each case."""
+    """Draw settlement uphill and largest slide against time, a line for each case.
+
+    Parameters
+    ----------
+    config : config of the run, for the names of the cases
+    slides : rows of the slides in time; equal slides share a line
+
+    Returns
+    -------
+    The picture.
+    """
     sheet = Sheet(f"{config.section.heading}: slides in time", [0.26, 0.26], "", 2)
     largest = sheet.plot(0, "time since the onset (s)", "largest slide of the surface (m)")
     settlement = sheet.plot(1, "time since the onset (s)", "settlement, upslope third (m)")
@@ -265,10 +275,19 @@ def _colour(case: int) -> str:
 
 
 def profiles(config: Config, cases: Mapping[int, Profile], seeds: int) -> Sheet:
-    """Draw the surface of every case over all packings: its median, and the range of the packings, as smooth as discs
-    resolve it.
+    """Draw the surface of every case over all packings: its median, and the range of the packings.
 
-    config: config of the run; cases: profiles by number of the case; seeds: number of packings.
+    Lines are as smooth as discs resolve them.
+
+    Parameters
+    ----------
+    config : config of the run
+    cases : profiles by number of the case
+    seeds : number of packings
+
+    Returns
+    -------
+    The picture.
     """
     groups, size = equal_cases(cases), 2.0 * config.dem.mean_radius(config.section)
     sheet = Sheet(

@@ -21,10 +21,17 @@ PALE = "#d7dde2"
 
 
 def failure_histogram(values: np.ndarray, curve: ProbabilityCurve, title: str) -> Frames:
-    """Draw a histogram of the critical Kh, ``values`` (samples,), and the probability of failure against Kh with its
-    interval.
+    """Draw a histogram of the critical Kh, and the probability of failure against Kh with its interval.
 
-    curve: probability of failure and its Kh; title: title above the picture.
+    Parameters
+    ----------
+    values (samples,) : critical Kh of every sample (-)
+    curve : probability of failure and its Kh
+    title : title above the picture
+
+    Returns
+    -------
+    The picture.
     """
     picture = Frames(HEIGHT, f"{title}: critical Kh of {len(values)} samples")
     left, right = picture.figure.subplots(1, 2)
@@ -38,7 +45,17 @@ def failure_histogram(values: np.ndarray, curve: ProbabilityCurve, title: str) -
 
 
 def effects(results: Sequence[Result], title: str) -> Frames:
-    """Draw bars for every uncertain number: rank correlations, or total Sobol' indices with intervals if available."""
+    """Draw bars for every uncertain number: rank correlations, or total Sobol' indices with intervals if available.
+
+    Parameters
+    ----------
+    results : results of a study, with the effects of the uncertain numbers
+    title : title above the picture
+
+    Returns
+    -------
+    The picture.
+    """
     known = [result for result in results if any(effect.correlation is not None for effect in result.effects)]
     shown = [result for result in known if not result.is_detail][:ACROSS] or known[:ACROSS]
     picture = Frames(HEIGHT, f"{title}: influence of the uncertain numbers")
@@ -62,7 +79,17 @@ def effects(results: Sequence[Result], title: str) -> Frames:
 
 
 def fragility(curves: Sequence[ProbabilityCurve], title: str) -> Frames:
-    """Draw families of curves in adjacent frames. The names of the curves of a family have the same beginning."""
+    """Draw families of curves in adjacent frames.
+
+    Parameters
+    ----------
+    curves : probabilities of exceeding a limit; the names of the curves of a family have the same beginning
+    title : title above the picture
+
+    Returns
+    -------
+    The picture.
+    """
     families: dict[str, list[ProbabilityCurve]] = {}
     for curve in curves:
         families.setdefault(curve.name.split(": ")[0], []).append(curve)
@@ -81,10 +108,18 @@ def fragility(curves: Sequence[ProbabilityCurve], title: str) -> Frames:
 
 
 def scatter(name: str, values: np.ndarray, drawn: Mapping[str, Sequence[Any]], title: str) -> Frames:
-    """Draw a result against every uncertain number, with a point for each sample; words are categories.
+    """Draw a result against every uncertain number, with a point for each sample.
 
-    name: name of the result; values (samples,): values of the result; drawn: values of the uncertain numbers; title:
-    title above the picture.
+    Parameters
+    ----------
+    name : name of the result
+    values (samples,) : values of the result
+    drawn : values of the uncertain numbers by their paths; words are categories
+    title : title above the picture
+
+    Returns
+    -------
+    The picture.
     """
     shown = list(drawn)[:SHOWN]
     rows = -(-len(shown) // ACROSS)

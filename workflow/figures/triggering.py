@@ -21,7 +21,17 @@ THINNEST_NAMED = 0.04  # of the depth that is shown: thinner strata have no room
 
 
 def draw(section: Section, answer: TriggeringAnswer) -> Frames:
-    """Draw every boring in two frames: N or qc in the strata, and F_L."""
+    """Draw every boring in two frames: N or qc in the strata, and F_L.
+
+    Parameters
+    ----------
+    section : the section, with its water
+    answer : assessment of every blow count or cone reading
+
+    Returns
+    -------
+    The picture.
+    """
     names = [boring.name for boring in answer.borings]
     rows = -(-len(names) // BORINGS_IN_ROW)
     magnitude = "" if answer.magnitude is None else f", M {answer.magnitude:g}"

@@ -16,7 +16,17 @@ from workflow.run.stage import Job
 
 
 def as_json(data: Any, only_ascii: bool = False) -> str:
-    """Format data as JSON text, with characters beyond ASCII escaped if ``only_ascii``."""
+    """Format data as JSON text.
+
+    Parameters
+    ----------
+    data : what JSON can hold; no NaN and no infinity
+    only_ascii : whether characters beyond ASCII are escaped
+
+    Returns
+    -------
+    The text.
+    """
     return json.dumps(data, indent=1, ensure_ascii=only_ascii, allow_nan=False)
 
 
@@ -65,16 +75,33 @@ def _parameters(stratum: Stratum) -> dict[str, Any]:
 
 
 def of_plan(decisions: Iterable[Decision]) -> list[dict[str, str]]:
-    """Return the decision about every stage, with its reason."""
+    """Return the decision about every stage, with its reason.
+
+    Parameters
+    ----------
+    decisions : decisions of the plan of a run
+
+    Returns
+    -------
+    A dictionary a stage: its name, what would be done, and why.
+    """
     return [
         {"stage": decision.stage.name, "would": decision.action, "because": decision.reason} for decision in decisions
     ]
 
 
 def of_stages(job: Job, names: Iterable[str], warnings: Iterable[str] = ()) -> dict[str, Any]:
-    """Return the outcome and answers of stages, as JSON: every answer file by its name, and the quality of the mesh.
+    """Return the outcome and answers of stages as data for JSON.
 
-    ``warnings`` of the command are followed by those of the section.
+    Parameters
+    ----------
+    job : stages, config and folder
+    names : names of the stages
+    warnings : warnings of the command; those of the section follow
+
+    Returns
+    -------
+    Folder, options of the mesh, warnings and stages: every answer file by its name, and the quality of the mesh.
     """
     record = Record(job.store)
     stages: dict[str, Any] = {}

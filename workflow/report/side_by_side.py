@@ -38,7 +38,20 @@ class ComparedRun:
 
 
 def read(folders: Sequence[Path]) -> list[ComparedRun]:
-    """Return the runs in some folders; raise InputError with every folder that holds no run."""
+    """Return the runs in some folders.
+
+    Parameters
+    ----------
+    folders : folders of finished runs
+
+    Returns
+    -------
+    The runs, in the order of the folders.
+
+    Raises
+    ------
+    InputError : if a folder holds no run; every such folder is named
+    """
     summaries, problems = [], []
     for folder in folders:
         try:
@@ -54,7 +67,16 @@ def read(folders: Sequence[Path]) -> list[ComparedRun]:
 
 
 def differences(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
-    """Yield the settings in which the inputs differ, with the value of each run."""
+    """Yield the settings in which the inputs differ.
+
+    Parameters
+    ----------
+    runs : the compared runs
+
+    Yields
+    ------
+    Name of a setting, and its value in each run.
+    """
     flat = [dict(_leaves(run.config.to_data(), "")) for run in runs]
     for key in dict.fromkeys(key for values_of_run in flat for key in values_of_run):
         values = [setting_text(values_of_run[key]) if key in values_of_run else "–" for values_of_run in flat]
@@ -75,14 +97,31 @@ def _leaves(data: Any, name: str) -> Iterator[tuple[str, Any]]:
 
 
 def run_names(runs: Sequence[ComparedRun]) -> list[str]:
-    """Return the folders of the runs, without the common part of their paths."""
+    """Return the folders of the runs, without the common part of their paths.
+
+    Parameters
+    ----------
+    runs : the compared runs
+
+    Returns
+    -------
+    A name for each run.
+    """
     shared = commonpath([run.folder.absolute().parent for run in runs])
     return [str(run.folder.absolute().relative_to(shared)) for run in runs]
 
 
 def rows(runs: Sequence[ComparedRun]) -> Iterator[tuple[str, list[str]]]:
-    """Yield the results as rows: the name of a quantity, and its value in each run. Quantities that no run has are left
-    out."""
+    """Yield the results as rows. Quantities that no run has are left out.
+
+    Parameters
+    ----------
+    runs : the compared runs
+
+    Yields
+    ------
+    Name of a quantity, and its value in each run.
+    """
     for name, values in _all_rows(runs):
         if set(values) != {"–"}:
             yield name, values
@@ -156,7 +195,17 @@ def page(runs: Sequence[ComparedRun]) -> str:
 
 
 def write_page(runs: Sequence[ComparedRun], path: Path) -> None:
-    """Write the page; raises InputError if it cannot be written."""
+    """Write the page that compares runs.
+
+    Parameters
+    ----------
+    runs : the compared runs
+    path : the HTML file
+
+    Raises
+    ------
+    InputError : if the file cannot be written
+    """
     try:
         path.write_text(page(runs), encoding="utf-8")
     except OSError as error:

@@ -46,7 +46,17 @@ def _dilation(stratum: Stratum) -> str:
 
 
 def strata_rows(section: Section) -> Iterator[list[str]]:
-    """Yield a row for every stratum: name, area, thickness, range of x, and its parameters."""
+    """Yield a row for every stratum.
+
+    Parameters
+    ----------
+    section : the section
+
+    Yields
+    ------
+    Name, area (m2), thickness (m), range of x (m), E (MPa), Poisson's ratio, density (t/m3), cohesion (kPa), and
+    friction and dilation angles (degrees).
+    """
     layers = section.layering
     at_left, at_right = layers.thickness()
     for k, (stratum, area) in enumerate(zip(section.strata, layers.areas(), strict=True)):
@@ -130,7 +140,16 @@ def _of_earthquake(earthquake: EarthquakeSettings) -> list[str]:
 
 
 def texts(section: Section) -> list[str]:
-    """Return the names and descriptions in a section."""
+    """Return the names and descriptions in a section.
+
+    Parameters
+    ----------
+    section : the section
+
+    Returns
+    -------
+    The texts, for a search for characters that no font has.
+    """
     names = [section.name, section.title, section.reconstruction_note]
     return names + [text for stratum in section.strata for text in (stratum.name, stratum.description)]
 

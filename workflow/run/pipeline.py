@@ -38,13 +38,21 @@ class Listener(Protocol):
 
 
 def execute(job: Job, choice: Choice, listener: Listener, what: str) -> None:
-    """Run the stages of a choice while the folder is locked; ``what`` is the command, for the log. The executor is
-    closed at the end.
+    """Run the stages of a choice while the folder is locked. The executor is closed at the end.
 
-    ``job``: stages, config and folder; ``listener``: notified of stages and progress. Raises InputError if something
-    cannot be used or written. If a chosen stage has no answer, the stages that need it do not run; all other stages
-    run, and then the error of this stage is raised. Other stages that have no answer in the folder are no error, unless
-    a chosen stage reports the results of all stages.
+    Parameters
+    ----------
+    job : stages, config and folder
+    choice : stages that are to run
+    listener : is notified of stages and progress
+    what : the command, for the log
+
+    Raises
+    ------
+    InputError : if something cannot be used or written
+    NoAnswerError : if a chosen stage has no answer: the stages that need it do not run, all other stages run, and then
+        the error is raised. Other stages without an answer in the folder are no error, unless a chosen stage reports
+        the results of all stages.
     """
     with locked(job.store.folder):
         job.store.sweep()
@@ -314,8 +322,16 @@ def leave_input(config: Config, store: Store) -> None:
 
 
 def redraw_all(job: Job, listener: Listener) -> list[str]:
-    """Draw all pictures again from stored results; returns the stages whose pictures could not be drawn, with
-    reasons.
+    """Draw all pictures again from stored results.
+
+    Parameters
+    ----------
+    job : stages, config and folder
+    listener : is notified of stages and progress
+
+    Returns
+    -------
+    A sentence for each stage whose pictures could not be drawn, with the reason.
     """
     messages = []
     with locked(job.store.folder):
