@@ -11,6 +11,7 @@ from dem.liquefied_ground import FADING_STEPS
 from dem.model import DiscModel
 from dem.settings import SlideSettings
 from dem.springs import Law
+from meshes.section.polyline import downhill
 from meshes.section.quantity import GRAVITY
 
 # s in which Kh comes on before anything liquefies; in the paper all happens at once. Soil discs have the stiffness of
@@ -115,20 +116,22 @@ def cycles(
     return Shaking(time, acceleration, {k: over * shares.get(k, 0.0) for k in strata})
 
 
-def downslope_kh(settings: SlideSettings, downhill: int) -> float:
+def signed_kh(settings: SlideSettings, lower_end: int, positive: int) -> float:
     """Return the constant Kh of slides.
 
     Parameters
     ----------
     settings : settings of the slide: ``kh``, ``kh_towards``
-    downhill : +1 if the ground falls to the right, or its ends are equally high; -1 if it falls to the left
+    lower_end : +1 if the ground falls to the right from end to end, or its ends are equally high; -1 if it falls to the
+        left
+    positive : +1 if slides to the right are positive, -1 if slides to the left are
 
     Returns
     -------
-    Kh (-), positive towards the lower end of the ground.
+    Kh (-), positive if it acts as positive slides go.
     """
-    towards = {"left": -1, "right": 1, None: downhill}[settings.kh_towards]
-    return settings.kh * towards * downhill
+    towards = {"left": -1, "right": 1, None: lower_end}[settings.kh_towards]
+    return settings.kh * towards * positive
 
 
 def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> BaseMotion:
@@ -139,9 +142,11 @@ def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], setting
     """
     lead, onset = LEAD_TIME[start.law], settings.onset_of(start.law)
     begin = lead + onset
+    # Slides of discs are positive as the finite elements fail, which may be away from the lower end.
+    lower_end = ground.downhill if ground.section is None else downhill(ground.section.ground)
     return BaseMotion(
         acceleration=ground.constant_acceleration(
-            downslope_kh(settings, ground.downhill),
+            signed_kh(settings, lower_end, ground.downhill),
             start.time,
             lead or max(onset, 1e-3),
             None if settings.kh_seconds is None else begin + settings.kh_seconds,

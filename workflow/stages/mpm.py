@@ -180,7 +180,7 @@ def slide_of_points(run: PointRun, tell: Tell) -> "PointSlide":
 
 def programme_of(config: Config, number: int) -> "SlideProgramme":
     """Return loading of the ground and onset of liquefaction: a constant Kh, or a record, as for the discs."""
-    from dem.slides.drive import LEAD_TIME, downslope_kh
+    from dem.slides.drive import LEAD_TIME, signed_kh
     from fem.mpm.slide import SlideProgramme
     from meshes.section.base_impedance import base_impedance
     from meshes.section.quantity import GRAVITY
@@ -198,7 +198,8 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
             float(time[-1]) + settings.duration, settings.still, case.volumetric_strain,
             0.0 if shaking.of_the_base else base_impedance(config.section),
         )  # fmt: skip
-    lead, kh = LEAD_TIME["soil"], downslope_kh(settings, downhill(config.section.ground))
+    lower_end = downhill(config.section.ground)
+    lead, kh = LEAD_TIME["soil"], signed_kh(settings, lower_end, lower_end)
     liquefied_at = lead + onset
     ends_at = None if settings.kh_seconds is None else liquefied_at + settings.kh_seconds
 

@@ -49,10 +49,12 @@ def test_a_constant_kh_acts_to_the_side_that_is_given(falls: str, towards: str |
     expected = {"left": -1, "right": 1, None: -1 if falls == "left" else 1}[towards]
     sign = downhill(config.section.ground)
     points = sign * programme_of(config, 1).shaking(np.array([TIME_UNDER_KH]))[0]
-    ground = Ground(cast("Packing", None), "random", 0.5, 0, 0.0, (0.0, 0.0), sign)
-    motion = constant_kh(cast("DiscModel", SimpleNamespace(law="soil", time=0.0)), ground, [1], config.slide)
-    discs = np.interp(TIME_UNDER_KH, motion.acceleration.times, motion.acceleration.x)
-    assert [points, discs] == pytest.approx([expected * 0.1 * GRAVITY] * 2)
+    discs = []
+    for fails_towards in (-1, 1):  # in the finite elements, from which the discs take what is positive
+        ground = Ground(cast("Packing", None), "random", 0.5, 0, 0.0, (0.0, 0.0), fails_towards, config.section)
+        motion = constant_kh(cast("DiscModel", SimpleNamespace(law="soil", time=0.0)), ground, [1], config.slide)
+        discs.append(np.interp(TIME_UNDER_KH, motion.acceleration.times, motion.acceleration.x))
+    assert [points, *discs] == pytest.approx([expected * 0.1 * GRAVITY] * 3)
 
 
 def test_the_other_face_of_a_levee_is_told() -> None:
