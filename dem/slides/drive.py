@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import assert_never
 
 import numpy as np
 
@@ -130,8 +131,15 @@ def signed_kh(settings: SlideSettings, lower_end: int, positive: int) -> float:
     -------
     Kh (-), positive if it acts as positive slides go.
     """
-    towards = {"left": -1, "right": 1, None: lower_end}[settings.kh_towards]
-    return settings.kh * towards * positive
+    match settings.kh_towards:
+        case "left":
+            return -settings.kh * positive
+        case "right":
+            return settings.kh * positive
+        case None:
+            return settings.kh * lower_end * positive
+        case _:
+            assert_never(settings.kh_towards)
 
 
 def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> BaseMotion:
