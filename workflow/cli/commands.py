@@ -236,11 +236,14 @@ def report(
     json: Json = False,
 ) -> None:
     """Write summary and report of a run again, from the stored results."""
+    from meshes.section.toml_file import read_toml
     from workflow.cli.invocation import left_out_of_report, stored_job
     from workflow.cli.terminal import execute, warn
+    from workflow.config.renamed import notices
     from workflow.run.plan import Choice
 
     job, verbosity = stored_job(folder), Verbosity.of(quiet, verbose, json)
+    warn(notices(read_toml(folder / "section.toml")), verbosity)
     warn(left_out_of_report(job), verbosity)
     execute(job, Choice.of(job.stages, only=["report"], force=True), verbosity, pdf=pdf)
 

@@ -169,3 +169,16 @@ def test_migrate_writes_only_where_it_is_told_to(tmp_path: Path, capsys: pytest.
     assert "exists already" in capsys.readouterr().err
     assert run("migrate", old, "--write") == 0
     assert old.read_text(encoding="utf-8") == new.read_text(encoding="utf-8") == rewritten(OLD, "old.toml")[0]
+
+
+def test_old_words_in_the_folder_of_a_run_are_read_with_a_notice(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "run"
+    assert run("mesh", SECTIONS / "slope_2to1.toml", "--out", folder, "--set", "fem.sides=free-field", "-q") == 0
+    text = (folder / "section.toml").read_text(encoding="utf-8")
+    assert 'sides = "free-field"' in text
+    (folder / "section.toml").write_text(text.replace('sides = "free-field"', 'sides = "roller"'), encoding="utf-8")
+    capsys.readouterr()
+    assert run("report", folder) == 0
+    assert 'fem.sides = "roller" is now fem.sides = "free-field"' in capsys.readouterr().out
