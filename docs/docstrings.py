@@ -8,9 +8,9 @@ phrase or as a question. The docstring of an error is a sentence on what happene
 a verb in the third person, such as "Computes". A public function with four or more parameters names each of them in its
 docstring; the parameters of commands are described by their help.
 
-What another room imports is documented as what a package exports, in the packages of `SHARED`, and has Raises if it
-raises. A room is a folder in a package, such as `fem/limit`. `python docs/docstrings.py fem/limit` lists what is
-missing in a room of any package.
+What another room imports, or takes from a module that it imports, is documented as what a package exports, and has
+Raises if it raises. A room is a folder in a package, such as `fem/limit`. `python docs/docstrings.py fem/limit` lists
+what is missing in this room.
 """
 
 import ast
@@ -27,10 +27,6 @@ from pydantic import BaseModel
 TOP = Path(__file__).resolve().parent.parent
 PACKAGES = ("meshes", "fem", "dem")
 ALL_PACKAGES = (*PACKAGES, "workflow")
-# Packages in which everything that another room imports is documented.
-SHARED = ("meshes", "fem", "dem", "workflow")
-# Of these also what a room takes from a module of another room.
-BY_MODULE = ("meshes", "fem", "dem", "workflow")
 # First words of docstrings that have no verb in front.
 NO_VERB = re.compile(
     r"(The|An?|This|These|Such|All|Every|Each|Both|One|Two|Some|Whether|What|Which|Where|Who|How|Why)\b"
@@ -103,8 +99,8 @@ def room(module: str) -> str:
 
 
 def shared() -> Iterator[tuple[str, str]]:
-    """Yield module and name of everything that a room imports from another room, once. Of the packages of `BY_MODULE`
-    what it takes from a module that it imports, such as ``cholmod.available``, is among them."""
+    """Yield module and name of everything that a room imports from another room, once. What it takes from a module that
+    it imports, such as ``cholmod.available``, is among them."""
     names = set()
     for package in ALL_PACKAGES:
         for path in sorted((TOP / package).rglob("*.py")):
@@ -118,8 +114,7 @@ def shared() -> Iterator[tuple[str, str]]:
                     and room(node.module) != room(importer)
                 ):
                     names |= {(node.module, alias.name) for alias in node.names}
-                    if node.module.partition(".")[0] in BY_MODULE:
-                        modules |= {alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names}
+                    modules |= {alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names}
             names |= {
                 (modules[node.value.id], node.attr)
                 for node in ast.walk(tree)
@@ -198,7 +193,7 @@ def main() -> int:
         if str(path.relative_to(TOP)) not in COMMANDS
         for line, name in unnamed(path.read_text(encoding="utf-8"))
     ]
-    messages += shared_faults(SHARED)
+    messages += shared_faults(ALL_PACKAGES)
     print("\n".join(messages) or "docstrings: every exported name is documented")
     return 1 if messages else 0
 
