@@ -23,7 +23,7 @@ from dem.kernels.layout import (
     place_links,
 )
 from dem.kernels.liquefied_lists import list_bonds, members_of, place_bonds, place_pairs
-from dem.kernels.liquefied_pairs import FIELDS, WORKING, Liquefied
+from dem.kernels.liquefied_pairs import EXTRA_SHARE_AT, FIELDS, KNEE_STRAIN, KNEE_STRENGTH, WORKING, Liquefied
 from dem.kernels.liquefied_pairs import MEMORY as BOND_MEMORY
 from dem.kernels.motion import list_half_velocities, list_motion, place_fields, place_motion
 from dem.kernels.transpose import CONSTANT_RECORD, SHARED
@@ -159,11 +159,22 @@ def _liquefied(model: DiscModel, number: np.ndarray, slices: int) -> Liquefied:
     memory = large_zeros(int(start[-1]) * BOND_MEMORY * LANES)
     place_bonds(lane, model.bonds, memory)
     member, members = members_of(first, second, lane, slots)
-    near = np.flatnonzero(np.diff(members))
+    near, linear = np.flatnonzero(np.diff(members)), _linear_blocks(model, lane, int(start[-1]))
     return Liquefied(
-        discs, numbers[0], numbers[1], memory, large_zeros(lanes * WORKING), start, member, members, near,
+        discs, numbers[0], numbers[1], linear, memory, large_zeros(lanes * WORKING), start, member, members, near,
         np.searchsorted(near, np.arange(slices + 1) * LANES), model.reach, model.steps_between_looks,
     )  # fmt: skip
+
+
+def _linear_blocks(model: DiscModel, lane: np.ndarray, blocks: int) -> np.ndarray:
+    """Return whether all bonds of each block are linear; lane: lane of every pair. They stay linear while a layout is
+    used: strain potentials are constant, and extra strength is only lost."""
+    bent = model.bonds[:, EXTRA_SHARE_AT] != 0.0
+    for knee in (KNEE_STRENGTH, KNEE_STRAIN):
+        bent |= (model.liquefied[:, knee] != 0.0)[np.column_stack([model.liquefied_i, model.liquefied_j])].any(axis=1)
+    linear = np.ones(blocks, bool)
+    linear[lane[bent] // LANES] = False
+    return linear
 
 
 def _bonds(layout: Layout, model: DiscModel) -> np.ndarray:

@@ -53,11 +53,10 @@ def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
 
 
 @device_function(nogil=True, _nrt=False)
-def fetch_strength(block: int, wet: bond.Liquefied) -> bool:
-    """Compute pressure and strength of the pairs of a block as sums over both discs; the sums for bonds are weighted.
-    Return whether all bonds of the block are linear: without a strain potential, and without extra strength."""
+def fetch_strength(block: int, wet: bond.Liquefied) -> None:
+    """Compute pressure and strength of the pairs of a block as sums over both discs; the sums for bonds are
+    weighted."""
     discs, w = wet.discs, wet.working
-    linear = True
     for lane in range(bond.LANES):
         q = np.uint64(block) * bond.WORKING_BLOCK + np.uint64(lane)
         c = block * bond.LANES + lane
@@ -74,8 +73,6 @@ def fetch_strength(block: int, wet: bond.Liquefied) -> bool:
         w[q + bond.STRAIN_SUM] = straining * (a * discs[i, bond.STRAIN] + b * discs[j, bond.STRAIN])
         w[q + bond.KNEE_STRENGTH_SUM] = a * discs[i, bond.KNEE_STRENGTH] + b * discs[j, bond.KNEE_STRENGTH]
         w[q + bond.KNEE_STRAIN_SUM] = ends
-        fresh = wet.memory[np.uint64(block) * bond.MEMORY_BLOCK + np.uint64(lane) + bond.EXTRA_SHARE]
-        linear &= (ends == 0.0) & (w[q + bond.KNEE_STRENGTH_SUM] == 0.0) & (fresh == 0.0)
         first, second = w[q + bond.PART_1], w[q + bond.PART_2]
         w[q + bond.PAIR_SPIN] = first * discs[i, bond.SPIN] + second * discs[j, bond.SPIN]
         couple_i = discs[i, bond.APPLIED_COUPLE] if first > 0.0 else 0.0
@@ -84,7 +81,6 @@ def fetch_strength(block: int, wet: bond.Liquefied) -> bool:
         if (discs[i, bond.KNEE_STRAIN] > 0.0) != (discs[j, bond.KNEE_STRAIN] > 0.0):
             single = discs[soft, bond.BOND], STRAINING_SHARE * discs[soft, bond.STRAIN]
             w[q + bond.CREEP_TIME] *= dashpot_share(single, (w[q + bond.BOND_SUM], w[q + bond.STRAIN_SUM]))
-    return linear
 
 
 @device_function(nogil=True, _nrt=False, forceinline=True)

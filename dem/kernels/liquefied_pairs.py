@@ -115,6 +115,7 @@ class Liquefied(NamedTuple):
     discs (slots, FIELDS) : fields of every disc, in spatial order
     disc_i, disc_j (lanes,) : numbers of the two discs in spatial order, sorted by ``disc_i``, then by ``disc_j``; equal
         in lanes without a pair
+    linear (blocks,) : whether all bonds of the block are linear: without a strain potential and without extra strength
     memory (blocks * MEMORY_BLOCK,) : history variables, see `ALONG` and the names after it
     working (blocks * WORKING_BLOCK,) : work arrays, see `DX` and the names after it
     start (slices + 1,) : first block of each slice, to which ``disc_i`` belongs
@@ -129,6 +130,7 @@ class Liquefied(NamedTuple):
     discs: np.ndarray
     disc_i: np.ndarray
     disc_j: np.ndarray
+    linear: np.ndarray
     memory: np.ndarray
     working: np.ndarray
     start: np.ndarray

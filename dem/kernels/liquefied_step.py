@@ -35,11 +35,11 @@ def press_slice(p: int, wet: Liquefied, entries: Entries, damping_time: float, r
     wet: liquefied pairs; entries: entries of the energy balance.
     """
     for block in range(wet.start[p], wet.start[p + 1]):
-        linear = fetch_strength(block, wet)
+        fetch_strength(block, wet)
         if not entries.summed:
-            press_pairs(block, wet, damping_time, relaxation, linear)
+            press_pairs(block, wet, damping_time, relaxation, wet.linear[block])
         else:
-            slid, damped, work = press_pairs_with_losses(block, wet, damping_time, relaxation, linear)
+            slid, damped, work = press_pairs_with_losses(block, wet, damping_time, relaxation, wet.linear[block])
             entries.sums[p, BONDS] += slid
             entries.sums[p, VISCOSITY] += damped
             entries.sums[p, STAND_IN] += work

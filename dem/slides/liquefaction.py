@@ -155,8 +155,8 @@ class Slider:
         engine = self._engine(threads)
         while True:  # at least a step
             try:
-                moved = (UPDATE_INTERVAL, self._move_sides) if self.sides.strips else (None, None)
-                engine.run(model, end - model.time, every=moved[0], on_interval=moved[1])
+                every, move = (UPDATE_INTERVAL, self._move_sides) if self.sides.strips else (None, None)
+                engine.run(model, end - model.time, every=every, on_interval=move)
             except StepTooLargeError:
                 engine = self._engine(threads)
             if end - model.time <= max(TIME_TOLERANCE, 0.5 * float(engine.dt)):
@@ -164,8 +164,7 @@ class Slider:
 
     def _move_sides(self, model: DiscModel, force_x: np.ndarray) -> None:
         """Let the walls follow the ground where it continues; force_x (n,): see `FreeSides.follow`."""
-        since = model.time - self.start.time
-        self.sides.follow(max(self.motion.share(k, since) for k in self.strata), model, force_x)
+        self.sides.follow(max(self.motion.share(k, model.time - self.start.time) for k in self.strata), model, force_x)
 
     def _engine(self, threads: int) -> Engine:
         """Return an engine with the time step for the present list of neighbours."""
@@ -247,8 +246,9 @@ class Slider:
         """Set the buoyancy of soil discs that have crossed the water table, from the part of each disc below it."""
         if self.buoyed is None or (now := self.ground.buoyancy(self.model)) is None:
             return
-        self.model.pore_acceleration_x = self.start.pore_acceleration_x + (now - self.buoyed)[0]
-        self.model.pore_acceleration_z = self.start.pore_acceleration_z + (now - self.buoyed)[1]
+        change_x, change_z = now - self.buoyed
+        self.model.pore_acceleration_x = self.start.pore_acceleration_x + change_x
+        self.model.pore_acceleration_z = self.start.pore_acceleration_z + change_z
 
     def _look(self) -> Row:
         model, ground = self.model, self.ground
