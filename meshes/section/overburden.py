@@ -98,14 +98,14 @@ def _loads(section: Section, x: float, elevation: float) -> tuple[float, float]:
 
 
 def water_level(section: Section, x: float, stratum: int | None = None) -> float | None:
-    """Return the elevation of the water at a place.
+    """Return the elevation of the water at a place, after a drawdown if there is one.
 
     Parameters
     ----------
     section : the section
     x : place (m)
     stratum : number of a stratum, whose own piezometric level counts if it has one, or the level below which its pores
-        are full; None for the water table
+        are full: before the drawdown if the stratum does not drain; None for the water table
 
     Returns
     -------
@@ -116,8 +116,11 @@ def water_level(section: Section, x: float, stratum: int | None = None) -> float
 
 
 def _level(section: Section, stratum: int | None) -> np.ndarray | None:
-    apart = stratum is not None and section.strata[stratum].confined
-    return section.water_pressure.levels[stratum] if stratum is not None and apart else section.water_points()
+    if stratum is not None and section.strata[stratum].confined:
+        return section.water_pressure.levels[stratum]
+    lowered = section.water_points_after_drawdown()
+    follows = stratum is None or section.strata[stratum].drains
+    return lowered if lowered is not None and follows else section.water_points()
 
 
 def outside(section: Section, x: float, depth: float) -> str:

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 import tomli_w
 
-from meshes.section.overburden import overburden
+from meshes.section.overburden import overburden, water_level
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from tests.support import command_line
 from tests.support.borings import bored, test
 from tests.support.sections import analysed, assessment, problems
 from workflow.config import Config
+from workflow.earthquake.triggering.methods import reasons_in_one
 
 
 def message(change: Any) -> str:
@@ -368,3 +369,31 @@ def test_a_clay_of_known_plasticity_is_not_called_one_of_unknown_plasticity() ->
         boring["spt"][0].pop("plasticity", None)
     unknown, _ = assessment(analysed(data)).strata
     assert unknown.reason.startswith("clay by its strength")
+
+
+def test_reasons_of_many_tests_are_one_reason_with_the_ranges_of_its_numbers() -> None:
+    """A cone through 2 m of clay listed the soil behaviour index of each of its readings."""
+    indices = [f"soil behaviour index {index} is above 2.6: behaves as clay" for index in ("3.12", "2.7", "11.0")]
+    assert reasons_in_one([*indices, "above the water table", indices[0]]) == [
+        "soil behaviour index 2.7 to 11.0 is above 2.6: behaves as clay",
+        "above the water table",
+    ]
+    fines = "fines {} % above 35 % with a plasticity index of {} % above 15 %"
+    assert reasons_in_one([fines.format(40, 22), fines.format(60, 18)]) == [fines.format("40 to 60", "18 to 22")]
+    assert reasons_in_one([]) == []
+
+
+def test_the_water_of_a_boring_is_that_after_the_drawdown() -> None:
+    """The picture of the borings had the table before the drawdown, while stresses were those after it."""
+    data = bored()
+    data.pop("water_table")
+    for stratum in data["strata"]:
+        stratum.pop("density_ordinary")
+        stratum.pop("density_seismic")
+        stratum |= {"density": "1.7 t/m^3", "density_saturated": "2.0 t/m^3", "drains": True}
+    lowered = analysed({**data, "water": {"table": -1.0, "after_drawdown": -3.0}}).section
+    same = analysed({**data, "water": {"table": -3.0}}).section
+    assert water_level(lowered, 50.0) == water_level(same, 50.0) == -3.0
+    for depth in (1.0, 2.0, 3.0, 5.0):  # at 1 m stands the water before the drawdown
+        after, still = (overburden(section, 50.0, depth) for section in (lowered, same))
+        assert (after.effective, after.below_water) == (still.effective, still.below_water), depth

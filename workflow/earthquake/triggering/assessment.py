@@ -18,7 +18,7 @@ from workflow.earthquake.settings import EarthquakeSettings
 from workflow.earthquake.triggering import boulanger_idriss, idriss_boulanger
 from workflow.earthquake.triggering.blow_count import KPA, BlowCount, Resistance, SurfaceMotion
 from workflow.earthquake.triggering.boulanger_idriss import ConeTest
-from workflow.earthquake.triggering.methods import RELATIONS, Relation
+from workflow.earthquake.triggering.methods import RELATIONS, Relation, reasons_in_one
 from workflow.earthquake.triggering.potential import potential
 from workflow.earthquake.triggering.settings import TriggeringSettings
 
@@ -362,7 +362,7 @@ def _of_stratum(section: Section, number: int, tests: list[TestResult], wanted: 
     )
     factors = [test.factor for test in tests_in_stratum if test.factor is not None]
     enough = share is not None and share >= wanted
-    reasons = list(dict.fromkeys(test.reason for test in tests_in_stratum if test.reason))
+    reasons = reasons_in_one(test.reason for test in tests_in_stratum if test.reason)
     if section.strata[number].name.endswith(BELOW_WATER) and len(reasons) > 1:
         reasons = [why for why in reasons if why != ABOVE_WATER]  # of a test at the very level of the water
     if any("plasticity index" in why for why in reasons if why != CLAY):

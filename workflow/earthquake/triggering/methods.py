@@ -1,13 +1,17 @@
 """Lists the methods of triggering by their names in [triggering]."""
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain, zip_longest
 from typing import Any, Literal
 
 from workflow.earthquake.triggering import boulanger_idriss, highway_code, idriss_boulanger
 from workflow.earthquake.triggering.blow_count import BlowCount, Resistance, SurfaceMotion
 from workflow.earthquake.triggering.settings import TriggeringMethod, TriggeringSettings
+
+NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
 @dataclass(frozen=True)
@@ -70,3 +74,28 @@ RELATIONS: dict[TriggeringMethod, Relation] = {
     "highway_2012": _highway("2012", partial(_highway_later, "2012")),
     "highway_2017": _highway("2017", partial(_highway_later, "2017")),
 }
+
+
+def reasons_in_one(reasons: Iterable[str]) -> list[str]:
+    """Join reasons of many tests that differ in their numbers alone.
+
+    Parameters
+    ----------
+    reasons : reasons why a method does not apply
+
+    Returns
+    -------
+    Every reason once, with the range of each of its numbers, such as "soil behaviour index 2.7 to 3.1 is above 2.6".
+    """
+    values: dict[tuple[str, ...], list[list[str]]] = {}
+    for reason in reasons:
+        values.setdefault(tuple(NUMBER.split(reason)), []).append(NUMBER.findall(reason))
+    return [
+        "".join(chain(*zip_longest(words, map(_range_words, zip(*numbers, strict=True)), fillvalue="")))
+        for words, numbers in values.items()
+    ]
+
+
+def _range_words(numbers: tuple[str, ...]) -> str:
+    """Return numbers as their range, "3.1 to 3.2", or as the one number that they all are."""
+    return " to ".join(dict.fromkeys((min(numbers, key=float), max(numbers, key=float))))
