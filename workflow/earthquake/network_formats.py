@@ -22,6 +22,7 @@ PEER_NEW = re.compile(r"NPTS\s*=\s*(\d+)\s*,?\s*DT\s*=\s*([\d.Ee+-]+)\s*([A-Za-z
 PEER_OLD = re.compile(r"^\s*(\d+)\s+([\d.Ee+-]+)\s+NPTS\s*,\s*DT", re.IGNORECASE)
 QUANTITY = re.compile(r"\b(ACCEL|VELOC|DISPL)[A-Z]*", re.IGNORECASE)
 IN_UNITS = re.compile(r"UNITS?\s*(?:OF|IN|ARE|[:=])?\s+(\S+(?: ?/ ?\w+)*)|UNITS?\s*[:=]\s*(\S+)", re.IGNORECASE)
+BEHIND_IN = re.compile(r"\b(?:ACC|VEL|DISP)[A-Z]*\.?\s+IN\s+([^\s,;:]+)", re.IGNORECASE)  # "acceleration in m/s2"
 
 KNET_LINES = 17  # of heading, of which the last begins with Memo.
 KNET = re.compile(r"^Station Code.*^Sampling Freq\(Hz\)", re.MULTILINE | re.DOTALL)
@@ -227,11 +228,12 @@ def _wrong_number(count: int, stated: int, where: str, what: str) -> str:
 
 
 def unit_in(heading: str) -> str:
-    """Return the unit in a heading after "units of", "units:", "units =" or in brackets; empty without a unit."""
+    """Return the unit in a heading after "units of", "units:", "units =", in brackets or after "acceleration in"; empty
+    without a unit."""
     if match := IN_UNITS.search(heading):
         return (match[1] or match[2]).strip(" .,;:")
-    brackets = re.findall(r"[(\[]\s*([^)\]]+?)\s*[)\]]", heading)
-    return next((word for word in reversed(brackets) if motion_unit(word)), "")
+    words = [*BEHIND_IN.findall(heading), *re.findall(r"[(\[]\s*([^)\]]+?)\s*[)\]]", heading)]
+    return next((word for word in reversed(words) if motion_unit(word)), "")
 
 
 def word_of(heading: str) -> str:

@@ -40,6 +40,7 @@ TEXTS = {
     "eight in a row": "dt = 0.01 s\nacceleration (m/s2)\n" + "\n".join(
         "".join(f"{value:9.6f}" for value in VALUES[k : k + 8]) for k in range(0, COUNT, 8)
     ),
+    "a unit in the words before one column": "dt = 0.01 s, acceleration in m/s2\n" + rows("%.6f", VALUES),
     "SMC": smc(GAL, "2 CORRECTED ACCELEROGRAM"),
 }  # fmt: skip
 
