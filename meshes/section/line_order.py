@@ -11,6 +11,10 @@ from meshes.section.polyline import Line, pairs_of, without_repeats
 from meshes.section.sentences import counted
 from meshes.section.vertical_flow import LINES as FLOW_LINES
 
+# Keys of lines in a stratum, and in tables of a section.
+STRATUM_LINES = ("bottom", "piezometric_level", "cohesion_from", "consolidated_below")
+TABLE_LINES = {"water": ("table", "after_drawdown"), "consolidation": ("table", "surface")}
+
 
 def in_order(data: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """Return the contents of a file with the points of its lines from left to right, at most two of them at one x.
@@ -54,7 +58,7 @@ def _reversed_lines(data: dict[str, Any]) -> list[str]:
     reversed_lines = []
     for place, table, points in _lines(data):
         steps = np.diff(points[:, 0])
-        if len(points) and points[0, 0] > points[-1, 0] and np.sum(steps < 0.0) > np.sum(steps > 0.0):
+        if points[0, 0] > points[-1, 0] and np.sum(steps < 0.0) > np.sum(steps > 0.0):
             table[place[-1]] = list(table[place[-1]])[::-1]
             reversed_lines.append(_key(place))
     return (
@@ -76,7 +80,8 @@ def _lines(data: dict[str, Any]) -> Iterator[tuple[Place, Any, np.ndarray]]:
             points = np.array(pairs_of(table[place[-1]]), dtype=float)
         except (TypeError, ValueError):
             continue
-        yield place, table, points
+        if len(points):
+            yield place, table, points
 
 
 def _key(place: Place) -> str:
@@ -130,11 +135,12 @@ def _written_lines(data: Mapping[str, Any]) -> list[Place]:
     strata = data.get("strata")
     for k, stratum in enumerate(strata if isinstance(strata, list | tuple) else []):
         if isinstance(stratum, Mapping):
-            tables += [(("strata", k, key), stratum.get(key)) for key in ("bottom", "piezometric_level")]
+            tables += [(("strata", k, key), stratum.get(key)) for key in STRATUM_LINES]
             if isinstance(flow := stratum.get("vertical_flow"), Mapping):
                 tables += [(("strata", k, "vertical_flow", key), flow.get(key)) for key in FLOW_LINES]
-    if isinstance(water := data.get("water"), Mapping):
-        tables += [(("water", key), water.get(key)) for key in ("table", "after_drawdown")]
+    for name, keys in TABLE_LINES.items():
+        if isinstance(table := data.get(name), Mapping):
+            tables += [((name, key), table.get(key)) for key in keys]
     places: list[Place] = []
     for place, line in tables:
         if isinstance(line, list | tuple):

@@ -3,7 +3,7 @@
 import difflib
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -138,6 +138,8 @@ def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], other_
         hint = f'; did you mean "{close[0]}"?' if close else listed
         if (other := OTHER_WORDS.get(str(error["loc"][-1]).lower())) and other[0] in known:
             hint = f"; expected {other[0]}{other[1]}"
+        if not close and (place := _right_place(error["loc"], model)):
+            hint = f" here; {place}"
         return [f"{key}: unknown key{hint}"]
     value = error["input"]
     written = str(value).lower() if isinstance(value, bool) else repr(value)
@@ -253,6 +255,22 @@ def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
 def _known_keys(location: tuple[int | str, ...], model: type[BaseModel]) -> list[str]:
     owner = model_at(location, model)
     return [field.alias or name for name, field in owner.model_fields.items()] if owner else []
+
+
+def _right_place(location: tuple[int | str, ...], model: type[BaseModel]) -> str:
+    """Return where in the file a key has its place: at the head, or in another table; empty if it has none."""
+    name = location[-1]
+    if len(location) > 1 and name in model.model_fields:
+        annotation = model.model_fields[str(name)].annotation
+        if any(_models_in(annotation)):
+            return f"expected tables [[{name}]]" if get_origin(annotation) is tuple else f"expected a table [{name}]"
+        return "expected at the head of the file, before all tables"
+    tables = [
+        f"[{table}]"
+        for table, field in model.model_fields.items()
+        if table != location[0] and any(name in part.model_fields for part in _models_in(field.annotation))
+    ]
+    return f"expected in {' or '.join(tables)}" if tables else ""
 
 
 def _description(location: tuple[int | str, ...], model: type[BaseModel]) -> str:

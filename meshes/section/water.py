@@ -67,6 +67,8 @@ class Water(Model):
     def _consistent(self) -> Self:
         if self.after_drawdown is not None and self.table is None:
             raise ValueError("after_drawdown without table: expected the water table before the drawdown as well")
+        if self.westergaard and self.table is None:
+            raise ValueError("westergaard = true without table: expected table with the level of the free water")
         if self.flow and self.table is None:
             raise ValueError(
                 "flow = true without table: expected table with the levels of free water and of the water at both sides"

@@ -145,6 +145,7 @@ def test_a_section_drawn_from_right_to_left_is_turned_round_and_told() -> None:
         "base": [[0.0, -4.0], [60.0, -5.0]],
         "bottom": [[0.0, 2.0], [60.0, -1.0]],
         "table": [[0.0, 5.0], [40.0, 0.0], [60.0, 0.0]],
+        "earlier": [[0.0, 3.0], [60.0, 0.0]],
     }
     there, back = (
         {
@@ -152,19 +153,31 @@ def test_a_section_drawn_from_right_to_left_is_turned_round_and_told() -> None:
             "surface": lines["surface"][::way],
             "base": {"elevation": lines["base"][::way]},
             "water": {"table": lines["table"][::way]},
-            "strata": [layer("a", bottom={"elevation": lines["bottom"][::way]}), layer("b")],
+            "consolidation": {"table": lines["earlier"][::way]},
+            "strata": [
+                layer("a", bottom={"elevation": lines["bottom"][::way]}),
+                layer(
+                    "b",
+                    cohesion_increase="1 kPa/m",
+                    cohesion_from=lines["bottom"][::way],
+                    strength_ratio=0.2,
+                    consolidated_below=lines["surface"][::way],
+                ),
+            ],
         }
         for way in (1, -1)
     )
     ground, other = Section.parse(there), Section.parse(back)
-    assert (ground.surface, ground.base, ground.water, ground.strata) == (
+    assert (ground.surface, ground.base, ground.water, ground.strata, ground.consolidation) == (
         other.surface,
         other.base,
         other.water,
         other.strata,
+        other.consolidation,
     )
     (messages,) = [text for text in other.notices if "were reversed" in text]
-    assert "surface; base, elevation; strata, 1, bottom, elevation; water, table" in messages
+    assert "surface; base, elevation; strata, 1, bottom, elevation; strata, 2, cohesion_from; strata, 2, " in messages
+    assert "consolidated_below; water, table; consolidation, table" in messages
     assert not [text for text in ground.notices if "were reversed" in text]
 
 
