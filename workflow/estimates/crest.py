@@ -10,6 +10,7 @@ import numpy as np
 # Share of the height: ground within this distance below the top belongs to the crest, above the foot to the foot.
 CREST_DEPTH = 0.1
 LEAST_HEIGHT, LEAST_SHARE = 1.0, 0.2  # m, and of the relief of the section: lower humps are no embankments
+SAME_PLACE = 1e-9  # m
 LEAST_SLOPE = 0.1  # mean rise over run of a face: hills are flatter
 
 
@@ -39,14 +40,15 @@ class Crest:
 def crest_between(ground: np.ndarray, start: float, end: float) -> Crest:
     """Find the crest of a structure: the ground around its highest point that is lower by less than 10 % of its height.
 
+    A wall at a foot is a face of the structure if the wall rises towards the structure, as that of a quay.
+
     Parameters
     ----------
     ground (n, 2) : points of the ground surface (m), x ascending
     start, end : x of the feet of the structure (m), inside the ground
     """
     inside = ground[(ground[:, 0] > start) & (ground[:, 0] < end)]
-    ends = np.interp([start, end], *ground.T)
-    points = np.vstack([[start, ends[0]], inside, [end, ends[1]]])
+    points = np.vstack([_at_foot(ground, start, 1), inside, _at_foot(ground, end, -1)])
     z = points[:, 1]
     high = z >= z.max() - CREST_DEPTH * np.ptp(z)
     top = int(np.argmax(z))
@@ -54,6 +56,16 @@ def crest_between(ground: np.ndarray, start: float, end: float) -> Crest:
     first = int(low_left[-1]) + 1 if len(low_left) else 0
     last = top + int(low_right[0]) - 1 if len(low_right) else len(z) - 1
     return Crest(start, end, float(points[first, 0]), float(points[last, 0]), float(z.max()))
+
+
+def _at_foot(ground: np.ndarray, x: float, inwards: int) -> np.ndarray:
+    """Return the ground of a structure at its foot at ``x``, from left to right; ``inwards`` is 1 at the left foot, -1
+    at the right one."""
+    there = ground[np.abs(ground[:, 0] - x) < SAME_PLACE][::inwards]
+    if not len(there):
+        return np.array([[x, np.interp(x, *ground.T)]])
+    foot, top = there[0], there[-1]
+    return np.array([foot, top])[::inwards] if foot[1] < top[1] else top[None]
 
 
 def embankments(ground: np.ndarray) -> tuple[Crest, ...]:

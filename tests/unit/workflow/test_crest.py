@@ -90,3 +90,18 @@ def test_reconsolidation_by_hand() -> None:
 def test_freeboard() -> None:
     assert freeboard(15.0, 0.5, 9.8) == pytest.approx(4.7)
     assert freeboard(15.0, 0.5, 14.8) == pytest.approx(-0.3)
+
+
+QUAY = np.array([[0, 3], [50, 3], [50, -9], [90, -10]], float)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_wall_at_the_foot_is_the_face_of_a_quay(mirrored: bool) -> None:
+    """The crest of a quay towards the right was its landward foot alone, so that no slip circle had a crest above."""
+    ground = np.column_stack([90.0 - QUAY[::-1, 0], QUAY[::-1, 1]]) if mirrored else QUAY
+    quay = crest_between(ground, 40.0, 70.0) if mirrored else crest_between(ground, 20.0, 50.0)
+    assert (quay.left, quay.right, quay.elevation) == ((40.0, 70.0, 3.0) if mirrored else (20.0, 50.0, 3.0))
+    before = crest_between(ground, 5.0, 40.0) if mirrored else crest_between(ground, 50.0, 85.0)
+    assert before.elevation == -9.0  # the wall rises away from what stands on the sea bed
+    inside = crest_between(ground, 35.0, 70.0) if mirrored else crest_between(ground, 20.0, 55.0)
+    assert (inside.left, inside.right) == ((40.0, 70.0) if mirrored else (20.0, 50.0))

@@ -13,6 +13,7 @@ from tests.support import SECTIONS, TOP
 from tests.support.borings import bored
 from tests.support.sections import analysed, problems
 from workflow.config import Config
+from workflow.earthquake.triggering.settings import FreeFaceSettings
 from workflow.estimates.empirical import bray_macedo, bray_travasarou, empirical
 from workflow.estimates.estimate import with_flow_failure
 from workflow.estimates.lateral_spread import (
@@ -219,3 +220,16 @@ def test_what_lies_outside_a_range_gives_no_number() -> None:
     assert "no blow count below 15 has both fines and D50" in values["Youd, Hansen & Bartlett (2002)"].description
     assert values["Bray & Macedo (2019)"].displacement_m is not None
     assert all(value.source and value.validity for value in values.values())
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_wall_is_a_free_face_from_either_side(mirrored: bool) -> None:
+    """A quay of 12 m at x = 50 m: the ground at the wall was that on its right, whichever side is high."""
+    ground = np.array([[0, 3], [50, 3], [50, -9], [90, -10]], float)
+    ground = np.column_stack([90.0 - ground[::-1, 0], ground[::-1, 1]]) if mirrored else ground
+    wall, at = (40.0, 60.0) if mirrored else (50.0, 30.0)
+    face = FreeFaceSettings(crest=wall, toe=wall, at=at)
+    assert face.problems(ground) == []
+    assert face.distance_and_height(ground) == pytest.approx((20.0, 12.0))
+    (problem,) = FreeFaceSettings(crest=wall, toe=wall).problems(ground)
+    assert "free_face, at: expected a place behind the toe" in problem

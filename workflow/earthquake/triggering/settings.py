@@ -28,6 +28,7 @@ Residual = Literal["strength", "ratio"]
 DEPTH = Range(0.5, 750.0, "km", 1e3, ((1e3, "km"), (1e-3, "m")))
 DISTANCE = Range(0.1, 1500.0, "km", 1e3, ((1e3, "km"), (1e-3, "m")))
 RODS = Range(0.0, 30.0, "m", 1.0, ((1e-2, "cm"), (1e-3, "mm")))
+SAME_PLACE = 1e-9  # m
 VS30 = Range(50.0, 3000.0, "m/s", 1.0, ())
 
 
@@ -123,6 +124,11 @@ def left_to_borings(data: Mapping[str, Any]) -> bool:
     return bool(liquefy) and all(isinstance(cases, str) and cases == TRIGGERED for cases in liquefy)
 
 
+def _elevations(ground: np.ndarray, x: float) -> list[float]:
+    """Return the elevations (m) of the ground (n, 2) at a place: two at a wall."""
+    return [float(np.interp(x, *ground.T)), *ground[np.abs(ground[:, 0] - x) < SAME_PLACE, 1].tolist()]
+
+
 class FreeFaceSettings(Model):
     """Holds toe and top of a free face, and the place behind it for which the displacement is required."""
 
@@ -146,7 +152,10 @@ class FreeFaceSettings(Model):
                             f"{ground[-1, 0]:g} m")  # fmt: skip
         if self.crest is None or self.toe is None or problems:
             return problems
-        if self.distance_and_height(ground)[1] <= 0.0:
+        distance, height = self.distance_and_height(ground)
+        if distance <= 0.0:
+            problems.append("free_face, at: expected a place behind the toe, where the displacement is computed")
+        if height <= 0.0:
             problems.append(f"free_face: the ground at the crest, x = {self.crest:g} m, is not above that at the toe")
         if self.at is not None and (self.at - self.crest) * (self.toe - self.crest) > 0.0:
             problems.append(
@@ -158,7 +167,7 @@ class FreeFaceSettings(Model):
         """Return the distance L (m) from the toe to the required place, and the height H (m) of the free face."""
         if self.crest is None or self.toe is None:
             raise ValueError("the section has no free face")
-        upper, lower = np.interp([self.crest, self.toe], *ground.T)
+        upper, lower = (pick(_elevations(ground, x)) for pick, x in ((max, self.crest), (min, self.toe)))
         place = self.crest if self.at is None else self.at
         return abs(float(place) - float(self.toe)), float(upper - lower)
 
