@@ -65,8 +65,10 @@ def placed(logs: Sequence[Log], off_line: float = OFF_LINE) -> tuple[PlacedBorin
     along = [math.isnan(log.location[1]) for log in logs]
     if any(along) and not all(along):
         problems.append("some borings have an x, others easting and northing; expected the same coordinates for all")
-    if sum(bool(log.layers) for log in logs) < 2:
-        problems.append("fewer than two borings have layers; expected borings with layers at both ends of the section")
+    layered_logs = [log for log in logs if log.layers]
+    if len(layered_logs) < 2:
+        have = "fewer than two borings have" if layered_logs else "soundings alone have no"
+        problems.append(f"{have} layers; expected borings with layers at both ends of the section")
     if problems:
         raise InputError("borings", problems)
     if all(along):

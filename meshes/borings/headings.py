@@ -71,6 +71,13 @@ HEADINGS: dict[str, tuple[str, ...]] = {
     ),
 }  # fmt: skip
 
+# Level to which elevations refer, or that depths are below, as written beside a unit of length: "mAHD", "ft NAVD88".
+DATUM = (
+    "ahd", "aod", "od", "odn", "nap", "taw", "nhn", "nn", "ünn", "ünhn", "asl", "amsl", "msl", "navd", "navd88", "ngvd",
+    "ngvd29", "tp", "kp", "ap", "gl", "cd", "rl", "bgl", "bgs", "ebgl", "belowground", "belowgroundlevel", "abovesealevel",
+)  # fmt: skip
+LENGTH_UNITS = ("mm", "cm", "m", "ft")
+
 
 def guessed_columns(headings: Sequence[str], known: Sequence[str], taken: Container[str]) -> dict[str, str]:
     """Return column names of this program by the headings that commonly stand for them.
@@ -94,3 +101,13 @@ def guessed_columns(headings: Sequence[str], known: Sequence[str], taken: Contai
 def compact(heading: str) -> str:
     """Return a heading without capitals, blanks, points, hyphens, underscores and letters of full width."""
     return re.sub(r"[\s_.\-:/]+", "", unicodedata.normalize("NFKC", heading)).casefold()
+
+
+def without_datum(unit: str) -> str:
+    """Return a unit of length without the level to which an elevation or a depth refers: "m" of "mAHD", "m+NAP" or
+    "T.P.m"; any other unit unchanged."""
+    letters = re.sub(r"[^\w]|_", "", unicodedata.normalize("NFKC", unit)).casefold()
+    for length in LENGTH_UNITS:
+        if letters in {joined for datum in DATUM for joined in (length + datum, datum + length)}:
+            return length
+    return unit

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from meshes.borings.complaints import folded
-from meshes.borings.headings import HEADINGS, compact, guessed_columns
+from meshes.borings.headings import HEADINGS, compact, guessed_columns, without_datum
 from meshes.borings.text_file import read_text
 from meshes.errors import InputError
 from meshes.section.quantity import COORDINATE, DENSITY, LENGTH, STRENGTH, Kind
@@ -192,7 +192,8 @@ def _sheet(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> _She
     usual = guessed_columns([name for name, _ in heads], known, taken)
     heads = [(usual.get(name, name), unit) for name, unit in heads]
     if len(rows) > 1 and _are_units(heads, rows[1][1]):
-        heads = [(name, unit or below) for (name, unit), below in zip(heads, rows.pop(1)[1], strict=False)]
+        below = map(without_datum, rows.pop(1)[1])
+        heads = [(name, unit or unit_below) for (name, unit), unit_below in zip(heads, below, strict=False)]
     notices = [notice] if notice else []
     if usual:
         meanings = ", ".join(f"{name!r} as {key}" for name, key in usual.items())
@@ -222,7 +223,7 @@ def _are_units(heads: Sequence[tuple[str, str]], row: Sequence[str]) -> bool:
     """Return whether a row below the heading contains only units of the columns, and at least one."""
     cells = [(name, cell) for (name, _), cell in zip(heads, row, strict=False) if cell]
     return any(name in KINDS for name, _ in cells) and not any(
-        name not in (*KINDS, *PLAIN) or re.search(r"^[-+.]?\d", cell) or _unit_problem(name, cell)
+        name not in (*KINDS, *PLAIN) or re.search(r"^[-+.]?\d", cell) or _unit_problem(name, without_datum(cell))
         for name, cell in cells
     )
 
@@ -238,7 +239,7 @@ def _decimal(cell: str, separator: str) -> str:
 
 def _split(cell: str) -> tuple[str, str]:
     head = HEADING.match(unicodedata.normalize("NFKC", cell))
-    return (head[1], head[2] or "") if head else (cell, "")
+    return (head[1], without_datum(head[2] or "")) if head else (cell, "")
 
 
 def written(value: str, unit: str) -> str:

@@ -48,6 +48,8 @@ def problems(folder: Path, text: str) -> list[str]:
             f"{HEAD}\n{LINES}".replace("water_level", "water_depth").replace(",8\n", ",2\n").replace(",9\n", ",3\n"),
             "",
         ),
+        (f"{HEAD}\n{LINES}".replace("ground_level", "ground_level (m AHD)").replace("top", "top (mbgl)"), ""),
+        (f"{HEAD}\n,m,T.P.+m,GL-m,m bgl,,,%,mm,m+NAP\n{LINES}".replace(" mm", ""), ""),
     ],
 )
 def test_sheets_as_they_come_say_what_the_plain_one_says(text: str, notice: str, tmp_path: Path) -> None:
