@@ -74,7 +74,8 @@ HEADINGS: dict[str, tuple[str, ...]] = {
 # Level to which elevations refer, or that depths are below, as written beside a unit of length: "mAHD", "ft NAVD88".
 DATUM = (
     "ahd", "aod", "od", "odn", "nap", "taw", "nhn", "nn", "ünn", "ünhn", "asl", "amsl", "msl", "navd", "navd88", "ngvd",
-    "ngvd29", "tp", "kp", "ap", "gl", "cd", "rl", "bgl", "bgs", "ebgl", "belowground", "belowgroundlevel", "abovesealevel",
+    "ngvd29", "tp", "kp", "ap", "gl", "cd", "rl", "bgl", "bgs", "ebgl", "belowground", "belowgroundlevel",
+    "abovesealevel",
 )  # fmt: skip
 LENGTH_UNITS = ("mm", "cm", "m", "ft")
 

@@ -35,6 +35,8 @@ VERBS: Mapping[Action, str] = {"run": "run", "redraw": "draw again", "reuse": "b
 SEISMIC_STAGES = frozenset(
     {"triggering", "liquefied", "calibrate", "slide", "mpm"}
 )  # stages that an earthquake matters to
+STABILITY_STAGES = frozenset({"bounds", "slices"})  # stages that need no mesh, whose notices on the ground they lack
+WARNINGS = ("Warning", "Contradiction")  # with which a line begins that requires an action of the user
 NAME_WIDTH = 10  # characters of the column of strata: names in a narrower one cannot be read
 # The densities, of which a stratum may have two, and cohesions, which may have a minimum, a tension cut-off and a
 # factor of overconsolidation: wrapped after a comma or before the factor where the screen is narrow.
@@ -230,13 +232,13 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
         for stage in job.stages:
             if stage.name in choice.chosen and stage.name in ends and ends[stage.name].outcome in ("done", "part"):
                 for line in sentences(stage.name, job.config, job.store, every, results, printed_stages):
-                    if line.startswith(("Warning", "Contradiction")):
+                    if line.startswith(WARNINGS):
                         warnings.append(line)
                     elif every or stage.name in shown:
                         say(line)
                 if every or stage.name in shown:
                     printed_stages.append(stage.name)
-        for line in dict.fromkeys(warnings):
+        for line in without_repeats([*_on_the_ground(job, choice), *warnings]):
             say(line)
         if every or SEISMIC_STAGES & set(choice.chosen):
             _show_shaking(job)
@@ -249,6 +251,29 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
         printed = f", printed as {job.store.folder / 'report.pdf'}" if job.store.has("report.pdf") else ""
         say(f"Report: {job.store.folder / 'report.html'}{printed}")
     say(f"Results and pictures are in {job.store.folder}/")
+
+
+def _on_the_ground(job: Job, choice: Choice) -> list[str]:
+    """Return warnings on the ground if no mesh is made, whose sentences have them; none for other commands."""
+    if "mesh" in choice.chosen or not STABILITY_STAGES & set(choice.chosen):
+        return []
+    return [line for line in notice_lines(job.config.section.notices) if line.startswith(WARNINGS)]
+
+
+def without_repeats(lines: Iterable[str]) -> list[str]:
+    """Return warnings each once; a warning that another line repeats with a remedy is left out.
+
+    Parameters
+    ----------
+    lines : warnings, each beginning with its kind and a colon
+    """
+    lines = list(dict.fromkeys(lines))
+    facts = [line.partition(": ")[2].casefold() for line in lines]
+    return [
+        line
+        for line, fact in zip(lines, facts, strict=True)
+        if not any(other.startswith(fact) and other != fact for other in facts)
+    ]
 
 
 def redraw(job: Job, json: bool) -> None:

@@ -142,6 +142,8 @@ def _water(section: Section) -> str:
             "0 above the phreatic line, without suction. Shaking and sliding do not change the flow. The horizontal "
             "force acts on all of the saturated mass. No excess pore pressure builds up with strain."
         )
+    if section.water_pressure.moves:
+        phrase += " The inertia of free water acts on the ground, too (Westergaard 1933)."
     if section.water_pressure.rises_by_shaking:
         phrase += " Shaking adds the given excess pore pressure, all of it before Kh acts."
     if section.water is not None and section.water.after_drawdown is not None:

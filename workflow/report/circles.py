@@ -150,18 +150,25 @@ def _why_far(results: Results, circle: CirclePart, elements: float, line: np.nda
     return f"{place_words}: rely on the finite elements, whose slip surface is no circle"
 
 
-def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
-    """Warn of critical circles that end at a side of the section, and slide at a smaller Kh in a longer section.
+def longer_circle(circle: CirclePart, circles: Sequence[CirclePart]) -> LongerCircle | None:
+    """Return the circle of a longer section that slides at a smaller critical Kh than a ``circle`` that ends at a side.
 
-    A circle in the other direction, which fails at a much larger Kh even there, is not reported.
+    It is None if there is none, or if this direction fails at a much larger Kh even there than the least of all
+    critical ``circles``.
     """
-    least = min((circle.bishop for circle in circles), default=0.0)
+    least, longer = min(each.bishop for each in circles), circle.longer
+    if longer is None or longer.bishop > min(
+        LONGER_SECTION_RATIO * circle.bishop, max(GOVERNING_RATIO * least, least + KH_ABOVE_BOUND)
+    ):
+        return None
+    return longer
+
+
+def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
+    """Warn of critical circles that end at a side of the section, and slide at a smaller Kh in a longer section."""
     ends: dict[str, list[tuple[CirclePart, LongerCircle]]] = {}
     for circle in circles:
-        longer = circle.longer
-        if longer is not None and longer.bishop <= min(
-            LONGER_SECTION_RATIO * circle.bishop, max(GOVERNING_RATIO * least, least + KH_ABOVE_BOUND)
-        ):
+        if (longer := longer_circle(circle, circles)) is not None:
             ends.setdefault(longer.side, []).append((circle, longer))
     for side, pairs in ends.items():
         more = max(min(max(math.ceil(far.past_m / LENGTH_STEP), 1) * LENGTH_STEP, far.beyond_m) for _, far in pairs)

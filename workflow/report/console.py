@@ -104,7 +104,7 @@ def fem_sentences(
     if every:
         if answer.davis is not None or answer.associated is not None:
             yield WHEN
-        yield from meshes_sentences(answer)
+        yield from meshes_sentences(answer, results)
     yield from own_dilation_sentences(answer)
     yield from comparison_sentences(answer, results)
     for factor in answer.safety_factors if is_same_after_shaking(answer) else answer.factors:
@@ -172,11 +172,15 @@ def _beyond(value: float, bound: float) -> str:
     return f"{difference_words(value, bound)} {side_words}, which is reported"
 
 
-def meshes_sentences(answer: FemAnswer) -> Iterator[str]:
-    """Yield sentences on the critical Kh on every mesh that was adapted to the mechanism."""
+def meshes_sentences(answer: FemAnswer, results: Results | None = None) -> Iterator[str]:
+    """Yield sentences on the critical Kh on every mesh that was adapted to the mechanism; a limit of the sequence
+    outside the strict bounds among the ``results`` is none."""
     if answer.meshes:
         phrase = ", ".join(f"{mesh.kc:.4f} ({mesh.cells} cells)" for mesh in answer.meshes)
-        tends = f" The sequence of meshes converges to {answer.kc_limit:.4f}." if answer.kc_limit is not None else ""
+        strict = strict_kh(results, answer, answer.flow, answer.direction) if results is not None else None
+        limit = answer.kc_limit
+        outside = limit is not None and strict is not None and governing_value(limit, *strict) != limit
+        tends = "" if limit is None or outside else f" The sequence of meshes converges to {limit:.4f}."
         yield f"On meshes adapted to the mechanism the critical Kh is {phrase}."
         yield f"The sequence of meshes ended because {answer.meshes_ended}.{tends}"
 

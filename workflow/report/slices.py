@@ -9,9 +9,11 @@ from workflow.report.circles import (
     RATIO_ABOVE_BOUND,
     RATIO_BELOW_BOUND,
     against_elements,
+    longer_circle,
     of_circles,
     of_longer_sections,
 )
+from workflow.report.numbers import coefficient
 from workflow.results.results import Results
 from workflow.results.slices import CirclePart, SlicesAnswer
 from workflow.results.stability import LiquefiedCase
@@ -126,10 +128,11 @@ def _critical_list(circles: Sequence[CirclePart], fails: str) -> str:
     negative = [circle.bishop < 0.0 for circle in circles]
     if all(negative):
         return f"{_circle_list(circles, KH_DIGITS)}: {fails}"
-    words = [
-        _words(circle, KH_DIGITS) + (f" ({fails})" if fell else "")
-        for circle, fell in zip(circles, negative, strict=True)
-    ]
+    words = []
+    for circle, fell in zip(circles, negative, strict=True):
+        longer = longer_circle(circle, circles)
+        in_longer = "" if longer is None else f", and {coefficient(longer.bishop)} by Bishop's in a longer section"
+        words.append(_words(circle, KH_DIGITS) + in_longer + (f" ({fails})" if fell else ""))
     return "; ".join(words)
 
 

@@ -1,7 +1,7 @@
 """Makes the table of critical Kh and factors of safety by all methods: one row each, with its conditions."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from meshes.section.section import Section
 from workflow.estimates.estimate import depth_below_ground
 from workflow.estimates.slip_circles import least_balance
 from workflow.estimates.structures import structures_of
+from workflow.report.circles import longer_circle
 from workflow.report.first_page import SIDES
 from workflow.report.flow_rule import FLOW
 from workflow.report.numbers import coefficient, lower_limit, number, rough_coefficient
@@ -177,7 +178,12 @@ def _slices(results: Results, _: Texts) -> Iterator[StabilityRow]:
     circles_after = results.slices.after_shaking
     for circle in circles_after.circles if circles_after is not None else ():
         yield _circle(_("factor of safety after shaking, slip circles"), circle, section, 2, _)
-    yield from (_circle(_("critical Kh, slip circles"), circle, section, 3, _) for circle in results.slices.critical)
+    for circle in results.slices.critical:
+        row = _circle(_("critical Kh, slip circles"), circle, section, KH_DIGITS, _)
+        if (longer := longer_circle(circle, results.slices.critical)) is not None:
+            words = _("; {value} in a longer section", value=coefficient(longer.bishop))
+            row = replace(row, conditions=row.conditions + words)
+        yield row
     for factor in results.fem.safety_factors if results.fem is not None else ():
         surface, vertical = np.array(factor.slip_surface), results.config.fem.vertical
         if (spencer := least_balance(section, surface, factor.kh, vertical)) is not None:

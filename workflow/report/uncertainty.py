@@ -54,9 +54,9 @@ def sources_of_uncertainty(results: Results) -> Iterator[tuple[str, str]]:
         )
 
 
-def _meshes(fem: FemAnswer) -> Iterator[str]:
+def _meshes(fem: FemAnswer, results: Results) -> Iterator[str]:
     """Yield sentences on the dependence of the critical Kh on the mesh."""
-    phrases = list(meshes_sentences(fem))
+    phrases = list(meshes_sentences(fem, results))
     yield from phrases or [
         "A finer mesh gives a smaller Kh. The option --set 'variants.which=[\"mesh\"]' computes how much smaller."
     ]
@@ -81,7 +81,9 @@ def _continuum(results: Results, fem: FemAnswer) -> Iterator[tuple[str, str, str
     yield "Bracket", _bracket(fem), ""
     yield (
         "Mesh",
-        " ".join([f"{mesh.quadrilaterals} quadrilaterals ({mesh.method}), {fem.element} element.", *_meshes(fem)]),
+        " ".join(
+            [f"{mesh.quadrilaterals} quadrilaterals ({mesh.method}), {fem.element} element.", *_meshes(fem, results)]
+        ),
         "mesh",
     )
     yield (

@@ -244,11 +244,13 @@ def _level_ground_governs(fem: FemAnswer, section: Section) -> str:
     for side in fem.at_sides if fem.kc > 0.0 and not decided_by_side else ():
         failure = sliding_level_ground(section, side, fem.settings.vertical)
         if failure is not None and LEVEL_GROUND_SHARE * failure.kh < fem.kc < SIDE_EFFECT_RATIO * failure.kh:
+            near = LEVEL_GROUND_SHARE * fem.kc <= failure.kh
+            longer = "changes this critical Kh little" if near else "has a smaller critical Kh, down to that one"
             return (
                 f"the ground that fails reaches the {side} side, where level ground slides in "
                 f"{shown_name(failure.stratum)} by itself at Kh = {coefficient(failure.kh)} (infinite slope, at "
-                f"elevation {failure.elevation:.1f} m): a longer section changes this critical Kh little; see the "
-                "faces of structures for the slope alone"
+                f"elevation {failure.elevation:.1f} m): a longer section {longer}; see the faces of structures for the "
+                "slope alone"
             )
     return ""
 

@@ -166,6 +166,12 @@ def test_a_circle_that_a_side_cuts_off_is_told_with_the_length_that_is_missing()
     (messages,) = of_longer_sections((item,))
     assert "0.098 instead of 0.111" in messages
     assert 'beyond = "15 m"' in messages
+    whole = item.model_copy(update={"surface_m": ((0.0, 5.0), (9.0, 0.0)), "spencer": 0.115, "strengthened": False})
+    answer = SlicesAnswer.model_construct(
+        factors=(), critical=(whole,), reason="", after_shaking=None, endless=False, weak_layers=(), strong_blocks=()
+    )
+    first = next(slices_sentences(answer))
+    assert "0.115 by Spencer's, and 0.098 by Bishop's in a longer section." in first, "the sentence on the critical Kh"
     alike = item.model_copy(update={"longer": longer.model_copy(update={"bishop": 0.110})})
     assert list(of_longer_sections((alike,))) == []
     weaker = CirclePart.model_construct(towards="right", bishop=0.05, longer=None)

@@ -10,13 +10,14 @@ from tests.support.answers import bounds, fem, results
 from tests.support.sections import analysed, slope
 from workflow.config import Config
 from workflow.figures.front import front
-from workflow.report.console import fem_sentences
+from workflow.report.assumptions import assumptions
+from workflow.report.console import fem_sentences, meshes_sentences
 from workflow.report.first_page import headlines
 from workflow.report.stability import stability_rows
 from workflow.report.summary import summary
 from workflow.results import governing
 from workflow.results.bounds import DirectionPart, SafetyPart
-from workflow.results.continuum import FactorOfSafety, OtherCriticalKh
+from workflow.results.continuum import FactorOfSafety, MeshStep, OtherCriticalKh
 from workflow.results.governing import governing_factor, governing_kh, governing_value
 from workflow.results.results import Results
 from workflow.texts.report_texts import Texts
@@ -163,3 +164,19 @@ def test_no_headline_lies_beyond_a_strict_bound(kc: float, lower: float | None, 
     assert kh is not None
     assert upper is None or kh.value <= upper + 6e-4
     assert lower is None or kh.value >= lower - 6e-4
+
+
+def test_a_limit_of_meshes_outside_the_strict_bounds_is_not_reported() -> None:
+    """Two meshes of a quay, 0.1434 and 0.1389, "converged to 0.1259", below the strict lower bound of 0.1348."""
+    meshes = (MeshStep(cells=1322, kc=0.1434), MeshStep(cells=1773, kc=0.1389))
+    answer = fem(RUN, 0.1389).model_copy(update={"meshes": meshes, "kc_limit": 0.1259})
+    for lower, said in ((0.1348, False), (0.1200, True)):
+        sentences = " ".join(meshes_sentences(answer, results(RUN, fem=answer, bounds=bounds(RUN, lower, 0.1390))))
+        assert ("converges to 0.1259" in sentences) == said
+        assert "0.1434 (1322 cells), 0.1389 (1773 cells)" in sentences
+
+
+def test_the_inertia_of_free_water_is_among_the_assumptions() -> None:
+    moved = analysed({**slope(), "water": {"table": 8.0, "westergaard": True}})
+    for run, said in ((moved, True), (analysed({**slope(), "water": {"table": 8.0}}), False)):
+        assert ("inertia of free water" in dict(assumptions(run))["Water"]) == said
