@@ -304,8 +304,7 @@ def _without_shaking(results: Results, _: Texts) -> Iterator[str]:
         yield _(
             "After liquefaction the section does not stand, even without shaking, in {cases}.", cases=of_cases(flows)
         )
-        required = results.liquefied.required if results.liquefied is not None else ()
-        if (enough := just_enough(cases, required)) is not None:
+        if results.liquefied is not None and (enough := just_enough(results.liquefied)) is not None:
             yield _.sentence(f"{enough.description}.")
     if stands:
         yield _("After liquefaction the section still stands without shaking in {cases}.", cases=of_cases(stands))

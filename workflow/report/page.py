@@ -126,7 +126,7 @@ def _content(results: Results, summary: Summary, texts: Texts) -> dict[str, Any]
         "thirds": _names_of_thirds(config.section, texts),
         "weights": {1: texts("contradiction"), 2: texts("changes the result"), 3: texts("note")},
         "assumptions": list(assumptions(config)),
-        "enough": just_enough(results.liquefied.cases, results.liquefied.required) if results.liquefied else None,
+        "enough": just_enough(results.liquefied) if results.liquefied else None,
         "residual": list(residual_details(results.residual.steps)) if results.residual is not None else [],
         "faces": faces,
         "holds_water": holds_water(config),

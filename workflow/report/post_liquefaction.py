@@ -1,6 +1,7 @@
 """States in sentences whether the ground still stands after liquefaction."""
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from operator import itemgetter
 
@@ -26,7 +27,7 @@ def in_short(results: Results) -> Iterator[str]:
     for case in answer.cases:
         yield outcome(case)
         yield from (_by_weight if case.verdict == "flows" else _slides_though_it_stands)(results, case)
-    enough = just_enough(answer.cases, answer.required)
+    enough = just_enough(answer)
     if enough is not None:
         yield f"{enough.description}."
     yield from _field(results, answer)
@@ -89,14 +90,19 @@ class SufficientStrength:
     ----------
     qualifier : "about", "more than" or "at most"
     strata : the strata with this strength
+    lower, upper : the strata with strict bounds of this strength; empty without both bounds
     """
 
     qualifier: str
     strata: Strata
+    lower: Strata = ()
+    upper: Strata = ()
 
     @property
     def description(self) -> str:
         """Return the strengths as a sentence without its full stop."""
+        if self.lower and self.upper:
+            return f"The residual strength required to stand without shaking is {listed(list(self._between()))}"
         phrases = [
             f"{_span(kPa, 2)} kPa in {place} ({_span(ratios, 2)} of its mean vertical effective stress)"
             for place, (kPa, ratios) in _by_place(self.strata).items()
@@ -106,6 +112,24 @@ class SufficientStrength:
             return sentence
         how = "add a case with more residual strength to find the required strength, unless other ground fails first"
         return f"{sentence}; {how}"
+
+    def _between(self) -> Iterator[str]:
+        """Yield the strict bounds of the strength in every place, the lower one rounded down, the upper one up."""
+        low, high = _by_place(self.lower), _by_place(self.upper)
+        for place, (kPa, ratios) in high.items():
+            yield (
+                f"above {_rounded(low[place][0], math.floor)} and at most {_rounded(kPa, math.ceil)} kPa in {place} by "
+                f"strict bounds (at most {_span(ratios, 2)} of its mean vertical effective stress)"
+            )
+
+
+def _rounded(values: Sequence[float], rounding: Callable[[float], int]) -> str:
+    """Return the range of some values with three significant digits, rounded down or up."""
+    ends = []
+    for end in (min(values), max(values)):
+        unit = 10.0 ** (math.floor(math.log10(end)) - 2)
+        ends.append(f"{rounding(end / unit) * unit:g}")
+    return " to ".join(dict.fromkeys(ends))
 
 
 def _by_place(strata: Strata) -> dict[str, tuple[list[float], list[float]]]:
@@ -125,17 +149,17 @@ def _span(values: Sequence[float], digits: int) -> str:
     return " to ".join(dict.fromkeys(ends))
 
 
-def just_enough(cases: Sequence[LiquefiedCase], required: Strata = ()) -> SufficientStrength | None:
+def just_enough(answer: LiquefiedAnswer) -> SufficientStrength | None:
     """Return the residual strength with which the ground just stands without shaking; None without a factor of safety.
 
-    If all cases flow, this is the ``required`` strength by finite elements, if there is one. Between a case that flows
-    and a case that stands, the strength follows from linear interpolation of their factors of safety F. If all
-    strengths are divided by F the ground just stands. If the ground flows (F below 1), the required residual strength
-    is therefore larger than its value divided by the upper bound of F; if the ground stands, it may be smaller than its
-    value divided by the lower bound. F is concave in the strength, as the minimum over mechanisms of linear functions,
-    so that the steepest line that the bounds of two flowing cases allow gives another lower bound.
+    If all cases flow, this is the required strength by finite elements, with its strict bounds, if there is one.
+    Between a case that flows and a case that stands, the strength follows from linear interpolation of their factors of
+    safety F. If all strengths are divided by F the ground just stands. If the ground flows (F below 1), the required
+    residual strength is therefore larger than its value divided by the upper bound of F; if the ground stands, it may
+    be smaller than its value divided by the lower bound. F is concave in the strength, as the minimum over mechanisms
+    of linear functions, so that the steepest line that the bounds of two flowing cases allow gives another lower bound.
     """
-    known = [(0.5 * (case.factor_lower + case.factor_upper), case) for case in cases
+    known = [(0.5 * (case.factor_lower + case.factor_upper), case) for case in answer.cases
              if case.factor_lower is not None and case.factor_upper is not None
              and not any(s.friction_deg for s in case.strata)]  # fmt: skip
     at_one = next((case for _, case in known if (case.factor_lower or 0.0) <= 1.0 <= (case.factor_upper or 0.0)), None)
@@ -147,8 +171,8 @@ def just_enough(cases: Sequence[LiquefiedCase], required: Strata = ()) -> Suffic
         return SufficientStrength(
             "about", _on_the_line(_middle(flowing[-1]), flowing[-1], _middle(standing[0]), standing[0])
         )
-    if required:
-        return SufficientStrength("about", required)
+    if answer.required:
+        return SufficientStrength("about", answer.required, answer.required_lower, answer.required_upper)
     if flowing:
         return SufficientStrength("more than", _at_least(flowing))
     return SufficientStrength("at most", _over(standing[0], standing[0].factor_lower)) if standing else None
@@ -230,7 +254,7 @@ def sentences(answer: LiquefiedAnswer) -> Iterator[str]:
             yield f"    The critical Kh is {case.kc:.3f} by finite elements, and {bounds} by strict bounds."
         for note in case.notes:
             yield f"    Warning: {note}."
-    enough = just_enough(answer.cases, answer.required)
+    enough = just_enough(answer)
     if enough is not None:
         yield f"{enough.description}."
 

@@ -146,3 +146,9 @@ class LiquefiedAnswer(Answer):
             "the strongest case; empty if some case stands, or without such a strength"
         ),
     )
+    required_lower: tuple[LiquefiedStratum, ...] = Field(
+        default=(), description="strict lower bound of the required strength; empty if none was found"
+    )
+    required_upper: tuple[LiquefiedStratum, ...] = Field(
+        default=(), description="strict upper bound of the required strength; empty if none was found"
+    )

@@ -20,6 +20,7 @@ from workflow.stages.liquefaction import (
     liquefied_ground,
     remaining,
 )
+from workflow.stages.required_strength import bounds_of_multiple
 from workflow.stages.slices import circles_at_rest
 
 if TYPE_CHECKING:
@@ -43,15 +44,15 @@ def work(job: Job) -> None:
         section=SectionLabel.of(job.config.section),
         sides=job.config.fem.sides,
         cases=tuple(answers),
-        required=_required(job, mesh, answers),
+        **_required(job, mesh, answers),
     ).write(job.store)
     parts.remove()
 
 
-def _required(job: Job, mesh: "QuadMesh", answers: list[LiquefiedCase]) -> tuple[LiquefiedStratum, ...]:
-    """Return the liquefied strata with the residual strength for a factor of safety of 1 by finite elements, in the
-    proportions of the strongest case. The result is empty if some case stands, if the strength depends on friction, or
-    if there is none.
+def _required(job: Job, mesh: "QuadMesh", answers: list[LiquefiedCase]) -> dict[str, tuple[LiquefiedStratum, ...]]:
+    """Return the liquefied strata with the residual strength for a factor of safety of 1 by finite elements, and strict
+    bounds of it, in the proportions of the strongest case. The result is empty if some case stands, if the strength
+    depends on friction, or if there is none.
     """
     from fem.continuum.strength import flow_of, is_associated
     from fem.search.required_strength import required_multiple
@@ -59,20 +60,27 @@ def _required(job: Job, mesh: "QuadMesh", answers: list[LiquefiedCase]) -> tuple
     config = job.config
     flow = flow_of(config.section.strata, config.fem.flow)
     if any(case.verdict == "stands" or case.factor is None for case in answers) or not answers:
-        return ()
+        return {}
     strongest = max(answers, key=lambda case: case.factor or 0.0)
     remains = remaining(config)[strongest.cases[0]]
     section = liquefied_ground(config, remains)
     frictional = any(section.strata[k].friction_angle for k in remains)
     if frictional or not 0.0 < (strongest.factor or 0.0) < 1.0 or not is_associated(section.strata, flow):
-        return ()
+        return {}
     fem = config.fem.changed(kh=(), flow=flow, accuracy=0.0)
     job.progress("residual strength with which the ground stands", None)
     try:
         multiple = required_multiple(section, list(remains), mesh, fem, strongest.factor or 0.0)
     except NoAnswerError:
-        return ()
-    return tuple(stratum.scaled(multiple) for stratum in strongest.strata)
+        return {}
+    job.progress("strict bounds of that strength", None)
+    low, high = bounds_of_multiple(section, list(remains), fem, config.bounds, strongest.factor or 0.0, multiple)
+    multiples = {"required": multiple, "required_lower": low, "required_upper": high}
+    return {
+        key: tuple(stratum.scaled(value) for stratum in strongest.strata)
+        for key, value in multiples.items()
+        if value is not None
+    }
 
 
 def _case(config: Config, mesh: "QuadMesh", remains: dict[int, RemainingStrength], numbers: list[int]) -> LiquefiedCase:

@@ -31,6 +31,12 @@ def after_liquefaction(number: int, strength: float, factor: float) -> Liquefied
     )  # fmt: skip
 
 
+def answered(*cases: LiquefiedCase, **required: tuple[LiquefiedStratum, ...]) -> LiquefiedAnswer:
+    """Return an answer of the section of a test."""
+    section = SectionLabel(name="slope", sha256="", reconstruction=False)
+    return LiquefiedAnswer(section=section, sides="smooth", cases=cases, **required)
+
+
 def test_the_strength_with_which_it_just_stands() -> None:
     """Straight between two cases; on one side of 1 all that is known is a bound, the strength over the bound of the
     factor; two cases that flow give a line, the steepest that their bounds (1 %) allow, above which the factor cannot
@@ -45,19 +51,38 @@ def test_the_strength_with_which_it_just_stands() -> None:
                                  ((flows, nearly), "more than", 4.0 / 0.808),
                                  ((stands,), "at most", 9.0 / 1.287),
                                  ((after_liquefaction(1, 5.0, 0.995), stands), "about", 5.0)):  # fmt: skip
-        enough = just_enough(cases)
+        enough = just_enough(answered(*cases))
         assert enough is not None
         assert (enough.qualifier, enough.strata[0].cohesion_kPa) == (how, pytest.approx(expected))
         assert enough.strata[0].residual_strength_ratio == pytest.approx(expected / 40.0)
-    computed = just_enough((flows, weaker), (flows.strata[0].scaled(1.5),))
+    computed = just_enough(answered(flows, weaker, required=(flows.strata[0].scaled(1.5),)))
     assert computed is not None
     assert (computed.qualifier, computed.strata[0].cohesion_kPa) == ("about", pytest.approx(6.0))
-    assert just_enough(()) is None
+    assert just_enough(answered()) is None
+
+
+def test_the_required_strength_has_strict_bounds_rounded_to_the_safe_side() -> None:
+    """A levee needed "about 17 kPa" by finite elements, and 17.7 kPa by strict bounds."""
+    case = after_liquefaction(1, 4.0, 0.3)
+    low, about, high = (tuple(s.scaled(m) for s in case.strata) for m in (4.2876, 4.3, 4.4123))
+    bracketed = just_enough(answered(case, required=about, required_lower=low, required_upper=high))
+    assert bracketed is not None
+    assert (
+        'is above 17.1 and at most 17.7 kPa in "upper" by strict bounds (at most 0.44 of its' in bracketed.description
+    )
+    parts = [high[0], high[0].model_copy(update={"name": "upper, part 2", "cohesion_kPa": 30.01})]
+    several = replace(bracketed, upper=tuple(parts)).description
+    assert "above 17.1 and at most 17.7 to 30.1 kPa in" in several
+    for sentence in (bracketed.description, several):
+        assert not re.search("[a-z]{4}", Texts("ja").sentence(f"{sentence}.").replace('"upper"', ""))
+    one_end = just_enough(answered(case, required=about, required_lower=low))
+    assert one_end is not None
+    assert "is about 17 kPa" in one_end.description
 
 
 def test_more_residual_strength_is_not_promised_to_suffice() -> None:
     """A tailings dam that failed before liquefaction, too, was told to "add a case with more residual strength"."""
-    enough = just_enough((after_liquefaction(1, 4.0, 0.8),))
+    enough = just_enough(answered(after_liquefaction(1, 4.0, 0.8)))
     assert enough is not None
     assert enough.description.endswith("to find the required strength, unless other ground fails first")
     assert not re.search("[a-z]{4}", Texts("ja").sentence(f"{enough.description}.").replace('"upper"', ""))
@@ -65,7 +90,7 @@ def test_more_residual_strength_is_not_promised_to_suffice() -> None:
 
 def test_parts_of_a_soil_are_named_once() -> None:
     """A zone divides sand into parts, whose names for the reader are equal."""
-    enough = just_enough((after_liquefaction(1, 4.0, 1.0),))
+    enough = just_enough(answered(after_liquefaction(1, 4.0, 1.0)))
     assert enough is not None
     [sand] = enough.strata
     deeper = sand.model_copy(update={"name": f"{sand.name}, part 2", "residual_strength_ratio": 0.05})
