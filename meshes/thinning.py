@@ -16,6 +16,7 @@ import numpy as np
 from meshes.section.cutting import BELOW_WATER, shown_name, whole_soil
 from meshes.section.dense_lines import needed_x
 from meshes.section.layering import Layering
+from meshes.section.sentences import coordinate
 from meshes.tip_changes import TipChange, sentences_on_tips
 
 # Wedges blunter than this (deg) are left as they are.
@@ -110,7 +111,8 @@ def _stepped_once(
             layers = _without(layers, k, start, end, _of_soil_above(layers, k, start, end, soils))
             notices.append(
                 f"mesh: {_part(names, k)} is a wedge thinner than {THICKEST_CRUMB * least:.2g} m from "
-                f"x = {start:.4g} to {end:.4g} m; the mesh is without its {area - layers.areas()[k]:.2g} m²"
+                f"x = {coordinate(start)} to {coordinate(end)} m; the mesh is without its "
+                f"{area - layers.areas()[k]:.2g} m²"
             )
         for start, end in [] if k is None else _necks(layers, k, least, longest(k)):
             left_out = _without(_with_breakpoint(_with_breakpoint(layers, start), end), k, start, end)
@@ -119,8 +121,8 @@ def _stepped_once(
                 continue
             layers = left_out
             notices.append(
-                f"mesh: stratum {shown_name(names[k])} thins out to nearly nothing from x = {start:.4g} to {end:.4g} m"
-                f"; in the mesh it ends there in steps, without {lost:.2g} m²"
+                f"mesh: stratum {shown_name(names[k])} thins out to nearly nothing from x = {coordinate(start)} to "
+                f"{coordinate(end)} m; in the mesh it ends there in steps, without {lost:.2g} m²"
             )
     return layers, notices
 

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from meshes.section.sentences import coordinate
+
 
 @dataclass(frozen=True)
 class TipChange:
@@ -28,10 +30,11 @@ class TipChange:
     @property
     def description(self) -> str:
         """Return a sentence on the tip."""
-        words = f"mesh: {self.name} thins out to nothing at x = {self.x:.4g} m; in the mesh it ends"
+        words = f"mesh: {self.name} thins out to nothing at x = {coordinate(self.x)} m; in the mesh it ends"
         if self.gain >= 0.0:
             return f"{words} there in a step of {self.step:.2g} m, with {self.gain:.2g} m² more"
-        return f"{words} in a step of {self.step:.2g} m at x = {self.at:.4g} m, without the last {-self.gain:.2g} m²"
+        where = f"at x = {coordinate(self.at)} m"
+        return f"{words} in a step of {self.step:.2g} m {where}, without the last {-self.gain:.2g} m²"
 
 
 def sentences_on_tips(changes: Sequence[TipChange | str]) -> list[str]:
@@ -50,7 +53,7 @@ def _sentence(tips: Sequence[TipChange]) -> str:
     if len(tips) == 1:
         return tips[0].description
     subject = f"stratum {tips[0].soil}" if tips[0].soil else "the section"
-    places = ", ".join(sorted({f"{tip.x:.4g}" for tip in tips}, key=float))
+    places = ", ".join(sorted({coordinate(tip.x) for tip in tips}, key=float))
     steps = " to ".join(sorted({f"{end([tip.step for tip in tips]):.2g}" for end in (min, max)}, key=float))
     lost, gained = (sum(max(sign * tip.gain, 0.0) for tip in tips) for sign in (-1.0, 1.0))
     areas = [f"lose {lost:.2g} m²"] * bool(lost > 0.0) + [f"gain {gained:.2g} m²"] * bool(gained > 0.0)

@@ -57,7 +57,7 @@ def _head_lines(connected: ConnectedBorings, name: str) -> Iterator[str]:
         comment = "     # level beyond the borings that report it" if len(across) > len(x) else ""
         yield f"table = {_points(across, np.interp(across, x, level))}{comment}"
     elif water:
-        yield f"table = {water[0][1]:g}"
+        yield f"table = {_exact(water[0][1])}"
     else:
         yield "# table = 0.0                     # no boring reports the water level"
     yield ""
@@ -131,7 +131,7 @@ def _borings(connected: ConnectedBorings) -> Iterator[str]:
         yield ""
         yield "[[triggering.borings]]"
         yield f"name = {json.dumps(boring.log.name, ensure_ascii=False)}"
-        yield f"x = {boring.x:g}"
+        yield f"x = {_exact(boring.x)}"
         yield from _tests(boring.log)
 
 
@@ -167,7 +167,12 @@ def _points(x: np.ndarray, z: np.ndarray) -> str:
         if abs(straight - z[i]) > 1e-6:
             keep.append(i)
     keep.append(len(x) - 1)
-    return "[" + ", ".join(f"[{x[i]:g}, {round(float(z[i]), 3):g}]" for i in keep) + "]"
+    return "[" + ", ".join(f"[{_exact(x[i])}, {_exact(z[i])}]" for i in keep) + "]"
+
+
+def _exact(coordinate: float) -> str:
+    """Return a coordinate (m) to the millimetre, those of national grids, too."""
+    return f"{coordinate:.3f}".rstrip("0").rstrip(".")
 
 
 def _quantity(written: str) -> str:

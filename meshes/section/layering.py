@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from meshes.section.polyline import Line, crossings, limits, without_repeats
+from meshes.section.sentences import coordinate
 from meshes.section.snapping import snapped_x, snapped_z, snapping_length, snapping_notices
 
 WIDEST = 5e3  # m of a section of a slope: a wider one is mostly one in feet or millimetres
@@ -318,7 +319,8 @@ def _crossing_problems(line: np.ndarray, other: np.ndarray, x: np.ndarray, snap:
     worst = float(excess[i, end])
     wrong = np.flatnonzero(too_much.any(axis=1))
     first, last = (_where_it_ends(excess[k], x[k : k + 2], end) for k, end in ((wrong[0], 0), (wrong[-1], 1)))
-    return [f"{what} by up to {worst:.3g} m, at x = {x[i + end]:g} m (wrong between x = {first:.4g} and {last:.4g} m)"]
+    where = f"x = {x[i + end]:g} m (wrong between x = {coordinate(first)} and {coordinate(last)} m)"
+    return [f"{what} by up to {worst:.3g} m, at {where}"]
 
 
 def _where_it_ends(excess: np.ndarray, x: np.ndarray, end: int) -> float:

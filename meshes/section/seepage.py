@@ -15,6 +15,7 @@ import numpy as np
 from meshes.errors import NoAnswerError
 from meshes.section.flow_grid import FlowGrid
 from meshes.section.polyline import level_at
+from meshes.section.sentences import coordinate
 from meshes.section.simplified import needed
 
 if TYPE_CHECKING:
@@ -77,10 +78,10 @@ class Seepage:
         """Describe in words the discharge, the seepage faces above free water, and the largest exit gradient."""
         if not self.discharge:
             return "Seepage: the water stands still."
-        faces = " and ".join(f"x = {start:.4g} to {end:.4g} m" for start, end in self.seepage_faces)
+        faces = " and ".join(f"x = {coordinate(start)} to {coordinate(end)} m" for start, end in self.seepage_faces)
         gradient, x = self.exit_gradient
         leaves = f"; it seeps out of the ground from {faces}" if faces else ""
-        steep = f"; the largest upward gradient where it leaves is {gradient:.2g}, at x = {x:.4g} m"
+        steep = f"; the largest upward gradient where it leaves is {gradient:.2g}, at x = {coordinate(x)} m"
         through = f"Seepage: {self.discharge:.3g} m²/s flow through a metre of the section"
         return f"{through}{leaves}{steep if gradient > 0.0 else ''}."
 

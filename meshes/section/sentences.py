@@ -293,3 +293,13 @@ def counted(count: int, singular: str, plural: str) -> str:
     Count and words.
     """
     return f"{count} {singular if count == 1 else plural}"
+
+
+def coordinate(value: float) -> str:
+    """Return a coordinate with four significant digits, one of national grids to the centimetre: "12.35", "523417.25".
+
+    Parameters
+    ----------
+    value : coordinate (m)
+    """
+    return f"{value:.4g}" if abs(value) < 1000.0 else f"{value:.2f}".rstrip("0").rstrip(".")

@@ -9,6 +9,7 @@ from pydantic import ConfigDict, Field, PlainSerializer, PlainValidator, model_v
 
 from meshes.section.model import Model
 from meshes.section.quantity import STRENGTH, Coordinate, Quantity
+from meshes.section.sentences import coordinate
 from meshes.section.water_pressure import WaterPressure
 
 
@@ -148,7 +149,7 @@ class SurfaceLoads:
             places.setdefault(name, []).append(x)
         drawn = [self._drawn_notice()] if self.water.moves else []
         return [*filter(None, drawn)] + [
-            f'surcharges: their ends at x = {", ".join(f"{x:.4g}" for x in sorted(set(ends)))} m lie on "{name}", '
+            f'surcharges: their ends at x = {", ".join(map(coordinate, sorted(set(ends))))} m lie on "{name}", '
             "which has no cohesion, and no bearing capacity next to bare ground; elements and bounds give the ground "
             "within fem.least_depth of these ends a cohesion of half of the pressure"
             for name, ends in places.items()
@@ -173,7 +174,7 @@ class SurfaceLoads:
         if not places:
             return ""
         where = "; ".join(
-            f'"{name}" at x = {", ".join(f"{x:.4g}" for x in sorted(set(ends)))} m' for name, ends in places.items()
+            f'"{name}" at x = {", ".join(map(coordinate, sorted(set(ends))))} m' for name, ends in places.items()
         )
         return (
             f"water, westergaard: moving water draws on inclined ground that meets ground without cohesion, {where}, a "

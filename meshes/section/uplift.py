@@ -13,6 +13,7 @@ from itertools import product
 import numpy as np
 
 from meshes.section.layering import Layering
+from meshes.section.sentences import coordinate
 from meshes.section.stratum import Stratum
 from meshes.section.surcharge import SurfaceLoads
 
@@ -60,10 +61,10 @@ class Uplift:
     def description(self) -> str:
         """Describe in words the place of uplift and the excess of pressure."""
         return (
-            f'the pore pressure in "{self.stratum}" exceeds the weight above it, most at x = {self.x:.4g} m, elevation '
-            f"{self.elevation:.4g} m: {self.pressure / 1e3:.1f} kPa under a total vertical stress of "
+            f'the pore pressure in "{self.stratum}" exceeds the weight above it, most at x = {coordinate(self.x)} m, '
+            f"elevation {coordinate(self.elevation)} m: {self.pressure / 1e3:.1f} kPa under a total vertical stress of "
             f"{self.weight / 1e3:.1f} kPa (factor against uplift {self.factor:.2f}); the ground blows out between "
-            f"x = {self.start:.4g} and {self.end:.4g} m unless its strength holds it down"
+            f"x = {coordinate(self.start)} and {coordinate(self.end)} m unless its strength holds it down"
         )
 
 

@@ -1,6 +1,8 @@
 """Finds faces of cohesionless ground that fail under their own weight."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,6 +10,7 @@ from fem.continuum.shallow_failure import ShallowFailure, faces_at, merged_faces
 from fem.settings import FemSettings
 from meshes.section.cutting import BELOW_WATER
 from meshes.section.section import Section
+from meshes.section.sentences import coordinate
 
 
 def falling_faces(section: Section, settings: FemSettings) -> Iterator[str]:
@@ -16,9 +19,23 @@ def falling_faces(section: Section, settings: FemSettings) -> Iterator[str]:
     no stress balances the weight. ``settings``: settings of the finite elements.
     """
     yield from _walls(section)
-    for face in merged_faces(faces_at(section, settings, 0.0)):
-        if face.kh < 0.0:
-            yield _sentence(section, face)
+    faces = merged_faces(faces_at(section, settings, 0.0))
+    yield from (_sentence(section, face) for face in joined_slopes(faces))
+
+
+def joined_slopes(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
+    """Return the faces that fail by their weight, from left to right. Neighbouring parts of one slope of a stratum,
+    from which water flows at different gradients, are one face."""
+    joined: list[ShallowFailure] = []
+    for face in faces:
+        last = joined[-1] if joined else None
+        if face.kh >= 0.0:
+            continue
+        if last and (last.stratum, last.end) == (face.stratum, face.start) and math.isclose(last.angle, face.angle):
+            joined[-1] = replace(last, end=face.end)
+        else:
+            joined.append(face)
+    return joined
 
 
 def _sentence(section: Section, face: ShallowFailure) -> str:
@@ -26,9 +43,10 @@ def _sentence(section: Section, face: ShallowFailure) -> str:
     friction, slope = np.degrees(soil.friction_angle), np.degrees(face.angle)
     cause = "" if slope > friction else ", and water that flows out of it"
     return (
-        f'the bare face of "{face.stratum.removesuffix(BELOW_WATER)}" from x = {face.start:.4g} to {face.end:.4g} m '
-        f"cannot stand by itself: its slope is {slope:.0f}°{cause}, its friction angle {friction:.0f}°, its cohesion "
-        "0; all results are for failures below it: give it the cohesion that holds it, or a flatter slope"
+        f'the bare face of "{face.stratum.removesuffix(BELOW_WATER)}" from x = {coordinate(face.start)} to '
+        f"{coordinate(face.end)} m cannot stand by itself: its slope is {slope:.0f}°{cause}, its friction angle "
+        f"{friction:.0f}°, its cohesion 0; all results are for failures below it: give it the cohesion that holds it, "
+        "or a flatter slope"
     )
 
 
@@ -41,7 +59,7 @@ def _walls(section: Section) -> Iterator[str]:
             lowest = max(float(bottom), float(low))
             if float(top) - lowest > layers.tolerance and not soil.has_cohesion:
                 yield (
-                    f'the bare wall of "{soil.name.removesuffix(BELOW_WATER)}" at x = {x:.4g} m, from elevation '
-                    f"{lowest:.4g} to {top:.4g} m, cannot stand by itself: it is vertical, and its cohesion is 0: give "
-                    "it the cohesion or the support that holds it, or a slope"
+                    f'the bare wall of "{soil.name.removesuffix(BELOW_WATER)}" at x = {coordinate(x)} m, from '
+                    f"elevation {coordinate(lowest)} to {coordinate(top)} m, cannot stand by itself: it is vertical, "
+                    "and its cohesion is 0: give it the cohesion or the support that holds it, or a slope"
                 )

@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from dem.case import PAPER_CASES, Case, cases_of_loose_sand
 from meshes.section.polyline import Line
 from meshes.section.section import Section, Stratum
+from meshes.section.sentences import coordinate
 from meshes.section.vertical_flow import LINES as FLOW_LINES
 from workflow.config import FILES, Config
 from workflow.earthquake.settings import EarthquakeSettings
@@ -67,7 +68,7 @@ def strata_rows(section: Section) -> Iterator[list[str]]:
             stratum.name,
             f"{area:.1f}",
             "-".join(dict.fromkeys((f"{min(ends):.1f}", f"{max(ends):.1f}"))),
-            f"{start:.4g}-{end:.4g}",
+            f"{coordinate(start)}-{coordinate(end)}",
             f"{stratum.youngs_modulus / 1e6:.4g}",
             f"{stratum.poissons_ratio:g}",
             ", seismic ".join(
@@ -127,7 +128,7 @@ def parameter_rows(config: Config) -> Iterator[tuple[str, str, str]]:
 def _elevations(line: np.ndarray) -> str:
     """Return the elevations between which a line (n, 2) lies, in words."""
     low, high = line[:, 1].min(), line[:, 1].max()
-    return f"elevation {low:.4g} to {high:.4g} m" if high > low else f"elevation {low:.4g} m"
+    return f"elevation {coordinate(low)} to {coordinate(high)} m" if high > low else f"elevation {coordinate(low)} m"
 
 
 def _of_earthquake(earthquake: EarthquakeSettings) -> list[str]:

@@ -113,6 +113,18 @@ def test_what_lies_below_an_embankment_does_not_rise_into_it(tmp_path: Path) -> 
     np.testing.assert_allclose(result.bottoms[0], [10.0, 10.0, 10.0, 10.5, 11.0])
 
 
+def test_a_section_of_borings_on_a_national_grid_keeps_its_decimals(tmp_path: Path) -> None:
+    """Chainages of six digits were written in six digits, so that 0.75 m of the section were lost."""
+    far = (
+        LINES.replace(",0,10,", ",523417.25,10,")
+        .replace(",40,8,", ",523457.5,8,")
+        .replace(",100,5,", ",1523518.125,5,")
+    )
+    data = tomllib.loads(text_of(connected(read_csv(written(tmp_path, f"{HEAD}\n{far}")).logs), "far"))
+    assert {523417.25, 523457.5, 1523518.125} <= {x for x, _ in data["surface"]}
+    assert [boring["x"] for boring in data["triggering"]["borings"]] == [523417.25, 523457.5, 1523518.125]
+
+
 def test_values_have_units_too(tmp_path: Path) -> None:
     text = "boring,x,ground_level,top,bottom,layer,unit_weight\nA,0 m,10 ft,0,150 cm,sand,1.8 t/m^3\n"
     (log,) = read_csv(written(tmp_path, text)).logs
