@@ -58,7 +58,18 @@ def required_multiple(
 
 
 def with_multiple(section: Section, numbers: Collection[int], multiple: float) -> Section:
-    """Return the section with a multiple of the cohesion of some strata."""
+    """Return the section with a multiple of the cohesion of some strata.
+
+    Parameters
+    ----------
+    section : the ground
+    numbers : numbers of the strata
+    multiple : factor on their cohesion at every place (-)
+
+    Returns
+    -------
+    The section.
+    """
     strata = list(section.strata)
     for k in numbers:
         strata[k] = strata[k].with_multiple_of_cohesion(multiple)

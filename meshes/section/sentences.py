@@ -301,5 +301,9 @@ def coordinate(value: float) -> str:
     Parameters
     ----------
     value : coordinate (m)
+
+    Returns
+    -------
+    The coordinate, without unit.
     """
     return f"{value:.4g}" if abs(value) < 1000.0 else f"{value:.2f}".rstrip("0").rstrip(".")
