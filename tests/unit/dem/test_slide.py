@@ -40,7 +40,7 @@ SAND = replace(
 )
 LAYERS = [SAND, replace(SAND, name="loose")]
 SETTINGS = SlideSettings(duration=6.0, frames=3)
-BETWEEN = 2.5e-5  # energy out of balance over the total energy exchanged, between what the step and half of it leave
+BETWEEN = 6e-5  # energy out of balance over the total energy exchanged, between what the step and half of it leave
 
 
 @pytest.fixture(scope="module")
