@@ -45,9 +45,12 @@ class Ground:
     origin : (float, float)
         Position of u = v = 0 in the section (m).
     downhill : int
-        +1 if the ground falls along x, -1 if it rises.
+        +1 if the right end of the surface is the lower one, or both are equally high; -1 if the left end is. Slides and
+        their records are positive in this direction.
     section : Section or None
         Section whose water and loads act on the discs; None for discs without them.
+    fails_towards : int or None
+        +1 if the finite elements fail to the right, -1 to the left; None if they have not been computed.
     """
 
     packing: Packing
@@ -58,6 +61,7 @@ class Ground:
     origin: tuple[float, float]
     downhill: int
     section: Section | None = None
+    fails_towards: int | None = None
 
     def to_section(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Transform positions (m) from the frame of the discs to the frame of the section."""
@@ -118,10 +122,11 @@ class Ground:
         zero within a second; positive is downslope. seconds: time from `start` until Kh begins to fall; None if it
         never falls. kh: constant seismic coefficient (-).
         """
-        on = self.shaking(0.0, kh, start, start + rise)
+        kh = self.downhill * kh
+        on = self._changing(0.0, kh, start, start + rise)
         if seconds is None:
             return on
-        off = self.shaking(kh, 0.0, start + max(seconds, rise + 1e-3), start + max(seconds, rise + 1e-3) + 1.0)
+        off = self._changing(kh, 0.0, start + max(seconds, rise + 1e-3), start + max(seconds, rise + 1e-3) + 1.0)
         return Acceleration(np.append(on.times, off.times), np.append(on.x, off.x), np.append(on.z, off.z))
 
     def recorded_acceleration(self, times: np.ndarray, acceleration: np.ndarray) -> Acceleration:
@@ -131,17 +136,28 @@ class Ground:
         felt = self.downhill * np.concatenate([[0.0], acceleration, [0.0]])
         return Acceleration(np.concatenate([before, times, after]), felt * np.cos(self.tilt), felt * np.sin(self.tilt))
 
+    @property
+    def search_direction(self) -> int:
+        """Return the direction of a positive Kh in searches for the critical Kh, +1 to the right or -1 to the left: as
+        the finite elements fail, or else downslope."""
+        return self.downhill if self.fails_towards is None else self.fails_towards
+
     def steady(self, kh: float) -> Acceleration:
-        """Return the acceleration of a constant Kh; positive is downslope."""
-        return Acceleration.seismic(self.downhill * kh, tilt=self.tilt)
+        """Return the acceleration of a constant Kh; positive is in the direction of the search."""
+        return Acceleration.seismic(self.search_direction * kh, tilt=self.tilt)
 
     def shaking(self, before: float, after: float, start: float, end: float) -> Acceleration:
-        """Return the acceleration of a Kh that changes along a half cosine between two times; positive is downslope.
+        """Return the acceleration of a Kh that changes along a half cosine between two times; positive is in the
+        direction of the search.
 
         before, after: Kh before and after the change (-); start, end: times at which the change begins and ends (s).
         """
-        change = Acceleration.seismic(self.downhill * (after - before), tilt=self.tilt, ramp=(start, end))
-        before_change = self.steady(before)
+        return self._changing(self.search_direction * before, self.search_direction * after, start, end)
+
+    def _changing(self, before: float, after: float, start: float, end: float) -> Acceleration:
+        """Return the acceleration of a Kh that changes as in `shaking`, positive to the right."""
+        change = Acceleration.seismic(after - before, tilt=self.tilt, ramp=(start, end))
+        before_change = Acceleration.seismic(before, tilt=self.tilt)
         return Acceleration(change.times, change.x + before_change.x[0], change.z + before_change.z[0])
 
 

@@ -43,7 +43,7 @@ class RestState:
     time : time since the trial began (s)
     unbalanced_ratio : mean resultant over mean contact force
     kinetic_ratio : largest kinetic energy since the last record, over stored energy
-    displacement : mean displacement downhill (m)
+    displacement : mean displacement in the direction of Kh (m)
     """
 
     time: float
@@ -77,8 +77,8 @@ class Trial:
     verdict : "stands", "fails" or "undecided"
     reason : reason of the verdict in words
     unbalanced_ratio, kinetic_ratio : measures of rest at the last record, see `RestState`
-    displacement_m, elastic_displacement_m : mean displacement downhill of the discs, and mean displacement downhill of
-        elastic ground under the same Kh (m)
+    displacement_m, elastic_displacement_m : mean displacement of the discs in the direction of Kh, and that of elastic
+        ground under the same Kh (m)
     seconds : model time of the trial (s)
     """
 
@@ -124,7 +124,8 @@ def kinetic_ratio(model: DiscModel, kinetic: float | None = None) -> float:
 
 
 class Displacement:
-    """Computes the mean horizontal displacement downhill since a state `before`, weighted by mass."""
+    """Computes the mean horizontal displacement since a state `before`, weighted by mass, positive in the direction in
+    which Kh acts in the search."""
 
     def __init__(self, before: DiscModel, ground: Ground) -> None:
         self.reference, self.ground, self.free = before, ground, np.flatnonzero(~before.fixed)
@@ -135,7 +136,7 @@ class Displacement:
         """Return the mean displacement of the discs since `before` (m)."""
         before, free = self.reference, self.free
         dx, _ = self.ground.to_section_axes(model.x[free] - before.x[free], model.z[free] - before.z[free])
-        return float(self.ground.downhill * ((dx * self.mass).sum() / self.total))
+        return float(self.ground.search_direction * ((dx * self.mass).sum() / self.total))
 
 
 def displacement(model: DiscModel, before: DiscModel, ground: Ground) -> float:

@@ -12,7 +12,6 @@ from dem.liquefied_ground import FADING_STEPS
 from dem.model import DiscModel
 from dem.settings import SlideSettings
 from dem.springs import Law
-from meshes.section.polyline import downhill
 from meshes.section.quantity import GRAVITY
 
 # s in which Kh comes on before anything liquefies; in the paper all happens at once. Soil discs have the stiffness of
@@ -117,15 +116,13 @@ def cycles(
     return Shaking(time, acceleration, {k: over * shares.get(k, 0.0) for k in strata})
 
 
-def signed_kh(settings: SlideSettings, lower_end: int, positive: int) -> float:
+def signed_kh(settings: SlideSettings, lower_end: int) -> float:
     """Return the constant Kh of slides.
 
     Parameters
     ----------
     settings : settings of the slide: ``kh``, ``kh_towards``
-    lower_end : +1 if the ground falls to the right from end to end, or its ends are equally high; -1 if it falls to the
-        left
-    positive : +1 if slides to the right are positive, -1 if slides to the left are
+    lower_end : direction in which slides are positive, see `meshes.section.polyline.downhill`
 
     Returns
     -------
@@ -133,11 +130,11 @@ def signed_kh(settings: SlideSettings, lower_end: int, positive: int) -> float:
     """
     match settings.kh_towards:
         case "left":
-            return -settings.kh * positive
+            return -settings.kh * lower_end
         case "right":
-            return settings.kh * positive
+            return settings.kh * lower_end
         case None:
-            return settings.kh * lower_end * positive
+            return settings.kh
         case _:
             assert_never(settings.kh_towards)
 
@@ -150,11 +147,9 @@ def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], setting
     """
     lead, onset = LEAD_TIME[start.law], settings.onset_of(start.law)
     begin = lead + onset
-    # Slides of discs are positive as the finite elements fail, which may be away from the lower end.
-    lower_end = ground.downhill if ground.section is None else downhill(ground.section.ground)
     return BaseMotion(
         acceleration=ground.constant_acceleration(
-            signed_kh(settings, lower_end, ground.downhill),
+            signed_kh(settings, ground.downhill),
             start.time,
             lead or max(onset, 1e-3),
             None if settings.kh_seconds is None else begin + settings.kh_seconds,

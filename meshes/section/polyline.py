@@ -173,6 +173,9 @@ def without_repeats(points: np.ndarray) -> np.ndarray:
 def downhill(ground: np.ndarray) -> int:
     """Return the direction in which a surface falls from one end to the other.
 
+    Slides of discs and of material points, and the shaking that drives them, are positive in this direction, in
+    whichever direction the finite elements fail.
+
     Parameters
     ----------
     ground (n, 2) : points of the surface from left to right (m)

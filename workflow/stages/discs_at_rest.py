@@ -55,9 +55,9 @@ def ground_for(section: Section, store: Store, dem: DemSettings, settled: DiscMo
     ground = ground_at_rest(section, dem, settled) if dem.model == "soil" else ground_of(section, dem)
     try:
         towards = FemAnswer.read(store).towards
-    except InputError:  # they have not given: the ground falls to where it is lower
+    except InputError:  # no answer of the finite elements
         return ground
-    return replace(ground, downhill=1 if towards == "right" else -1)
+    return replace(ground, fails_towards=1 if towards == "right" else -1)
 
 
 def calibrator_for(

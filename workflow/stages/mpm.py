@@ -198,8 +198,7 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
             float(time[-1]) + settings.duration, settings.still, case.volumetric_strain,
             0.0 if shaking.of_the_base else base_impedance(config.section),
         )  # fmt: skip
-    lower_end = downhill(config.section.ground)
-    lead, kh = LEAD_TIME["soil"], signed_kh(settings, lower_end, lower_end)
+    lead, kh = LEAD_TIME["soil"], signed_kh(settings, downhill(config.section.ground))
     liquefied_at = lead + onset
     ends_at = None if settings.kh_seconds is None else liquefied_at + settings.kh_seconds
 
