@@ -86,7 +86,8 @@ class _Changes:
         liquefies = np.where(np.isin(stratum, list(remains)), stratum, -1)
         self._weaken_edges(before, after, liquefies, potential, knee)
         self._soften(before, after, liquefies, potential, knee)
-        pressure = UNDRAINED_POISSON / (1.0 - UNDRAINED_POISSON) * self.ground.effective * height * (liquefies >= 0)
+        liquefied = np.isin(stratum, list(remains))  # without firm ground at the edges, which keeps its pressure
+        pressure = UNDRAINED_POISSON / (1.0 - UNDRAINED_POISSON) * self.ground.effective * height * liquefied
         after[:, SIDE] = np.sign(before[:, SIDE]) * np.maximum(pressure, np.abs(before[:, SIDE]))
         self.before, self.after, self.liquefies = before, after, liquefies
 
@@ -99,9 +100,11 @@ class _Changes:
         """
         x, height, mass = self._columns()
         stress = self.ground.effective
-        strength = after[:, STRENGTH] + stress * after[:, SINE]
-        edge = edge_strength(x, height, mass, liquefies, strength, self.ground.grid.cell)
-        sound = before[edge.points, STRENGTH] + stress[edge.points] * before[edge.points, SINE]
+        whole, strength = (values[:, STRENGTH] + stress * values[:, SINE] for values in (before, after))
+        edge, early = (
+            edge_strength(x, height, mass, liquefies, of_layer, self.ground.grid.cell) for of_layer in (strength, whole)
+        )
+        sound = whole[edge.points]
         weakened, strains = edge.strength < sound, potential[edge.donors] > 0.0
         chosen = weakened | strains
         points, donors = edge.points[chosen], edge.donors[chosen]
@@ -110,6 +113,10 @@ class _Changes:
             before[points, SHEAR], before[points, STRENGTH], before[points, SINE], self._edge_slopes(edge, chosen)
         ])  # fmt: skip
         after[plane] = before[plane]
+        slips, sine = (early.strength < sound)[chosen], before[donors, SINE]  # before the layer has lost strength
+        before[points[slips], PLANE_SINE] = sine[slips]
+        at_edge = early.strength[chosen] - stress[points] * sine
+        before[points[slips], PLANE_STRENGTH] = np.maximum(at_edge[slips], 0.0)
         slips, sine = weakened[chosen], after[donors, SINE]
         after[points[slips], PLANE_SINE] = sine[slips]
         at_edge = edge.strength[chosen] - stress[points] * sine

@@ -6,7 +6,8 @@ and ground that slides over the end moves on it. Where the sides are free-field,
 once the ground is at rest: its pressure continues to act as a force on the points next to the side, which are held
 vertically. Coordinates of points and grid are those of the section less an `offset`. Rows of nodes are parallel to
 layers that liquefy: a shear band across the cells of a horizontal grid has 1 to 3 % more strength, which halves slides
-near yield.
+near yield. The grid is laid by the section, not by the axes of coordinates: columns of nodes begin at its left end, and
+the lowest edge of its liquefying layers lies between two rows, where knot spans end, in cells of any size.
 """
 
 from dataclasses import dataclass, replace
@@ -23,6 +24,7 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
 LENGTH_TOLERANCE = 1e-6  # m
+ROUNDING = 1e-6  # of a cell or a point: a difference that the place of the section on its axes may make
 # Width (cells) beside a free-field side in which the ground can hardly settle, and which is no part of the surface.
 FIXED_STRIP = 1.25
 SMALLEST_FORCE = 1e-3  # N/m: on unloaded points of free-field sides, which are identified by a force other than zero
@@ -115,7 +117,7 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
         sides = "free-field"
     slope = float(ends[1][-1] - ends[0][-1]) / width if periodic else _dip(section)
     area = float(section.layering.areas().sum())
-    cell = width / max(8, round(width / np.sqrt(area / cells)))
+    cell = width / max(8, round(width / np.sqrt(area / cells) - ROUNDING))
     spacing = 0.5 * cell
     room = round(ROOM_BEYOND_SIDES * width / cell) if sides in ("free-field", "smooth") else 0
     ends_there = periodic or sides == "smooth"
@@ -127,7 +129,8 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
         [[left - room * cell, ends[0][0]], [right + room * cell, ends[1][0]]]
     )  # to which ground may slide
     heights = np.vstack([places, beyond]) @ [-slope, 1.0] + slope * (left - margin * cell)
-    floor = np.floor(heights.min() / cell) * cell - 2.0 * cell
+    row = _level(section, slope) + 0.5 * cell - slope * (0.5 * width + margin * cell)
+    floor = row + np.floor((heights.min() - row) / cell + ROUNDING) * cell - 2.0 * cell
     offset = np.array([left - margin * cell, floor])
     shape = (round(width / cell) + (0 if periodic else 2 * margin + 1), int((heights.max() - floor) / cell) + HEADROOM)
     effective, consolidated = _effective(section, places, owners)
@@ -170,6 +173,21 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
     )
 
 
+def _level(section: Section, slope: float) -> float:
+    """Return the elevation (m), in the middle of the section, of the line of a slope between two rows of nodes: the
+    median height of the lowest edge of strata that liquefy or, where none does, of the base."""
+    layering, (left, right) = section.layering, section.extent
+    x = middles(left, right, COLUMNS)
+    levels = layering.interfaces(x)
+    liquefies = np.array([bool(stratum.liquefies_in) for stratum in section.strata])
+    wet = (levels[:, :-1] - levels[:, 1:] > layering.tolerance) & liquefies
+    lowest = wet.shape[1] - np.argmax(wet[:, ::-1], axis=1)
+    line = np.where(wet.any(axis=1), levels[np.arange(len(x)), lowest], levels[:, -1]) - slope * (
+        x - 0.5 * (left + right)
+    )
+    return float(np.median(line[wet.any(axis=1)] if wet.any() else line))
+
+
 def _dip(section: Section) -> float:
     """Return the median slope dz/dx over the length of the lower edges of strata that liquefy, at most `STEEPEST_ROW`;
     0 if no stratum liquefies."""
@@ -198,7 +216,7 @@ def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray,
     extra = 2 * margin
     x = left + spacing * (np.arange(-extra, round((right - left) / spacing) + extra) + 0.5)
     at = np.clip(x, left + 0.5 * spacing, right - 0.5 * spacing)
-    levels = section.layering.interfaces(at)
+    levels = section.layering.interfaces(at, at + ROUNDING * spacing)
     beyond = np.maximum(left - x, x - right) > 2 * BORDER * spacing
     levels[beyond] = levels[beyond, -1:]
     floor = levels[:, -1:] - 2 * BORDER * spacing
@@ -217,9 +235,9 @@ def _fill(
     for column, at in enumerate(x):
         first = True
         for high, low, stratum in zip(top[column], bottom[column], owner[column], strict=True):
-            if high - low < THINNEST_LAYER * spacing:
+            if high - low < (THINNEST_LAYER - ROUNDING) * spacing:
                 continue
-            count = max(1, round((high - low) / spacing))
+            count = max(1, round((high - low) / spacing - ROUNDING))
             z = high - (high - low) * (np.arange(count) + 0.5) / count
             places.append(np.column_stack([np.full(count, at), z]))
             volumes.append(np.full(count, spacing * (high - low) / count))
@@ -300,11 +318,12 @@ def _grid(
             np.where(z < levels[:, :1] - LENGTH_TOLERANCE, 1.5, 0.5) * cell
         )  # up to there the ground inside slides along it
         support[below & (beyond > reached)] = grid_motion.FIXED
-    support[z <= base[:, None] - (BORDER - 1) * cell] = grid_motion.FIXED
+    support[z < base[:, None] - (BORDER - 1 - ROUNDING) * cell] = grid_motion.FIXED
     if sides == "free-field":
         support[:2] = support[-2:] = grid_motion.FIXED
     elif sides == "fixed":
-        support[(x <= left - (BORDER - 1) * cell) | (x >= right + (BORDER - 1) * cell)] = grid_motion.FIXED
+        reach = (BORDER - 1 - ROUNDING) * cell
+        support[(x < left - reach) | (x > right + reach)] = grid_motion.FIXED
     support[:, -2:] = grid_motion.FIXED
     return BackgroundGrid(cell, support, _uplift(section, cell, x, z), sides == "periodic", slope)
 
@@ -319,7 +338,7 @@ def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.n
     shape = z.shape
     if not section.water_pressure.present:
         return np.zeros((*shape, 2))
-    grid = np.column_stack([np.repeat(x, shape[1]), z.ravel()])
+    grid = np.column_stack([np.repeat(x, shape[1]), z.ravel()]) + ROUNDING * cell  # not on the lines of the section
     out = np.zeros((*shape, 2))
     for axis in (0, 1):
         step = np.zeros(2)

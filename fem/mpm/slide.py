@@ -213,10 +213,9 @@ class PointSlider:
             strains = after[:, KNEE] > 0.0
             if strains.any():
                 points.scale_shear(np.flatnonzero(in_stratum)[strains], (1.0 - share) / (1.0 - shares[k]))
-            points.properties[np.ix_(in_stratum, CHANGED_COLUMNS)], points.side[in_stratum] = (
-                values[:, :SIDE],
-                values[:, SIDE],
-            )
+            points.properties[np.ix_(in_stratum, CHANGED_COLUMNS)] = values[:, :SIDE]
+            pressed = points.side[in_stratum] != 0.0  # ground that has come apart is pressed no more
+            points.side[in_stratum] = np.where(pressed, values[:, SIDE], 0.0)
             draining = programme.drained / programme.onset if 0.0 < share < 1.0 else 0.0
             points.properties[points.stratum == k, law.DRAINAGE_RATE] = draining
             shares[k] = share
@@ -248,7 +247,7 @@ class PointSlider:
             return self._surface()
         cell, points = self.ground.grid.cell, self.ground.points
         places = points.x[points.stratum >= 0] + self.ground.offset
-        column = np.floor(places[:, 0] / cell).astype(int)
+        column = np.floor((places[:, 0] - self.ground.section.extent[0]) / cell).astype(int)
         tops = []
         for of_column in in_columns(places, column):
             z = places[of_column, 1]
@@ -275,10 +274,11 @@ class PointSlider:
 
 
 def _liquefied_share(since: float, onset: float) -> float:
-    """Return the degree of liquefaction (0 to 1), rounded to steps, at a time ``since`` its onset (s)."""
+    """Return the degree of liquefaction (0 to 1), in the middle of the step that begins at a time ``since`` its onset
+    (s)."""
     if since < -1e-9:
         return 0.0
-    return 1.0 if onset == 0.0 else min(1.0, (since + onset / ONSET_STEPS) / onset)
+    return 1.0 if since >= onset - 1e-9 else (since + 0.5 * onset / ONSET_STEPS) / onset
 
 
 def _unprefixed(arrays: Mapping[str, np.ndarray], begin: str) -> dict[str, np.ndarray]:

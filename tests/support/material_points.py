@@ -103,9 +103,8 @@ class EndlessSlope:
         points = engine.points
         return float(points.displacement[points.stratum == 1, 0].mean())
 
-    def slid(self, kh: float, end: float, place: float, cells: int = 16) -> float:
-        """Return the displacement (m) along the same slope as a dipping section, its base at ``place`` above a row of
-        nodes.
+    def slid(self, kh: float, end: float, cells: int = 16) -> float:
+        """Return the displacement (m) along the same slope as a dipping section.
 
         A row of such sections is the slope. Kh, weak layer and duration are those of `moved`; there are ``cells`` cells
         of 1 m along the section.
@@ -122,7 +121,7 @@ class EndlessSlope:
         stiff = 2.6 * density * 200.0**2
         crust = layer("crust", **soil | {"cohesion": 5e3, "friction_angle": "33 deg", "youngs_modulus": stiff})
         weak = {"cohesion": 2e5, "poissons_ratio": 0.45, "youngs_modulus": 2.9 * density * 100.0**2}
-        top = firm + deep + place
+        top = firm + deep
         data = {
             "name": "endless",
             "surface": [[0.0, top], [float(cells), top - cells * float(np.tan(self.angle))]],
