@@ -117,24 +117,18 @@ class Ground:
         c, s = np.cos(self.tilt), np.sin(self.tilt)
         return c * vectors[:, 0] - s * vectors[:, 1], s * vectors[:, 0] + c * vectors[:, 1]
 
-    def constant_acceleration(self, kh: float, start: float, rise: float, seconds: float | None) -> Acceleration:
-        """Return the acceleration of a Kh that rises within `rise` seconds from `start` (s), is constant, and falls to
-        zero within a second; positive is downslope. seconds: time from `start` until Kh begins to fall; None if it
-        never falls. kh: constant seismic coefficient (-).
-        """
-        kh = self.downhill * kh
-        on = self._changing(0.0, kh, start, start + rise)
-        if seconds is None:
-            return on
-        off = self._changing(kh, 0.0, start + max(seconds, rise + 1e-3), start + max(seconds, rise + 1e-3) + 1.0)
-        return Acceleration(np.append(on.times, off.times), np.append(on.x, off.x), np.append(on.z, off.z))
+    def horizontal_acceleration(self, times: np.ndarray, acceleration: np.ndarray) -> Acceleration:
+        """Return the acceleration of the discs for a horizontal acceleration (m/s2) given at some times (s), positive
+        downslope; constant before and after."""
+        felt = self.downhill * acceleration
+        return Acceleration(times, felt * np.cos(self.tilt), felt * np.sin(self.tilt))
 
     def recorded_acceleration(self, times: np.ndarray, acceleration: np.ndarray) -> Acceleration:
         """Return the acceleration of the discs for a horizontal acceleration (m/s2) given at some times (s), positive
         downslope; zero before and after."""
         before, after = times[:1] - TAPER, times[-1:] + TAPER
-        felt = self.downhill * np.concatenate([[0.0], acceleration, [0.0]])
-        return Acceleration(np.concatenate([before, times, after]), felt * np.cos(self.tilt), felt * np.sin(self.tilt))
+        acceleration = np.concatenate([[0.0], acceleration, [0.0]])
+        return self.horizontal_acceleration(np.concatenate([before, times, after]), acceleration)
 
     @property
     def search_direction(self) -> int:
@@ -152,12 +146,8 @@ class Ground:
 
         before, after: Kh before and after the change (-); start, end: times at which the change begins and ends (s).
         """
-        return self._changing(self.search_direction * before, self.search_direction * after, start, end)
-
-    def _changing(self, before: float, after: float, start: float, end: float) -> Acceleration:
-        """Return the acceleration of a Kh that changes as in `shaking`, positive to the right."""
-        change = Acceleration.seismic(after - before, tilt=self.tilt, ramp=(start, end))
-        before_change = Acceleration.seismic(before, tilt=self.tilt)
+        change = Acceleration.seismic(self.search_direction * (after - before), tilt=self.tilt, ramp=(start, end))
+        before_change = self.steady(before)
         return Acceleration(change.times, change.x + before_change.x[0], change.z + before_change.z[0])
 
 

@@ -17,7 +17,10 @@ from meshes.section.quantity import GRAVITY
 # s in which Kh comes on before anything liquefies; in the paper all happens at once. Soil discs have the stiffness of
 # their soil, and the shock would move them several times as far as Kh does
 LEAD_TIME: Mapping[Law, float] = {"paper": 0.0, "soil": 2.0}
+FALL_TIME = 1.0  # s in which a constant Kh ends, so that the ground is not shocked
 TIME_TOLERANCE = 1e-6  # s: difference up to which two times are equal
+SHORTEST_RISE = 1e-3  # s in which the Kh of the paper rises
+HALF_COSINE_POINTS = 65  # points in time
 STEP_DURATION = 1e-6  # s between the two ends of a step of a record
 POINTS_PER_CYCLE = 64  # points in time
 TAPER_CYCLES = 1.0  # cycles of the taper at the beginning and at the end; half of each counts
@@ -139,6 +142,35 @@ def signed_kh(settings: SlideSettings, lower_end: int) -> float:
             assert_never(settings.kh_towards)
 
 
+def constant_kh_in_time(settings: SlideSettings, lower_end: int, law: Law) -> tuple[np.ndarray, np.ndarray]:
+    """Return the constant Kh of slides in time. It begins and ends along half cosines.
+
+    Half of it has gone ``kh_seconds`` after the layers have liquefied: it gives a rigid block the velocity of a Kh that
+    ends at once. It acts while the layers liquefy, too. Ground whose strength falls below the shear stress by Kh
+    before it has liquefied slides from then on, as a block does whose strength falls.
+
+    Parameters
+    ----------
+    settings : settings of the slide: ``kh``, ``kh_seconds``, ``kh_towards``, ``onset``
+    lower_end : direction in which slides are positive, see `meshes.section.polyline.downhill`
+    law : contact law of the discs, "soil" for material points
+
+    Returns
+    -------
+    Times (n,) in s since Kh began to rise, increasing, and Kh (n,) at these times; it is constant after the last one.
+    """
+    lead, onset, kh = LEAD_TIME[law], settings.onset_of(law), signed_kh(settings, lower_end)
+    s = np.linspace(0.0, 1.0, HALF_COSINE_POINTS)
+    share = 0.5 - 0.5 * np.cos(np.pi * s)
+    times, values = (lead or max(onset, SHORTEST_RISE)) * s, kh * share
+    if settings.kh_seconds is None:
+        return times, values
+    fall = min(FALL_TIME, 2.0 * settings.kh_seconds)
+    falls = lead + onset + settings.kh_seconds + fall * (s - 0.5)
+    later = falls > times[-1]
+    return np.append(times, falls[later]), np.append(values, kh * (1.0 - share[later]))
+
+
 def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], settings: SlideSettings) -> BaseMotion:
     """Return the loading by a constant Kh, under which all strata liquefy together. Strata of soil discs liquefy once
     Kh has its full value, and ``kh_seconds`` count from the time at which they have liquefied.
@@ -147,13 +179,9 @@ def constant_kh(start: DiscModel, ground: Ground, strata: Sequence[int], setting
     """
     lead, onset = LEAD_TIME[start.law], settings.onset_of(start.law)
     begin = lead + onset
+    times, kh = constant_kh_in_time(settings, ground.downhill, start.law)
     return BaseMotion(
-        acceleration=ground.constant_acceleration(
-            signed_kh(settings, ground.downhill),
-            start.time,
-            lead or max(onset, 1e-3),
-            None if settings.kh_seconds is None else begin + settings.kh_seconds,
-        ),
+        acceleration=ground.horizontal_acceleration(start.time + times, GRAVITY * kh),
         starts=dict.fromkeys(strata, lead),
         first_onset=lead,
         onset=onset,

@@ -29,7 +29,7 @@ class RigidSlide:
         return bool(self.velocity[-1] > 0.0)
 
 
-def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> RigidSlide:
+def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float | np.ndarray) -> RigidSlide:
     """Compute the slide of a rigid block that resists kc g, under a record of the ground's acceleration (Newmark 1965).
 
     N. M. Newmark, Effects of earthquakes on dams and embankments, Géotechnique 15 (1965) 139-160: from the moment when
@@ -42,7 +42,7 @@ def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> RigidSlide
     ----------
     time : times (n,) in s, which must not fall; two equal times make a step of the acceleration
     acceleration : acceleration (n,) of the ground in m/s², linear between the times, positive where it drives the block
-    kc : yield coefficient (-), above 0
+    kc : yield coefficient (-), above 0; an array (n,) of values at the times, linear between them, if strength is lost
 
     Returns
     -------
@@ -52,8 +52,11 @@ def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> RigidSlide
     ------
     ValueError : ``kc`` is not above 0.
     """
-    if not kc > 0.0:
-        raise ValueError(f"kc = {kc:g}: expected a critical Kh above 0, since a block without resistance does not stop")
+    least, last = float(np.min(kc)), float(np.ravel(kc)[-1])
+    if not least > 0.0:
+        raise ValueError(
+            f"kc = {least:g}: expected a critical Kh above 0, since a block without resistance does not stop"
+        )
     excess = np.asarray(acceleration, dtype=float) - kc * GRAVITY
     t, v, u = [float(time[0])], [0.0], [0.0]
     for i in range(len(time) - 1):
@@ -66,7 +69,7 @@ def newmark(time: np.ndarray, acceleration: np.ndarray, kc: float) -> RigidSlide
         for start, end in pairwise(cuts):
             _slide_on(t, v, u, a + (b - a) * start / span, (b - a) / span, end - start)
     if v[-1] > 0.0:
-        _slide_on(t, v, u, -kc * GRAVITY, 0.0, v[-1] / (kc * GRAVITY))
+        _slide_on(t, v, u, -last * GRAVITY, 0.0, v[-1] / (last * GRAVITY))
     return RigidSlide(np.array(t), np.array(v), np.array(u))
 
 

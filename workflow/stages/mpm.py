@@ -180,7 +180,7 @@ def slide_of_points(run: PointRun, tell: Tell) -> "PointSlide":
 
 def programme_of(config: Config, number: int) -> "SlideProgramme":
     """Return loading of the ground and onset of liquefaction: a constant Kh, or a record, as for the discs."""
-    from dem.slides.drive import LEAD_TIME, signed_kh
+    from dem.slides.drive import LEAD_TIME, constant_kh_in_time
     from fem.mpm.slide import SlideProgramme
     from meshes.section.base_impedance import base_impedance
     from meshes.section.quantity import GRAVITY
@@ -198,17 +198,13 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
             float(time[-1]) + settings.duration, settings.still, case.volumetric_strain,
             0.0 if shaking.of_the_base else base_impedance(config.section),
         )  # fmt: skip
-    lead, kh = LEAD_TIME["soil"], signed_kh(settings, downhill(config.section.ground))
+    lead = LEAD_TIME["soil"]
     liquefied_at = lead + onset
     ends_at = None if settings.kh_seconds is None else liquefied_at + settings.kh_seconds
-
-    def acceleration_at(t: np.ndarray) -> np.ndarray:
-        rise = 0.5 - 0.5 * np.cos(np.pi * np.clip(t / lead, 0.0, 1.0))
-        return kh * GRAVITY * rise * (np.ones_like(t) if ends_at is None else t < ends_at)
-
+    times, kh = constant_kh_in_time(settings, downhill(config.section.ground), "soil")
     rest_from = liquefied_at if ends_at is None else ends_at + REST_DELAY
     return SlideProgramme(
-        acceleration_at, dict.fromkeys(strata, lead), remains, onset, rest_from, settings.duration, settings.still,
+        lambda t: GRAVITY * np.interp(t, times, kh), dict.fromkeys(strata, lead), remains, onset, rest_from, settings.duration, settings.still,
         case.volumetric_strain,
     )  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from dem.slides.balance import (
     thin_layers,
     within_scatter,
 )
+from dem.slides.drive import constant_kh
 from dem.slides.liquefaction import Slider
 from dem.slides.surface import Surface
 from dem.slides.volume import volume_change
@@ -240,10 +242,13 @@ def test_softer_springs_give_way_as_was_asked(start: DiscModel, ground: Ground) 
 
 
 def test_kh_is_taken_away_again(ground: Ground) -> None:
-    shaking = ground.constant_acceleration(0.2, 10.0, 1.0, 5.0)
-    at = np.interp([9.9, 11.0, 14.9, 16.1, 30.0], shaking.times, shaking.x)
+    settings = SlideSettings(kh=0.2, kh_seconds=2.0, onset=1.0)
+    start = SimpleNamespace(law="soil", time=10.0)
+    shaking = constant_kh(cast("DiscModel", start), ground, [1], settings).acceleration
+    at = np.interp([9.9, 12.0, 14.4, 15.6, 30.0], shaking.times, shaking.x)
     assert at == pytest.approx([0.0, 0.2 * 9.80665, 0.2 * 9.80665, 0.0, 0.0], abs=1e-9)
-    assert ground.constant_acceleration(0.2, 10.0, 1.0, None).x[-1] == pytest.approx(0.2 * 9.80665)
+    endless = constant_kh(cast("DiscModel", start), ground, [1], settings.changed(kh_seconds=None)).acceleration
+    assert endless.x[-1] == pytest.approx(0.2 * 9.80665)
 
 
 def test_a_case_has_one_residual() -> None:
