@@ -38,7 +38,8 @@ class Surface:
         return cls(free[top], x[top], z[top], third)
 
     def movement(self, model: DiscModel, ground: Ground) -> tuple[np.ndarray, np.ndarray]:
-        """Return slide (horizontally, towards the lower end of the surface) and settlement (downwards) of each disc of the surface (m)."""
+        """Return slide (m, horizontally towards the lower end of the surface) and settlement (m, downwards) of each
+        disc of the surface."""
         x, z = ground.to_section(model.x[self.discs], model.z[self.discs])
         return ground.downhill * (x - self.x), self.z - z
 

@@ -77,7 +77,9 @@ class KhTrial(Part):
     unbalanced_ratio: Known = Field(description="mean unbalanced force over mean contact force")
     kinetic_ratio: Known = Field(description="kinetic energy over stored energy")
     displacement_m: float = Field(description="mean displacement in the direction of Kh, weighted by mass")
-    elastic_displacement_m: Known = Field(description="mean displacement in the direction of Kh of elastic ground at the same Kh")
+    elastic_displacement_m: Known = Field(
+        description="mean displacement in the direction of Kh of elastic ground at the same Kh"
+    )
     seconds: float = Field(description="model time of the trial (s)")
 
 

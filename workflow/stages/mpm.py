@@ -204,8 +204,8 @@ def programme_of(config: Config, number: int) -> "SlideProgramme":
     times, kh = constant_kh_in_time(settings, downhill(config.section.ground), "soil")
     rest_from = liquefied_at if ends_at is None else ends_at + REST_DELAY
     return SlideProgramme(
-        lambda t: GRAVITY * np.interp(t, times, kh), dict.fromkeys(strata, lead), remains, onset, rest_from, settings.duration, settings.still,
-        case.volumetric_strain,
+        lambda t: GRAVITY * np.interp(t, times, kh), dict.fromkeys(strata, lead), remains, onset, rest_from,
+        settings.duration, settings.still, case.volumetric_strain,
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Free-field sides press on material points with the stress at rest, and as a liquid does where ground has liquefied."""
+"""Free-field sides press on material points with the stress at rest, and as a liquid does on liquefied ground."""
 
 import numpy as np
 import pytest

@@ -81,7 +81,8 @@ def test_a_slide_under_a_record_does_not_depend_on_the_axes(tmp_path: Path) -> N
     times = np.arange(0.0, 6.0, 0.02)
     acceleration = 2.5 * np.sin(4.0 * np.pi * times) * np.exp(-0.5 * (times - 3.0) ** 2) + 0.4 * (times > 2.0)
     record = tmp_path / "record.csv"
-    np.savetxt(record, np.column_stack([times, acceleration]), delimiter=",", header="time (s),acceleration (m/s2)", comments="")
+    rows = [f"{time:.6f},{value:.6f}" for time, value in zip(times, acceleration, strict=True)]
+    record.write_text("\n".join(["time (s),acceleration (m/s2)", *rows, ""]))
     setting: dict[str, Any] = {"accelerogram": str(record), "liquefies_at": 2.0}
     slide = _slid(_slope(1.0, 0.0, 0.0, **setting), 2)
     for place in SHIFTS:

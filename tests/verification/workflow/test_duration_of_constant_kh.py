@@ -9,7 +9,6 @@ import pytest
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.packing import Packing
-from dem.settings import SlideSettings
 from dem.slides.drive import LEAD_TIME, constant_kh, constant_kh_in_time
 from meshes.section.quantity import GRAVITY
 from workflow.config import Config
