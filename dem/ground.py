@@ -48,9 +48,12 @@ class Ground:
         +1 if the right end of the surface is the lower one, or both are equally high; -1 if the left end is. Slides and
         their records are positive in this direction.
     section : Section or None
-        Section whose water and loads act on the discs; None for discs without them.
+        Section whose water and loads act on the discs; None for discs without them. Its origin is at ``place``.
     fails_towards : int or None
         +1 if the finite elements fail to the right, -1 to the left; None if they have not been computed.
+    place : (float, float)
+        Position of the origin of ``section`` in the section as it was given (m): soil discs lie in axes that begin at
+        its left end and lowest point, so that their motion has the same bits wherever the section lies on its axes.
     """
 
     packing: Packing
@@ -62,11 +65,18 @@ class Ground:
     downhill: int
     section: Section | None = None
     fails_towards: int | None = None
+    place: tuple[float, float] = (0.0, 0.0)
 
     def to_section(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Transform positions (m) from the frame of the discs to the frame of the section."""
+        """Transform positions (m) from the frame of the discs to the frame of the section as it was given."""
         dx, dz = self.to_section_axes(u, v)
         return self.origin[0] + dx, self.origin[1] + dz
+
+    def to_local(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Transform positions (m) from the frame of the discs to the frame of ``section``, whose origin is at
+        ``place``."""
+        dx, dz = self.to_section_axes(u, v)
+        return self.origin[0] - self.place[0] + dx, self.origin[1] - self.place[1] + dz
 
     def to_section_axes(self, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Transform vectors from the frame of the discs to the frame of the section."""
@@ -77,8 +87,9 @@ class Ground:
         """Return the discs at rest, without pore springs, under gravity."""
         gravity = tilted_gravity(self.tilt)
         model = self.packing.discs(DiscMaterials(layers, law=settings.model, mean=settings.mean), gravity=gravity)
+        model.place = self.place
         if self.section is not None:
-            places = self.to_section(model.x, model.z)
+            places = self.to_local(model.x, model.z)
             model.pore_acceleration_x, model.pore_acceleration_z = self._to_disc_axes(
                 still_water(self.section, places, model)
             )
@@ -90,7 +101,7 @@ class Ground:
     def weaken(self, model: DiscModel) -> bool:
         """Apply the excess pore pressure by shaking to discs at rest; return False if there is no excess pore
         pressure."""
-        added = None if self.section is None else excess(self.section, self.to_section(model.x, model.z), model)
+        added = None if self.section is None else excess(self.section, self.to_local(model.x, model.z), model)
         if added is None:
             return False
         ax, az = self._to_disc_axes(added)
@@ -108,7 +119,7 @@ class Ground:
         """
         if self.section is None:
             return None
-        places = brought_back(*self.to_section(model.x, model.z), self.section.extent[0], model.repeats)
+        places = brought_back(*self.to_local(model.x, model.z), self.section.extent[0], model.repeats)
         felt = buoyancy(self.section, places, model)
         return None if felt is None else np.array(self._to_disc_axes(felt))
 

@@ -320,7 +320,13 @@ class DiscModel(DiscState):
         plain = {name: value for name, value in vars(self).items() if isinstance(value, int | float | str)}
         layers = [asdict(layer) for layer in self.springs.layers]
         strengths = [strength and asdict(strength) for strength in self.line_strength]
-        more = {"gravity": self.gravity, "period": self.period, "layers": layers, "line_strength": strengths}
+        more = {
+            "gravity": self.gravity,
+            "period": self.period,
+            "place": self.place,
+            "layers": layers,
+            "line_strength": strengths,
+        }
         write_checkpoint(Path(path), arrays, plain | more)
 
     @classmethod
@@ -329,7 +335,8 @@ class DiscModel(DiscState):
         arrays, plain = read_checkpoint(Path(path))
         series = Acceleration(*(arrays.pop(f"acceleration_{name}") for name in ("times", "x", "z")))
         layers = [LayerSprings(**layer) for layer in plain.pop("layers")]
-        for name in ("gravity", "period"):  # JSON knows no tuples
+        plain.setdefault("place", (0.0, 0.0))  # of discs that were stored in the axes of their section
+        for name in ("gravity", "period", "place"):  # JSON knows no tuples
             plain[name] = tuple(plain[name]) if plain[name] is not None else None
         plain["line_strength"] = tuple(strength and Strength(**strength) for strength in plain["line_strength"])
         springs = _table(layers, plain["mean"], plain["law"], plain["skin"], plain["line_strength"])

@@ -70,6 +70,8 @@ class DiscState:
     undisturbed_x, undisturbed_z (n,) : position of each disc when the ground came to rest (m)
     mean, law : kind of mean of the constants of two layers, and contact law
     period : length along x and rise along z of a period (m); None without periodic sides
+    place : position in the section of the origin of the section's axes in which the discs lie (m), see
+        `dem.ground.Ground`
     gravity : gravity (m/s2)
     acceleration : external acceleration as a function of time
     skin : margin of the neighbour list (m)
@@ -132,6 +134,7 @@ class DiscState:
     acceleration: Acceleration
     skin: float
     line_strength: tuple[Strength | None, ...] = ()
+    place: tuple[float, float] = (0.0, 0.0)
     time: float = 0.0
     steps: int = 0
     last_dt: float = 0.0

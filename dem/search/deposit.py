@@ -35,6 +35,7 @@ from meshes.errors import InputError
 from meshes.section.polyline import downhill
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
+from meshes.section.translation import with_origin
 
 LEVELLING_ROUNDS = 2  # times that the ground settles and is cut
 EXTRA_ROUNDS = 3  # largest number of further rounds while the surface of a column deviates by more than
@@ -120,15 +121,17 @@ def deposit(
     NotSettledError
         If the ground does not come to rest.
     """
+    whole, stored = section, rounds.latest() if rounds is not None else None
+    place = _corner(whole) if stored is None else stored[1].place
+    section = with_origin(whole, *place)
     radius = settings.mean_radius(section)
     soil = soil_layers(section) if soil is None else soil
-    stored = rounds.latest() if rounds is not None else None
     if stored is None:
-        ground = _overfilled_box(section, settings, radius, periodic)
+        ground = replace(_overfilled_box(section, settings, radius, periodic), origin=place, place=place)
         layers = [layer.springs(radius, VOID_RATIO) for layer in soil]
         stored = 0, settle(ground, layers, settings, by_shaking=False)
     first, settled = stored
-    ground = ground_at_rest(section, settings, settled)
+    ground = ground_at_rest(whole, settings, settled)
     for done in range(first, LEVELLING_ROUNDS + EXTRA_ROUNDS):
         if rounds is not None:
             rounds.add(done, settled)
@@ -230,9 +233,16 @@ def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) 
     The discs at their present positions, as a random packing in the frame of the section. Discs of periodic ground are
     moved into the section.
     """
-    packing = _packing_of(section, settled)
-    radius = settings.mean_radius(section)
-    return Ground(packing, "random", radius, 0, 0.0, (0.0, 0.0), downhill(section.ground), section)
+    local = with_origin(section, *settled.place)
+    packing, radius = _packing_of(local, settled), settings.mean_radius(local)
+    falls = downhill(section.ground)
+    return Ground(packing, "random", radius, 0, 0.0, settled.place, falls, local, place=settled.place)
+
+
+def _corner(section: Section) -> tuple[float, float]:
+    """Return the corner of the rectangle around a section at the left and at the bottom (m)."""
+    x, z = section.outline().min(axis=0)
+    return float(x), float(z)
 
 
 def _overfilled_box(section: Section, settings: DemSettings, radius: float, periodic: bool) -> Ground:

@@ -152,7 +152,7 @@ def period(model: DiscModel, ground: Ground) -> float:
     from its share of the discs.
     """
     free = ~model.fixed
-    u, v = ground.to_section(model.x[free], model.z[free])
+    u, v = ground.to_local(model.x[free], model.z[free])
     height = float(np.ptp(v - np.polyval(np.polyfit(u, v, 1), u))) + 2.0 * ground.radius
     time = 0.0
     for k, layer in enumerate(model.springs.layers):

@@ -92,7 +92,7 @@ def undrained_strength(model: DiscModel, ground: Ground | None = None) -> np.nda
     if ground is None or ground.section is None:
         return strength
     section, discs_of_clay = ground.section, np.flatnonzero((strength > 0.0) & ~model.fixed)
-    points = np.column_stack(ground.to_section(model.x[discs_of_clay], model.z[discs_of_clay]))
+    points = np.column_stack(ground.to_local(model.x[discs_of_clay], model.z[discs_of_clay]))
     field = section.cohesion_field
     means = np.array([soil.cohesion for soil in field.means()])[model.layer[discs_of_clay]]
     strength[discs_of_clay] = np.minimum(

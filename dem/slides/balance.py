@@ -210,7 +210,7 @@ def thin_layers(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list
             name = start.springs.layers[k].name
             notes.append(f'stratum "{name}" liquefies but has no disc: take a smaller radius')
             continue
-        x, z = ground.to_section(start.x[in_layer], start.z[in_layer])
+        x, z = ground.to_local(start.x[in_layer], start.z[in_layer])
         column = _columns(x, ground.radius)
         depth = [float(np.ptp(z[column == c]) + 2.0 * start.radius[in_layer].mean()) for c in np.unique(column)]
         thick = float(np.median(depth))
@@ -249,7 +249,7 @@ def thin_crust(start: DiscModel, ground: Ground, strata: Sequence[int]) -> list[
     thickness is the median over columns of discs that have both liquefied ground and a crust.
     """
     free = np.flatnonzero(~start.fixed)
-    x, z = ground.to_section(start.x[free], start.z[free])
+    x, z = ground.to_local(start.x[free], start.z[free])
     wet, top = np.isin(start.layer[free], strata), z + start.radius[free]
     column = _columns(x, ground.radius)
     thick = []

@@ -96,7 +96,7 @@ class FreeSides:
         that liquefy."""
         section, diameter = self.ground.section, self.diameter
         assert section is not None
-        x, z = self.ground.to_section(start.x, start.z)
+        x, z = self.ground.to_local(start.x, start.z)
         beyond = outwards * (x - section.extent[1 if outwards > 0 else 0])
         foot = min(levels[k + 1] for k in wet)
         count = max(1, round((levels[0] - foot) / (STRIP_WIDTH * diameter)))
@@ -197,7 +197,7 @@ def _vertical_stress(section: Section, x: np.ndarray, z: np.ndarray, strata: np.
 def _weight_ratio(start: DiscModel, ground: Ground, section: Section) -> float:
     """Return the ratio of the overburden of all discs to the overburden of the section."""
     free = ~start.fixed
-    x, z = ground.to_section(start.x[free], start.z[free])
+    x, z = ground.to_local(start.x[free], start.z[free])
     design = _vertical_stress(section, x, z, start.layer[free])
     return float(effective_overburden(start)[free].sum() / design.sum())
 

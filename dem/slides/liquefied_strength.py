@@ -176,5 +176,5 @@ def _not_consolidated(model: DiscModel, ground: Ground) -> np.ndarray:
     """Return the part (n,) in Pa of the surcharges above discs under which the ground has not consolidated."""
     if ground.section is None:
         return np.zeros(len(model))
-    loads, x = ground.section.surface_loads, ground.to_section(model.x, model.z)[0]
+    loads, x = ground.section.surface_loads, ground.to_local(model.x, model.z)[0]
     return loads.pressure(x, x) - loads.consolidated(x, x)
