@@ -165,8 +165,8 @@ def constant_kh_in_time(settings: SlideSettings, lower_end: int, law: Law) -> tu
     times, values = (lead or max(onset, SHORTEST_RISE)) * s, kh * share
     if settings.kh_seconds is None:
         return times, values
-    fall = min(FALL_TIME, 2.0 * settings.kh_seconds)
-    falls = lead + onset + settings.kh_seconds + fall * (s - 0.5)
+    seconds = max(settings.kh_seconds, 2.0 * SHORTEST_RISE)
+    falls = lead + onset + seconds + min(FALL_TIME, 2.0 * seconds) * (s - 0.5)
     later = falls > times[-1]
     return np.append(times, falls[later]), np.append(values, kh * (1.0 - share[later]))
 

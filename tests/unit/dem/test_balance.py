@@ -247,6 +247,9 @@ def test_kh_is_taken_away_again(ground: Ground) -> None:
     shaking = constant_kh(cast("DiscModel", start), ground, [1], settings).acceleration
     at = np.interp([9.9, 12.0, 14.4, 15.6, 30.0], shaking.times, shaking.x)
     assert at == pytest.approx([0.0, 0.2 * 9.80665, 0.2 * 9.80665, 0.0, 0.0], abs=1e-9)
+    paper = SimpleNamespace(law="paper", time=0.0)
+    short = constant_kh(cast("DiscModel", paper), ground, [1], settings.changed(kh_seconds=1e-5, onset=0.0))
+    assert short.acceleration.x[-1] == pytest.approx(0.0, abs=1e-9)
     endless = constant_kh(cast("DiscModel", start), ground, [1], settings.changed(kh_seconds=None)).acceleration
     assert endless.x[-1] == pytest.approx(0.2 * 9.80665)
 
