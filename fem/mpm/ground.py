@@ -7,7 +7,8 @@ once the ground is at rest: its pressure continues to act as a force on the poin
 vertically. Coordinates of points and grid are those of the section less an `offset`. Rows of nodes are parallel to
 layers that liquefy: a shear band across the cells of a horizontal grid has 1 to 3 % more strength, which halves slides
 near yield. The grid is laid by the section, not by the axes of coordinates: columns of nodes begin at its left end, and
-the lowest edge of its liquefying layers lies between two rows, where knot spans end, in cells of any size.
+the lowest edge of its liquefying layers lies between two rows, where knot spans end, in cells of any size. If no layer
+liquefies, the base is at a row.
 """
 
 from dataclasses import dataclass, replace
@@ -129,7 +130,7 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
         [[left - room * cell, ends[0][0]], [right + room * cell, ends[1][0]]]
     )  # to which ground may slide
     heights = np.vstack([places, beyond]) @ [-slope, 1.0] + slope * (left - margin * cell)
-    row = _level(section, slope) + 0.5 * cell - slope * (0.5 * width + margin * cell)
+    row = _row_of_nodes(section, slope, cell) - slope * (0.5 * width + margin * cell)
     floor = row + np.floor((heights.min() - row) / cell + ROUNDING) * cell - 2.0 * cell
     offset = np.array([left - margin * cell, floor])
     shape = (round(width / cell) + (0 if periodic else 2 * margin + 1), int((heights.max() - floor) / cell) + HEADROOM)
@@ -173,19 +174,18 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
     )
 
 
-def _level(section: Section, slope: float) -> float:
-    """Return the elevation (m), in the middle of the section, of the line of a slope between two rows of nodes: the
-    median height of the lowest edge of strata that liquefy or, where none does, of the base."""
+def _row_of_nodes(section: Section, slope: float, cell: float) -> float:
+    """Return the elevation (m) of a row of nodes in the middle of the section: half a cell above the lowest edge of
+    strata that liquefy, of which the median height counts, or at the base if none liquefies."""
     layering, (left, right) = section.layering, section.extent
     x = middles(left, right, COLUMNS)
     levels = layering.interfaces(x)
     liquefies = np.array([bool(stratum.liquefies_in) for stratum in section.strata])
     wet = (levels[:, :-1] - levels[:, 1:] > layering.tolerance) & liquefies
     lowest = wet.shape[1] - np.argmax(wet[:, ::-1], axis=1)
-    line = np.where(wet.any(axis=1), levels[np.arange(len(x)), lowest], levels[:, -1]) - slope * (
-        x - 0.5 * (left + right)
-    )
-    return float(np.median(line[wet.any(axis=1)] if wet.any() else line))
+    liquefied = wet.any(axis=1)
+    line = np.where(liquefied, levels[np.arange(len(x)), lowest], levels[:, -1]) - slope * (x - 0.5 * (left + right))
+    return float(np.median(line[liquefied])) + 0.5 * cell if liquefied.any() else float(np.median(line))
 
 
 def _dip(section: Section) -> float:
@@ -216,13 +216,20 @@ def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray,
     extra = 2 * margin
     x = left + spacing * (np.arange(-extra, round((right - left) / spacing) + extra) + 0.5)
     at = np.clip(x, left + 0.5 * spacing, right - 0.5 * spacing)
-    levels = section.layering.interfaces(at, at + ROUNDING * spacing)
+    levels = _levels(section, at, spacing)
     beyond = np.maximum(left - x, x - right) > 2 * BORDER * spacing
     levels[beyond] = levels[beyond, -1:]
     floor = levels[:, -1:] - 2 * BORDER * spacing
     top, bottom = levels, np.hstack([levels[:, 1:], floor])
     owner = np.append(np.arange(levels.shape[1] - 1), -1)
     return x, top, bottom, np.broadcast_to(owner, top.shape)
+
+
+def _levels(section: Section, x: np.ndarray, width: float) -> np.ndarray:
+    """Return the elevations (n, interfaces) of the interfaces at x (m); at a step, the mean of both sides, so that a
+    column of some width (m) has the areas of both, and the mirrored section the mirrored columns."""
+    layering, aside = section.layering, ROUNDING * width
+    return 0.5 * (layering.interfaces(x, x - aside) + layering.interfaces(x, x + aside))
 
 
 def _fill(
@@ -307,7 +314,7 @@ def _grid(
     x = offset[0] + cell * np.arange(shape[0])
     z = offset[1] + cell * np.arange(shape[1]) + slope * (x - offset[0])[:, None]
     at = np.clip(x, left + 1e-9 * (right - left), right - 1e-9 * (right - left))
-    levels = section.layering.interfaces(at)
+    levels = _levels(section, at, cell)
     base = levels[:, -1]
     support = np.full(shape, grid_motion.FREE, dtype=np.int8)
     if sides == "smooth":

@@ -19,7 +19,7 @@ have the stress-strain law of the layer along the edge: their γ at τ M(z) / M 
 strains are scaled by the thickness of the layer over the width that shears on the grid. The width W of a column of
 points p follows from its equilibrium: with φ_k the hat of knot k, h the cell,
 
-    Σ_l (Σ_p V_p g_p φ_k φ_l) γ_l = Σ_p V_p M_p φ_k,   W = h Σ_k γ_k,
+    Σ_l (Σ_p V_p g_p φ_k φ_l) γ_l = Σ_p V_p M_p φ_k,   W = Σ_k γ_k ∫ φ_k dz from the lowest to the highest point,
 
 with g_p = M_p at points that shear, and many times M_p at points that do not. Uniformly sheared ground has γ_k = 1. The
 crust then moves by the strain of the layer times its thickness, for cells of any size.
@@ -173,7 +173,17 @@ def _equilibrium(z: np.ndarray, height: np.ndarray, above: np.ndarray, weak: np.
     force = height * above
     stiffness = hats.T @ (np.where(weak, force, STIFF_RATIO * force)[:, None] * hats)
     strains = np.linalg.lstsq(stiffness, hats.T @ force, rcond=None)[0]
-    return hats @ strains, float(strains.sum())
+    # A hat that hardly reaches the highest or the lowest point has any strain; beyond these points nothing shears.
+    knots = first + np.arange(hats.shape[1])
+    reached = _hat_integral(z.max() - knots) - _hat_integral(z.min() - knots)
+    return hats @ strains, float(strains @ reached)
+
+
+def _hat_integral(z: np.ndarray) -> np.ndarray:
+    """Return the integral of the hat function of a knot up to heights ``z`` above its lower end, half a cell below the
+    place by which the knot is numbered (cells)."""
+    t = np.clip(z + 0.5, 0.0, 2.0)
+    return np.where(t < 1.0, 0.5 * t**2, 1.0 - 0.5 * (2.0 - t) ** 2)
 
 
 def in_columns(x: np.ndarray, column: np.ndarray) -> list[np.ndarray]:

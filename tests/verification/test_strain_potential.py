@@ -12,7 +12,7 @@ from dem.laboratory.soil_contacts import soil_contacts
 from dem.settings import SlideSettings
 from docs.verify.slides.uniform_slope import UNIT_WEIGHT, UniformSlope
 from fem.kernels import point_stress as law
-from fem.mpm import PointSlider, SlideProgramme, ground_of
+from fem.mpm import PointSlider, SlideProgramme, ground, ground_of
 from fem.mpm.changes import CREEP_TIME
 from fem.mpm.points import MaterialPoints, PointSoil
 from meshes.section.liquefies import RemainingStrength
@@ -135,12 +135,24 @@ def crust_on_thin_layer(crust: float, thickness: float, cell: float) -> tuple[fl
     [(4.0, 1.0, 3.0), *(pytest.param(6.0, 2.0, cell, marks=pytest.mark.slow) for cell in (1.5, 5.9))],
 )
 def test_a_layer_thinner_than_a_cell_strains_by_its_own_thickness(crust: float, thickness: float, cell: float) -> None:
-    """0.20 and 0.10 m, within 8 % in cells from three quarters of the layer to three times as thick.
+    """0.20 and 0.10 m, within 12 % in cells from three quarters of the layer to three times as thick.
 
     While stiff points bore the shear of the same cells, these crusts moved by 0.12, 0.003 and 0.001 m.
     """
     moved, wanted = crust_on_thin_layer(crust, thickness, cell)
-    assert moved == pytest.approx(wanted, rel=0.08)
+    assert moved == pytest.approx(wanted, rel=0.12)
+
+
+@pytest.mark.parametrize("place", [0.5, 0.56, pytest.param(0.25, marks=pytest.mark.slow)])
+def test_a_thin_layer_strains_by_its_own_thickness_anywhere_on_the_grid(
+    place: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The edge at shares of a cell above a row of nodes. Where a hat function hardly reached the highest point, its
+    strain counted as width of the ground that shears: the crust moved by 0.35 and 18 times the closed form."""
+    row, cell = ground._row_of_nodes, 1.5  # there are eight cells along the section, at least
+    monkeypatch.setattr(ground, "_row_of_nodes", lambda *of: row(*of) + (place - 0.5) * cell)
+    moved, wanted = crust_on_thin_layer(4.0, 1.0, 2.0 * cell)
+    assert moved == pytest.approx(wanted, rel=0.12)
 
 
 def slid(case: Case, thickness: float = 4.0, seed: int = 0) -> float:

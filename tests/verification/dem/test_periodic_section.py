@@ -58,8 +58,9 @@ def test_discs_continue_across_the_sides(on_firm_ground: tuple[Config, Deposit])
     assert len(model.lines) == 0
     across = np.abs(model.x[model.pair_i] - model.x[model.pair_j]) > 0.5 * WIDTH
     assert (across & (model.distance() < model.radius[model.pair_i] + model.radius[model.pair_j])).sum() > 10
-    base = FALL * (WIDTH - model.x) - (CRUST + LOOSE + FIRM)
-    assert (model.z[model.fixed] < base[model.fixed]).all()
+    x, z = on_firm_ground[1].ground.to_section(model.x, model.z)
+    base = FALL * (WIDTH - x) - (CRUST + LOOSE + FIRM)
+    assert (z[model.fixed] < base[model.fixed]).all()
 
 
 def fixed_by(config: Config, at_rest: Deposit) -> float:

@@ -112,7 +112,8 @@ def test_clays_are_the_soil(checks: dict[str, LayerCheck]) -> None:
 
 def test_the_ground_is_the_sections(run: Config, ground: Deposit) -> None:
     """In every column of two diameters, and its area, below the tops of the discs, within 1 %."""
-    away = misfit(run.section, ground.settled, ground.ground.radius)
+    assert ground.ground.section is not None
+    away = misfit(ground.ground.section, ground.settled, ground.ground.radius)
     assert abs(away.mean()) < 0.15
     assert np.abs(away).mean() < 0.2 * ground.ground.radius
     assert np.abs(away).max() <= 0.6 * ground.ground.radius
