@@ -67,7 +67,7 @@ def test_liquefied_ground_slides_as_far_as_a_block_under_the_same_kh(onset: floa
     slider, _ = at_rest(config)
     slide = slide_of_points(PointRun(config, slider, 1, 10.0), lambda _: None)
     assert slide.settled
-    assert float(np.median(slide.slide[-1])) / expected == pytest.approx(1.0, abs=0.05)
+    assert 0.95 < float(np.median(slide.slide[-1])) / expected < 1.05
 
 
 @pytest.mark.parametrize("seconds", [0.3, 2.0, None])
