@@ -9,7 +9,7 @@ from dem.engine.packer import law_of, pack, springs_of, unpack
 from dem.engine.sharing import neighbour_slices
 from dem.kernels.arguments import ENERGY_COLUMNS, Clock, Entries, Law, Loads, Springs, Team
 from dem.kernels.barrier import new_barrier
-from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS, Layout, count_slots
+from dem.kernels.layout import LANES, LINK_FIELDS, ROLL_FIELDS, Layout, count_slots, places_of_lines
 from dem.kernels.liquefied_pairs import FORCE_X
 from dem.kernels.stepping import take_steps
 from dem.kernels.work_buffers import new_buffer
@@ -62,8 +62,8 @@ def contact_forces(model: DiscModel) -> ContactForces:
     rim_i = rim
     if model.law == "soil":
         rim_i = rim + layout.rolling.reshape(-1, ROLL_FIELDS, LANES)[chunk, 2, owner % LANES]
-    e = np.arange(len(model.line_disc))
-    line_fx, line_fz, line_rim = links[start[-1] + 1 + e // LANES, 4:7, e % LANES].T
+    at_chunk, at_lane = places_of_lines(layout.chunk_start, len(model.line_disc))
+    line_fx, line_fz, line_rim = links[at_chunk, 4:7, at_lane].T
     nx, nz = model.branch() / model.distance()
     return ContactForces(fx, fz, rim, rim_i, fx * nx + fz * nz, fx * nz - fz * nx, line_fx, line_fz, line_rim)
 
@@ -100,14 +100,14 @@ def forces_along_x(model: DiscModel, layout: Layout, springs: Springs, law: Law)
     """
     now = _evaluated(layout._replace(links=layout.links.copy(), rolling=layout.rolling.copy()), model, springs, law)
     force = now.links.reshape(-1, LINK_FIELDS, LANES)[:, 4]
-    chunks, slices, discs = layout.chunk_start[-1], len(layout.chunk_start) - 1, model.places
+    slices, discs = len(layout.chunk_start) - 1, model.places
     partner = layout.partner.reshape(-1, LANES)
     chunk, lane = np.nonzero(partner < len(model))
     owner = LANES * np.repeat(np.arange(slices), np.diff(layout.chunk_start))[chunk] + lane
     pairs = np.bincount(partner[chunk, lane], force[chunk, lane], slices * LANES)
     pairs += np.bincount(owner, -force[chunk, lane], slices * LANES)
-    e = np.arange(len(layout.line_disc))
-    lines = np.bincount(layout.line_disc, force[chunks + 1 + e // LANES, e % LANES], slices * LANES)
+    on_lines = force[places_of_lines(layout.chunk_start, len(layout.line_disc))]
+    lines = np.bincount(layout.line_disc, on_lines, slices * LANES)
     wet = layout.liquefied.discs[discs, FORCE_X] if len(layout.liquefied.discs) else 0.0
     return np.asarray(wet + (pairs + lines)[discs])
 

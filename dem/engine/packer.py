@@ -21,6 +21,7 @@ from dem.kernels.layout import (
     list_links,
     place_incoming,
     place_links,
+    places_of_lines,
 )
 from dem.kernels.liquefied_lists import list_bonds, members_of, place_bonds, place_pairs
 from dem.kernels.liquefied_pairs import EXTRA_SHARE_AT, FIELDS, KNEE_STRAIN, KNEE_STRENGTH, WORKING, Liquefied
@@ -84,12 +85,12 @@ def pack(
         model.pair_i = model.pair_j = np.zeros(0, np.int32)
         for name in model.memory:
             setattr(model, name, np.zeros(0))
-    at_lines = chunks + 1 + np.arange(len(line_disc)) // LANES, np.arange(len(line_disc)) % LANES
+    chunk, lane = places_of_lines(chunk_start, len(line_disc))
     for field, name in _LINE_MEMORY.items():
-        links[at_lines[0], field, at_lines[1]] = getattr(model, name)
+        links[chunk, field, lane] = getattr(model, name)
     if model.law == "soil":
         for field, name in _LINE_ROLLING.items():
-            rolling[at_lines[0], field, at_lines[1]] = getattr(model, name)
+            rolling[chunk, field, lane] = getattr(model, name)
     incoming, incoming_start, lowest, highest = place_incoming(partners.reshape(-1), chunk_start, line_disc, n)
     return Layout(
         discs=_discs(model, slices), shared=_shared_fields(model, slices), links=links.reshape(-1),
@@ -228,8 +229,7 @@ def unpack(layout: Layout, model: DiscModel, in_ranges: Ranges = serial) -> None
         model.bonds = _bonds(layout, model)
     for name, values in zip(MEMORY + ROLLING_MEMORY, memory, strict=True):
         setattr(model, name, values)
-    e = np.arange(len(model.line_disc))
-    chunk, lane = layout.chunk_start[-1] + 1 + e // LANES, e % LANES
+    chunk, lane = places_of_lines(layout.chunk_start, len(model.line_disc))
     links = layout.links.reshape(-1, LINK_FIELDS, LANES)
     for field, name in _LINE_MEMORY.items():
         setattr(model, name, links[chunk, field, lane])

@@ -140,6 +140,22 @@ def count_slots(member: np.ndarray, slices: int) -> tuple[np.ndarray, np.ndarray
     return turn, start
 
 
+def places_of_lines(chunk_start: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the chunk and the lane of every contact with a rigid line.
+
+    Parameters
+    ----------
+    chunk_start : first chunk of the contacts of each slice, see `Layout`
+    count : number of contacts with lines
+
+    Returns
+    -------
+    Chunk (count,) and lane (count,). These contacts follow the pairs, after an empty chunk.
+    """
+    contact = np.arange(count)
+    return chunk_start[-1] + 1 + contact // LANES, contact % LANES
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def place_links(
     owner: np.ndarray,
