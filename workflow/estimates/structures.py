@@ -28,15 +28,15 @@ class CrestedStructure:
     crest: Crest
 
     def slides_with(self, surface: Sequence[tuple[float, float]]) -> bool:
-        """Return whether a part of the crest lies above a slip surface, whose points (m) go from left to right.
+        """Return whether a part of the crest may lie above a slip surface, whose points (m) go from left to right.
 
-        The points of a slip surface are the middles of columns, which reach half a column farther; two points are both
-        ends of the ground that moves.
+        The points of a slip surface are the middles of columns. The ground that moves ends somewhere between the last
+        of them and the middle of the next column, which is at rest; two points are both ends of the ground that moves.
         """
         first, last = surface[0][0], surface[-1][0]
         if len(surface) > 2:
-            first -= 0.5 * (surface[1][0] - surface[0][0])
-            last += 0.5 * (surface[-1][0] - surface[-2][0])
+            first -= surface[1][0] - surface[0][0]
+            last += surface[-1][0] - surface[-2][0]
         return first <= self.crest.right and last >= self.crest.left
 
     def slides_on(self, surface: Sequence[tuple[float, float]]) -> bool:
