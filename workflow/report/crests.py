@@ -153,6 +153,8 @@ def crest_sentences(parts: Iterator[CrestPart]) -> Iterator[str]:
         spread = "" if low == high else f" ({low} to {high} over packings)"
         drained = "" if not part.reconsolidation_m else f", {metres(part.reconsolidation_m)} of it by reconsolidation"
         left_over = "" if part.freeboard_m is None else f"; the remaining freeboard is {metres(part.freeboard_m)}"
+        if part.freeboard_low_m is not None and part.freeboard_high_m is not None and spread:
+            left_over += f" ({metres(part.freeboard_low_m)} to {metres(part.freeboard_high_m)})"
         moves = "" if part.at_rest else "; the slide is not at rest"
         yield (
             f"Crest of {part.structure}, {part.method}: the crest settles "
@@ -166,7 +168,9 @@ def crests_in_short(parts: Sequence[CrestPart], _: Texts) -> Iterator[str]:
     for name in dict.fromkeys(part.structure for part in parts):
         of_crest = [part for part in parts if part.structure == name]
         ends = [end for part in of_crest for end in (part.settlement_low_m, part.settlement_high_m)]
-        freeboards = [part.freeboard_m for part in of_crest if part.freeboard_m is not None]
+        freeboards = [
+            end for part in of_crest for end in (part.freeboard_low_m, part.freeboard_high_m) if end is not None
+        ]
         values = {"structure": name, "settlement": span(ends)}
         if freeboards:
             yield _(

@@ -12,6 +12,9 @@ from workflow.estimates.crest import (
     freeboard,
     reconsolidation_settlement,
 )
+from workflow.report.crests import crest_sentences, crests_in_short
+from workflow.results.verdicts import CrestPart
+from workflow.texts.report_texts import Texts
 
 # The levee of tests/support/levee: crest at 15 m from x = 66 to 72 m, a berm, low-water bank at 40 to 48 m.
 LEVEE = np.array(
@@ -105,3 +108,18 @@ def test_a_wall_at_the_foot_is_the_face_of_a_quay(mirrored: bool) -> None:
     assert before.elevation == -9.0  # the wall rises away from what stands on the sea bed
     inside = crest_between(ground, 35.0, 70.0) if mirrored else crest_between(ground, 20.0, 55.0)
     assert (inside.left, inside.right) == ((40.0, 70.0) if mirrored else (20.0, 50.0))
+
+
+def test_the_freeboard_of_the_first_page_is_that_of_all_packings() -> None:
+    """One of three packings settled 3.9 m, to 0.9 m below the water: the first page said "freeboard 0.27 to 1.8 m"."""
+    slid = {"structure": "dam", "reconsolidation_m": None, "water_m": 7.0, "at_rest": True}
+    parts = [
+        CrestPart(method="discs, case 1", settlement_m=1.2, settlement_low_m=0.7, settlement_high_m=1.7,
+                  freeboard_m=1.8, freeboard_low_m=1.3, freeboard_high_m=2.3, **slid),
+        CrestPart(method="discs, case 2", settlement_m=2.73, settlement_low_m=2.2, settlement_high_m=3.9,
+                  freeboard_m=0.27, freeboard_low_m=-0.9, freeboard_high_m=0.8, **slid),
+    ]  # fmt: skip
+    (sentence,) = crests_in_short(parts, Texts("en"))
+    assert sentence.endswith("settles 0.70 to 3.9 m; the remaining freeboard is -0.90 to 2.3 m.")
+    second = list(crest_sentences(iter(parts)))[1]
+    assert "the remaining freeboard is 0.27 m (-0.90 m to 0.80 m)" in second
