@@ -153,7 +153,7 @@ def _of_cases(
     for numbers, case in equal_cases(cases).items():
         name = f"{method}, {results.config.called(*numbers)}"
         for x in places:
-            yield MethodRow(f"{name}, at x = {x:g} m", look, case.slide_at(x))
+            yield MethodRow(f"{name}, at x = {x:g} m", look, abs(case.slide_at(x) or 0.0))
         yield MethodRow(f"{name}, at most" if places else name, look, case.slide_max_m)
 
 

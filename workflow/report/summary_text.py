@@ -261,11 +261,20 @@ PROPERTY_WORDS = {
 
 
 def _cases_are(config: Config) -> Iterator[str]:
-    """Yield the first sentence on the cases: the strength and stiffness of the layers that liquefy in each case."""
-    numbers = cases_of(config.section.strata)
+    """Yield the first sentences on the cases: the strength and stiffness of the layers that liquefy in each case. Cases
+    of the same layers that leave the same properties share a sentence."""
+    alike: dict[tuple[tuple[str, ...], frozenset[str]], list[int]] = {}
+    for number in cases_of(config.section.strata):
+        liquefied = [stratum.name for stratum in config.section.strata if number in stratum.liquefies_in]
+        layers = tuple(dict.fromkeys(shown_name(name, quoted=False) for name in liquefied))
+        given = frozenset(key for key in ("residual", "residual_strength") if dict(config.cases[number - 1])[key])
+        alike.setdefault((layers, given), []).append(number)
+    yield from (_what_is_left(config, numbers, layers) for (layers, _), numbers in alike.items())
+
+
+def _what_is_left(config: Config, numbers: Sequence[int], layers: Sequence[str]) -> str:
+    """Return a sentence on what liquefaction leaves of some layers in the cases of these ``numbers``."""
     cases = [{**dict(assumed := config.cases[number - 1]), "damping": assumed.damping_left} for number in numbers]
-    liquefied = [stratum.name for stratum in config.section.strata if stratum.liquefies_in]
-    layers = list(dict.fromkeys(shown_name(name, quoted=False) for name in liquefied))
     phrases, lost = [], []
     whose = "its" if len(layers) == 1 else "their"
     for name in [name for name in cases[0] if name != "name"]:
@@ -283,7 +292,7 @@ def _cases_are(config: Config) -> Iterator[str]:
     names = f" ({listed(called)})" if len(called) == len(cases) else ""
     if config.dem.paper and any(case["residual"] or case["residual_strength"] for case in cases):
         nothing += "; the discs of the paper have no residual strength"
-    yield f"In {of_cases(numbers)}{names} liquefaction leaves {listed(layers)} with {listed(phrases)}{nothing}."
+    return f"In {of_cases(numbers)}{names} liquefaction leaves {listed(list(layers))} with {listed(phrases)}{nothing}."
 
 
 def _shown(name: str, values: Sequence[Any]) -> str:

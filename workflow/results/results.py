@@ -267,9 +267,10 @@ class Results:
         return self.cases.sets.get("table2", {}) if self.cases is not None and self.case_set()[0] != "table2" else {}
 
     def slides_at(self, x: float | None) -> dict[int, float] | None:
-        """Return the slide of the discs in each case at the place x (m) of the surface; None if it is not known."""
+        """Return the slide of the discs in each case at the place x (m) of the surface, to either side, as it is
+        measured; None if it is not known."""
         _, cases = self.case_set()
         if x is None or not cases:
             return None
-        slides = {number: slide for number, case in cases.items() if (slide := case.slide_at(x)) is not None}
+        slides = {number: abs(slide) for number, case in cases.items() if (slide := case.slide_at(x)) is not None}
         return slides if len(slides) == len(cases) else None

@@ -13,11 +13,11 @@ from workflow.earthquake.column import _layers
 from workflow.report.summary_text import _cases_are
 
 
-def cut(**settings: Any) -> Config:
+def cut(cases: tuple[int, ...] = (1,), **settings: Any) -> Config:
     """Sand to -6 m, with water at -2 m, on clay: cut into "sand" and "sand, below water"."""
     soil = {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
     strata = [
-        layer("sand", bottom={"elevation": -6.0}, liquefies_in=[1], **soil),
+        layer("sand", bottom={"elevation": -6.0}, liquefies_in=list(cases), **soil),
         layer("clay", **soil),
     ]
     for stratum in strata:
@@ -105,6 +105,12 @@ def test_cases_are_told_by_what_they_change() -> None:
         "In case 1 liquefaction leaves sand below water with a residual strength of 4 kPa, and none of its friction "
         "and cohesion."
     )
+    both = cut(slide={"cases": [{"residual": 0.12}, {"residual_strength": {"sand": "4 kPa"}}]}, cases=(1, 2))
+    first, second = _cases_are(
+        both
+    )  # were one: "a residual strength of 0.12 and 0 of ..., a residual strength of 0 and"
+    assert "In case 1 liquefaction leaves sand below water with a residual strength of 0.12 of the vertical" in first
+    assert "In case 2 liquefaction leaves sand below water with a residual strength of 4 kPa" in second
     (messages,) = _cases_are(cut(slide={"cases": [{"stiffness": 0.25}]}))
     assert "0.25 of its stiffness and 0.5 of its damping" in messages
 
