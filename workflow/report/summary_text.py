@@ -267,8 +267,8 @@ def _cases_are(config: Config) -> Iterator[str]:
     for number in cases_of(config.section.strata):
         liquefied = [stratum.name for stratum in config.section.strata if number in stratum.liquefies_in]
         layers = tuple(dict.fromkeys(shown_name(name, quoted=False) for name in liquefied))
-        given = frozenset(key for key in ("residual", "residual_strength") if dict(config.cases[number - 1])[key])
-        alike.setdefault((layers, given), []).append(number)
+        strengths = frozenset(key for key in ("residual", "residual_strength") if dict(config.cases[number - 1])[key])
+        alike.setdefault((layers, strengths), []).append(number)
     yield from (_what_is_left(config, numbers, layers) for (layers, _), numbers in alike.items())
 
 
