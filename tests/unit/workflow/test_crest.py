@@ -12,6 +12,7 @@ from workflow.estimates.crest import (
     freeboard,
     reconsolidation_settlement,
 )
+from workflow.estimates.structures import CrestedStructure
 from workflow.report.crests import crest_sentences, crests_in_short
 from workflow.results.verdicts import CrestPart
 from workflow.texts.report_texts import Texts
@@ -123,3 +124,13 @@ def test_the_freeboard_of_the_first_page_is_that_of_all_packings() -> None:
     assert sentence.endswith("settles 0.70 to 3.9 m; the remaining freeboard is -0.90 to 2.3 m.")
     second = list(crest_sentences(iter(parts)))[1]
     assert "the remaining freeboard is 0.27 m (-0.90 m to 0.80 m)" in second
+
+
+def test_a_failure_that_ends_between_its_last_column_and_the_next_one_at_the_crest_is_of_the_crest() -> None:
+    """The upstream face of a dam slid along a band that reached the ground at x = 60.3 m, on the crest from 60 to 66 m.
+    Columns of 1.3 m found it up to 59.15 m, 1.3 m below the ground: the face had 0.157, in place of 0.148."""
+    dam = CrestedStructure("dam", "dam", Crest(start=40.0, end=90.0, left=60.0, right=66.0, elevation=10.0))
+    points = [(38.35 + 1.3 * k, -0.5 + 0.04 * k**2) for k in range(17)]
+    assert points[-1][0] == pytest.approx(59.15)
+    assert dam.slides_with(points)
+    assert not dam.slides_with(points[:-1])
