@@ -22,7 +22,7 @@ from fem.errors import UnstableError
 from fem.kernels import mohr_coulomb
 from fem.settings import LEAST_KH
 from fem.solvers import cone_program
-from fem.solvers.program_accuracy import accuracy_of_elements
+from fem.solvers.program_accuracy import LEAST_MULTIPLIER, ProgramAccuracy, accuracy_of_elements
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 
@@ -127,18 +127,17 @@ class DiscreteEquilibrium:
     def solved(
         self,
         program: "Callable[[DiscreteEquilibrium], cone_program.ConeProgram]",
+        accuracy: ProgramAccuracy,
         start: cone_program.Warm | None = None,
-        least: float = 1.0,
     ) -> "tuple[DiscreteEquilibrium, cone_program.Solution]":
-        """Solve the cone program, and return the solution with the problem in the unit of stress that was used. If the
-        solver is not certain, or finds no stress because forces were rounded, the program is solved again with a larger
-        unit of stress. Only the first of the two solutions begins at ``start``. The gap at which the solver ends is a
-        share of the multiplier, or of ``least`` if the multiplier is smaller.
+        """Solve the cone program to an ``accuracy``, and return the solution with the problem in the unit of stress
+        that was used. If the solver is not certain, or Clarabel finds no stress because forces were rounded, the
+        program is solved again with a larger unit of stress. Only the first of the two solutions begins at ``start``.
         """
         attempts = []
         for ground, place in ((self, start), (replace(self, unit=UNIT_RATIO * self.unit), None)):
-            solution = cone_program.solve(program(ground), accuracy_of_elements(least), start=place)
-            if solution.sure and solution.none != "no stress":
+            solution = cone_program.solve(program(ground), accuracy, start=place)
+            if solution.sure and (solution.none != "no stress" or not solution.fallback):
                 return ground, solution
             attempts.append((ground, solution))
         return next((pair for pair in attempts if pair[1].sure), attempts[-1])
@@ -201,7 +200,9 @@ def conic_limit_load(
     if problem.grid.comm.rank == 0:
         ratio = float(np.abs(ground.load(0)).sum() / np.abs(ground.load(1)).sum())  # both loads as large as one
         ground, solution = ground.solved(
-            lambda unit: unit.program(problem.strength, unit.load(0), ratio * unit.load(1)), start, LEAST_KH / ratio
+            lambda unit: unit.program(problem.strength, unit.load(0), ratio * unit.load(1)),
+            accuracy_of_elements(LEAST_KH / ratio, floor=LEAST_MULTIPLIER / ratio),
+            start,
         )
         answer = _limit_load_of(problem, mesh, ground, solution, ratio)
         warm = None if solution.none else solution.warm

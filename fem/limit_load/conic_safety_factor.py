@@ -28,6 +28,7 @@ from fem.continuum.strength import strength_of
 from fem.errors import UnstableError
 from fem.limit_load.conic_limit_load import DiscreteEquilibrium, gathered, of_first_rank
 from fem.solvers import cone_program
+from fem.solvers.program_accuracy import accuracy_of_elements
 from meshes.errors import NoAnswerError
 from meshes.quad_mesh import QuadMesh
 
@@ -222,7 +223,7 @@ class _FactorSearch:
             dead = ground.load(0)
             return ground.program(strength, dead, np.zeros_like(dead), softening)
 
-        self.ground, solution = self.ground.solved(program, self.warm_start)
+        self.ground, solution = self.ground.solved(program, accuracy_of_elements(), self.warm_start)
         self.warm_start = None if solution.warm is None else replace(solution.warm, place=None)
         if solution.none or not solution.sure:
             reason = solution.end_status or solution.none

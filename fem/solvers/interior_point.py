@@ -16,7 +16,7 @@ from scipy import sparse
 
 from fem.kernels.corner_cones import add_products, centrality, corrections, longest_step, scalings
 from fem.kernels.corner_stiffness import condense, expand, stiffnesses
-from fem.solvers.convergence import Iterate, Place, Tolerance
+from fem.solvers.convergence import STALLED_RESIDUAL, Iterate, Place, Tolerance
 from fem.solvers.corner_matrix import CornerMatrix
 from fem.solvers.program_matrix import ProgramMatrix
 from meshes.executor import check_cancelled
@@ -161,7 +161,7 @@ class InteriorPointMethod:
             )
             gap = max(abs(primal - dual), product) / max(abs(dual), self.smallest_multiplier)
             iterate = Iterate(y, z, s, primal, dual, gap, float(residual), iteration)
-            if primal < self.floor and of_velocities <= criteria.stalled_residual:
+            if primal < self.floor and of_velocities <= min(criteria.stalled_residual, STALLED_RESIDUAL):
                 best = replace(iterate, below_floor=True)
                 break
             if best is None or iterate.rank(criteria.stalled_residual) < best.rank(criteria.stalled_residual):

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from fem.settings import LEAST_KH
 from fem.solvers.convergence import STALLED_RESIDUAL, Tolerance
 
@@ -20,8 +22,8 @@ REGULARISATIONS_OF_ELEMENTS, FEASIBILITY_OF_ELEMENTS, STALLED_RESIDUAL_OF_ELEMEN
 # Relative gaps of the built-in interior-point method. The middle of the bracket of elements is off by less than half of
 # their gap, which is a tenth of the accuracy that is asked for of the discretisation.
 INTERIOR_GAP, INTERIOR_GAP_OF_ELEMENTS = 3e-4, 1e-3
-# No stress balances the dead load of bounds where velocities prove that the multiplier is below this number: a Kh below
-# -1 has no meaning, and a share of loads is positive.
+# No stress balances the dead load where velocities prove that the multiplier is below this number: a Kh below -1 has no
+# meaning, and a share of loads is positive.
 LEAST_MULTIPLIER = -10.0
 
 
@@ -64,19 +66,20 @@ def accuracy_of_bounds(
     return ProgramAccuracy(tolerance, regularisations, FEASIBILITY, FEASIBILITY_AT_CUT_OFF)
 
 
-def accuracy_of_elements(least: float = 1.0) -> ProgramAccuracy:
+def accuracy_of_elements(least: float = 1.0, floor: float = -np.inf) -> ProgramAccuracy:
     """Return the accuracy of a finite element limit analysis, which is less than that of a bound.
 
     Parameters
     ----------
     least : multiplier below which the width of the bracket is a share of this number instead of the multiplier (-)
+    floor : multiplier below which the built-in method ends, since no stress balances the dead load (-)
 
     Returns
     -------
     Criteria of both solvers; the multiplier is the middle of the bracket.
     """
     feasibility = FEASIBILITY_OF_ELEMENTS
-    tolerance = Tolerance(INTERIOR_GAP_OF_ELEMENTS, least, feasibility, STALLED_RESIDUAL_OF_ELEMENTS)
+    tolerance = Tolerance(INTERIOR_GAP_OF_ELEMENTS, least, feasibility, STALLED_RESIDUAL_OF_ELEMENTS, floor)
     return ProgramAccuracy(tolerance, REGULARISATIONS_OF_ELEMENTS, feasibility, feasibility, in_the_middle=True)
 
 

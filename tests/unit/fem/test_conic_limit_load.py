@@ -17,14 +17,25 @@ from tests.support.fem_problems import section, soil
 MUD = section([[0.0, 6.0], [12.0, 6.0], [13.5, 0.0], [24.0, 0.0]], 4.0, soil(c=5e3, phi=0.0))
 
 
-def limit():
-    mesh = generate(MUD, MeshSettings(method="free", size=2.0))
+def limit(size=2.0):
+    mesh = generate(MUD, MeshSettings(method="free", size=size))
     return critical_limit_load(MUD, mesh, FemSettings(direction="downhill"), MPI.COMM_SELF)
 
 
 def test_ground_whose_weight_no_stress_balances_is_said_to_fail():
     with pytest.raises(UnstableError, match="no stress balances it"):
         limit()
+
+
+def test_velocities_prove_that_no_stress_balances_the_weight(monkeypatch):
+    """Clarabel was called twice for each direction of the force, after the built-in method had broken down."""
+
+    def refuse(*_):
+        raise AssertionError("a second solver is called")
+
+    monkeypatch.setattr(cone_program, "_by_clarabel", refuse)
+    with pytest.raises(UnstableError, match="no stress balances it"):
+        limit(size=0.7)
 
 
 def test_what_the_solver_proves_only_almost_is_no_verdict(monkeypatch):
