@@ -211,8 +211,9 @@ class CohesionField:
             if above:
                 cohesion = np.maximum(total, least)
             else:
-                small = (total.mean(axis=1) < least) | (total.min(axis=1) < 0.0)
-                cohesion = np.where(small[:, None], least, total)
+                # Where the strength begins at a corner, rounding leaves it a little below zero.
+                small = (total.mean(axis=1) < least) | (total.min(axis=1) < -ROUNDING * total.max(axis=1))
+                cohesion = np.where(small[:, None], least, np.maximum(total, 0.0))
             return np.column_stack([cohesion, cohesion.mean(axis=1)]).ravel()
 
         middle = corners.mean(axis=1, keepdims=True)

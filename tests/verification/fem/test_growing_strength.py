@@ -13,6 +13,7 @@ from fem.search.strength_reduction import safety_factor
 from fem.settings import BoundsSettings, FemSettings
 from meshes.errors import InputError
 from meshes.gmsh_model import generate
+from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from meshes.triangles import triangulate
@@ -87,6 +88,23 @@ TABLE = [["0 kPa", "4 kPa"], ["20 kPa", "10 kPa"], ["100 kPa", "40 kPa"]]
 def cohesion(section: Section, x: float, z: float) -> float:
     at = np.array([[x, z]])
     return float(section.cohesion_field.at(at, at, section.stratum_at(*at.T))[0])
+
+
+def test_bounds_of_clay_without_strength_at_its_surface_meet_the_endless_slope() -> None:
+    """c = k z below a slope of β fails at every depth at once, at Kh = k / (γ cos²β) - tan β; both ends of the slope
+    only help a little. By rounding, triangles at the surface had no strength: the lower bound was -tan β."""
+    growth = {"cohesion": 0, "cohesion_increase": "5 kPa/m", "cohesion_from": {"depth": 0}, "friction_angle": 0}
+    data = {
+        "name": "soft",
+        "surface": [[0.0, 6.0], [20.0, 6.0], [50.0, 0.0], [80.0, 0.0]],
+        "base": {"elevation": -10.0},
+        "strata": [layer("clay", density_ordinary="1.6 t/m^3", density_seismic="1.6 t/m^3", **growth)],
+    }
+    fem = FemSettings(sides="smooth", direction="downhill")
+    bounds = kh_bounds(Section.parse(data), fem, BoundsSettings(gap=0.01))
+    endless = 5e3 / (1600.0 * GRAVITY) * 1.04 - 0.2
+    assert bounds.lower == pytest.approx(endless, rel=0.002)
+    assert bounds.lower <= bounds.upper < 1.01 * endless
 
 
 def test_cohesions_by_hand() -> None:
