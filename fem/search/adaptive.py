@@ -21,6 +21,7 @@ from fem.limit_load.limit_load import LimitLoadResult, LoadedGround, critical_li
 from fem.search.factor_estimates import factor_error, factor_like
 from fem.search.mesh_sequence import (
     FEWEST_CELLS,
+    LEAST_ERROR_CELLS,
     SMALLEST_KH,
     AdaptiveResult,
     MeshRound,
@@ -75,19 +76,18 @@ def next_mesh(
     return without_strips(adapted(strong, meshing, mesh, moved, cells, repeats=repeats), section)
 
 
-def adapted_to(
-    like: AdaptiveResult[LimitLoadResult], faces: Sequence[ShallowFailure]
-) -> AdaptiveResult[LimitLoadResult] | None:
-    """Return the first result in the sequence ``like`` on a mesh that is adapted to a mechanism. Return None if there
-    is no such mesh, or if this mesh follows the strips below other strengthened faces than ``faces``.
+def first_adapted(like: AdaptiveResult[LimitLoadResult]) -> AdaptiveResult[LimitLoadResult] | None:
+    """Return the first result in the sequence ``like`` on a mesh that is adapted to a mechanism; None if there is no
+    such mesh.
     """
     first = next(iter([*like.earlier, *([like] if len(like.rounds) > 1 else [])]), None)
-    if first is None or first.result.mechanism is None:
-        return None
-    strong, wanted = (
-        {(face.stratum, face.start, face.end) for face in part} for part in (first.result.ground.faces, faces)
-    )
-    return first if strong == wanted else None
+    return first if first is not None and first.result.mechanism is not None else None
+
+
+def strengthens(result: LimitLoadResult, faces: Sequence[ShallowFailure]) -> bool:
+    """Return whether the ground of a ``result`` is strengthened below the same faces as ``faces``."""
+    strong, wanted = ({(face.stratum, face.start, face.end) for face in part} for part in (result.ground.faces, faces))
+    return strong == wanted
 
 
 def _ignore(_: str) -> None:
@@ -254,13 +254,19 @@ class AdaptiveSearch:
         """Find the factor of safety at ``kh``; raise the errors of ``limit_load_safety_factor`` on the first mesh.
 
         Where the critical Kh was computed (``like``), the first mesh is the first one that was adapted to its
-        mechanism, and the initial guess follows from it.
+        mechanism, unless this mesh follows the strips below other strengthened faces. The initial guess follows from
+        the same mechanism.
         """
         faces = faces_at(self.section, settings, kh)
-        similar = adapted_to(like, faces) if like is not None else None
-        guess = self._rough_safety(settings, kh) if similar is None else factor_like(similar, kh)
+        known = first_adapted(like) if like is not None else None
+        guess = self._rough_safety(settings, kh) if known is None else factor_like(known, kh)
+        similar = known if known is not None and strengthens(known.result, faces) else None
         remade = partial(self._next, faces=faces, settings=settings)
-        request = RefinementCriteria(FACTOR_SHARE * settings.accuracy, self._most_cells(settings))
+        request = RefinementCriteria(
+            FACTOR_SHARE * settings.accuracy,
+            self._most_cells(settings),
+            least_error_cells=FACTOR_SHARE * LEAST_ERROR_CELLS,
+        )
         first, fits = (self.first_mesh, None) if similar is None else (similar.mesh, similar.is_as_fine_along)
         expected = None if like is None or similar is None else partial(factor_error, like, similar, kh)
         sequence = MeshSequence[SafetyFactor](first, request, fits, expected)
@@ -278,13 +284,17 @@ class AdaptiveSearch:
     def safety_by_other_rule(self, base: AdaptiveResult[SafetyFactor], other: FemSettings, kh: float) -> float:
         """Find the factor of safety by the flow rule of ``other`` settings: the factor of ``base`` times the ratio of
         both factors on one mesh, in which errors of the mesh cancel. The ratio is computed on the mesh before the last
-        one if the sequence of ``base`` converged, else on the last mesh. If the mesh does not resolve the mechanism,
-        another mesh with as many cells is made that resolves it, and the smaller factor counts. Davis's estimate is not
-        above the factor with ψ = φ, since ground of higher strength resists every load that weaker ground resists.
+        one if the sequence of ``base`` converged, else on the last mesh; for ground that fails by itself, whose factor
+        is reported to two digits, on the coarsest mesh that is adapted to its mechanism. If the mesh does not resolve
+        the mechanism, another mesh with as many cells is made that resolves it, and the smaller factor counts. Davis's
+        estimate is not above the factor with ψ = φ, since ground of higher strength resists every load that weaker
+        ground resists.
 
         Raises the errors of ``limit_load_safety_factor``.
         """
         shared = base.earlier[-1] if base.converged and base.earlier else base
+        if base.result.factor < 1.0 and base.earlier:
+            shared = base.earlier[0]
         same = limit_load_safety_factor(
             self.section, shared.mesh, other, kh, self.comm, shared.result.factor, shared.result.start
         )

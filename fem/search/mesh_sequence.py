@@ -36,6 +36,9 @@ SMALLEST_KH = 0.05
 # Error that is assumed when the search decides whether a direction can govern: of a first mesh, as a share of kc; of
 # later meshes, as a multiple of the error estimated from two meshes.
 FIRST_ERROR_SHARE, LATER_ERROR_RATIO = 0.3, 2.0
+# Least error of a mesh of N cells, as a share of the critical Kh: this number over N. Meshes whose answers agree by
+# chance have at least this error, by strict bounds of sections with a thin weak seam.
+LEAST_ERROR_CELLS = 9.0
 # Ratio of cell sizes in two shear bands up to which the errors of both meshes are comparable.
 SIMILAR_SIZE_RATIO = 1.25
 
@@ -103,13 +106,15 @@ class AdaptiveResult(Generic[F]):
 
     @property
     def limit(self) -> float:
-        """Return the limit of the sequence if the error is proportional to one over the number of cells (-); NaN after
-        one mesh.
+        """Return the limit of the sequence if the error is proportional to one over the number of cells (-), at least
+        the remaining error of the last mesh below the value of this mesh if the value fell; NaN after one mesh.
         """
         if len(self.rounds) < 2:
             return math.nan
         before, last = self.rounds[-2:]
-        return last.value - remaining_error(before, last.cells, last.value)
+        error = remaining_error(before, last.cells, last.value)
+        possible = last.remaining_error * max(abs(last.value), SMALLEST_KH)
+        return last.value - (max(error, possible) if error >= 0.0 else error)
 
     @property
     def at_sides(self) -> tuple[str, ...]:
@@ -156,12 +161,14 @@ class RefinementCriteria:
     opposite_kh : function that returns the Kh (-) of the other direction; the sequence ends once this direction
         certainly has a larger critical Kh
     smallest_answer : answer (-) below which ``accuracy`` is a share of this constant instead of the answer
+    least_error_cells : least remaining error of a mesh as a share of the answer, times its number of cells (-)
     """
 
     accuracy: float
     max_cells: int
     opposite_kh: Callable[[], float] = no_other_kh
     smallest_answer: float = 0.0
+    least_error_cells: float = LEAST_ERROR_CELLS
 
     def is_met(self, last: MeshRound) -> bool:
         """Return whether the remaining error of a mesh is within the accuracy."""
@@ -263,10 +270,11 @@ class MeshSequence(Generic[F]):
         if value > min(mesh.value for mesh in self._rounds) and math.isfinite(previous.remaining_error):
             # After a rise, an answer that stays above an earlier one has at least the error of before, on more cells.
             rest = max(rest, previous.remaining_error * previous.cells / cells)
+        rest = max(rest, self._wish.least_error_cells / cells)
         if self._first_error is not None:
             first = self._rounds[0]
             rest = max(rest, self._first_error(first.value) * first.cells / cells)
-        reliable = error >= 0.0 or cells >= (1.0 + SMALLEST_CELL_GAIN) * previous.cells
+        reliable = self._is_adapted and (error >= 0.0 or cells >= (1.0 + SMALLEST_CELL_GAIN) * previous.cells)
         return MeshRound(cells, value, abs(value - previous.value) / size, rest, reliable)
 
 
