@@ -326,6 +326,8 @@ class _Search:
         self.tell(f"factor of safety at Kh = {kh:g} {by(self.section.strata, other.flow)}", None)
         try:
             other_factor = self.on_meshes().safety_by_other_rule(adapted, other, kh)
+        except UnstableError:  # Davis's strength has a largest value, however small the factor is
+            other_factor = 0.0
         except NoAnswerError:
             return adapted
         return replace(adapted, result=replace(adapted.result, by_other_flow=other_factor))

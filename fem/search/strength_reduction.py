@@ -69,7 +69,8 @@ class SafetyFactor:
         The mechanism, where the factor follows from limit analysis.
     by_other_flow : float or None
         The factor by the other flow rule (-): Davis's estimate if ``factor`` has ψ = φ, the factor with ψ = φ if
-        ``factor`` is Davis's estimate; None if both are the same, or where it was not computed.
+        ``factor`` is Davis's estimate; 0 if the ground fails even with 20 times its strength; None if both are the
+        same, or where it was not computed.
     start : FactorStart or None
         Start of the search for the factor by the other flow rule on the same mesh.
     """

@@ -7,6 +7,7 @@ import numpy as np
 from fem.continuum.loads import excess_pressure_advice
 from fem.continuum.strength import davis_words, is_dilating_fully
 from fem.errors import FailureAtRest, UnstableError
+from fem.limit_load.conic_safety_factor import LARGEST_FACTOR
 from fem.search.mesh_sequence import AdaptiveResult
 from fem.search.slip_surface import slip_surface
 from fem.search.strength_reduction import SafetyFactor
@@ -65,7 +66,10 @@ def with_factors(
     if is_dilating_fully(section.strata):
         return UnstableError(message + place, remedy, failure())
     if settings.flow == "associated":
-        low = f", and {result.by_other_flow:.2f} {by(section.strata, 'davis')}" if result.by_other_flow else ""
+        low = ""
+        if result.by_other_flow is not None:
+            least = f"below {1.0 / LARGEST_FACTOR:g}" if result.by_other_flow == 0.0 else f"{result.by_other_flow:.2f}"
+            low = f", and {least} {by(section.strata, 'davis')}"
         message += f" {by(section.strata, 'associated')}{low}{place}"
         return UnstableError(message, remedy, failure(davis=result.by_other_flow or None))
     of_full = result.by_other_flow if result.by_other_flow is not None else full()

@@ -4,11 +4,17 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+from mpi4py import MPI
 
 from fem.errors import UnstableError
+from fem.search.assessment import assess
 from fem.search.unstable_ground import with_factors
 from fem.settings import FemSettings
+from meshes.gmsh_model import generate
 from meshes.section.section import Section
+from meshes.settings import MeshSettings
+from tests.support.fem_problems import section as bench
+from tests.support.fem_problems import soil
 from tests.support.sections import slope
 
 
@@ -33,3 +39,19 @@ def test_another_flow_rule_is_no_remedy_where_pressure_or_sides_fail_the_ground(
         cast(Any, SimpleNamespace(result=result)), None, lambda: 1.4,
     )  # fmt: skip
     assert remedy in error.remedy
+
+
+def test_an_open_cut_that_no_strength_by_davis_supports_is_reported_as_such() -> None:
+    """With ψ = 0 Davis's strength has a largest value, tan φ of 1 and c / tan φ, however small the factor of safety is:
+    gravel with c = 1 kPa, upright below 3.5 m of loess. The estimate was left out, without a word, after a minute."""
+    gravel = soil("gravel", c=1e3, phi=38.0, psi=0.0, bottom={"elevation": 1.0})
+    cut = bench(
+        [[0.0, 7.0], [14.0, 7.0], [14.0, 0.0], [28.0, 0.0]], 12.0,
+        soil("loess", c=30e3, phi=25.0, psi=0.0, bottom={"elevation": 3.5}), gravel, soil("marl", c=80e3, psi=0.0),
+    )  # fmt: skip
+    settings = FemSettings(flow="associated", sides="smooth", accuracy=0.0, direction="downhill")
+    mesh = generate(cut, MeshSettings(method="free", size=1.5))
+    with pytest.raises(
+        UnstableError, match=r"factor of safety is 0\.\d+ with ψ = φ, and below 0\.05 by Davis's estimate"
+    ):
+        assess(cut, MeshSettings(), mesh, settings, MPI.COMM_SELF, lambda what, path: None)
