@@ -44,7 +44,8 @@ _one_session = Lock()
 # else a process had done decided between meshes of 5,184 and 5,156 cells of one section. So each free mesh is made in a
 # process that has done nothing but import, in fresh memory. What ends gmsh ends that process and not the program.
 _FRESH = {"PYTHONHASHSEED": "0", "PYTHONDONTWRITEBYTECODE": "1", "OPENBLAS_NUM_THREADS": "1"}
-_INHERITED = ("LD_LIBRARY_PATH",)  # all that it takes over of the environment: where libraries lie
+# All that it takes over of the environment: where libraries and bytecode lie.
+_INHERITED = ("LD_LIBRARY_PATH", "PYTHONPYCACHEPREFIX")
 _in_fresh_processes = Processes(
     1, _FRESH | {name: os.environ[name] for name in _INHERITED if name in os.environ}, __name__, forks=True, tries=1
 )

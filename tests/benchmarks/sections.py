@@ -3,7 +3,8 @@
 For each section the critical Kh with what stands beside it and pictures; with ``--parts factor bounds together`` the
 factor of safety without shaking alone, both bounds of Kh, and `noshiro fem --safety-factor` with all bounds; each by
 the interior-point method of our own and, with ``--both``, by Clarabel alone. At the end the
-median and the slowest of each.
+median and the slowest of each. Modules are loaded as compiled bytecode, as in an installed program; a first run, which
+does not count, writes the bytecode to a temporary folder.
 """
 
 import argparse
@@ -73,12 +74,18 @@ class Measured:
     bounds: list[tuple[float | None, float | None]]
 
 
-def measured(path: Path, part: str, solver: str) -> Measured:
-    """One part of a section, run."""
+def with_bytecode(folder: Path) -> dict[str, str]:
+    """The environment of this program in which Python writes its bytecode to a folder, and reads it from there."""
+    inherited = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    return inherited | {"PYTHONPYCACHEPREFIX": str(folder)}
+
+
+def measured(path: Path, part: str, solver: str, environment: dict[str, str]) -> Measured:
+    """One part of a section, run in an environment."""
     program, command = PARTS[part]
     with tempfile.TemporaryDirectory() as out:
         line = [sys.executable, "-c", program.format(SOLVERS[solver]), *command, str(path), "--out", out]
-        process = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        process = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
         _, status, usage = os.wait4(process.pid, 0)
         answer = Path(out) / "fem/critical.json"
         result = json.loads(answer.read_text()) if answer.exists() else {"kc": None, "safety_factors": []}
@@ -112,14 +119,17 @@ def main() -> None:
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
     rows: list[dict[str, Any]] = []
-    with tempfile.TemporaryDirectory() as folder:
-        for name, path in files(Path(folder)).items():
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as bytecode:
+        environment, sections = with_bytecode(Path(bytecode)), files(Path(folder))
+        for part in options.parts:
+            measured(sections[SHIPPED[0]], part, "own", environment)
+        for name, path in sections.items():
             if options.names and name not in options.names:
                 continue
             row: dict[str, Any] = {"section": name}
             for part in options.parts:
                 for solver in SOLVERS if options.both else ("own",):
-                    answer = measured(path, part, solver)
+                    answer = measured(path, part, solver, environment)
                     row[f"{part}, {solver}"] = answer.seconds
                     if (part, solver) == ("fem", "own"):
                         row |= {key: value for key, value in vars(answer).items() if key != "bounds"}
