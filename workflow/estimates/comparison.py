@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from dem.slides.drive import cyclic_acceleration
 from meshes.section.section import Section
 from meshes.section.stratum import cases_of
 from workflow.config.tables import Tables
@@ -64,6 +63,8 @@ class BlockDrive:
     def slide(self, kc: float, kh: float) -> float:
         """Return the slide (m) of a block with yield coefficient ``kc`` under ``kh`` (-); infinite if it never
         stops."""
+        from dem.slides.drive import cyclic_acceleration  # what only reads answers does without the kernels of discs
+
         if self.cycles is None:
             return rectangular_pulse(kc, kh, self.seconds)
         return newmark(*cyclic_acceleration(kh, self.cycles, self.period), kc).permanent

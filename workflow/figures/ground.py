@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.patheffects import withStroke
+from matplotlib.transforms import Transform
 
 from meshes.quad_mesh import QuadMesh
 from meshes.section.cutting import CRACKED, soil_numbers, soil_of
@@ -274,11 +275,12 @@ def _lines_over(section: Section, lines: Sequence[Overlay], borings: Sequence[Bo
     return [*(np.asarray(line.points, float).reshape(-1, 2) for line in lines), *drilled]
 
 
-def _clearance(axes: Axes, place: tuple[float, float], lines: Sequence[np.ndarray]) -> float:
-    """Return the distance (points) of a place to the nearest of some lines."""
-    least = np.inf
+def _clearance(to_pixels: Transform, place: tuple[float, float], lines: Sequence[np.ndarray]) -> float:
+    """Return the distance (points) of a place to the nearest of some lines, all in m; ``to_pixels``: transform of the
+    axes."""
+    least, at = np.inf, to_pixels.transform(place)
     for line in lines:
-        seen = (axes.transData.transform(line) - axes.transData.transform(place)) * 72.0 / DPI
+        seen = (to_pixels.transform(line) - at) * 72.0 / DPI
         begin, along = seen[:-1], np.diff(seen, axis=0)
         share = -(begin * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-12)
         nearest = begin + np.clip(share, 0.0, 1.0)[:, None] * along
@@ -293,7 +295,7 @@ def _number_strata(axes: Axes, section: Section, lines: Sequence[np.ndarray] = (
     A number that is higher than its stratum would cover the lines of the stratum. The number of a stratum that is too
     thin is written above the ground instead, at the end of a line from the stratum.
     """
-    layers = section.layering
+    layers, to_pixels = section.layering, axes.transData.get_affine()  # the axes compose it anew at each call
     at_left, at_right = layers.thickness()
     numbers = soil_numbers([stratum.name for stratum in section.strata])
     points_per_metre = np.ptp(axes.transData.transform([(0.0, 0.0), (0.0, 1.0)])[:, 1]) * 72.0 / DPI
@@ -321,7 +323,7 @@ def _number_strata(axes: Axes, section: Section, lines: Sequence[np.ndarray] = (
 
         x, z = middle(min(0.5 + offset, 0.95))
         if fits:
-            x, z = next((at for at in map(middle, SHARES) if _clearance(axes, at, lines) > NUMBER_SIZE), (x, z))
+            x, z = next((at for at in map(middle, SHARES) if _clearance(to_pixels, at, lines) > NUMBER_SIZE), (x, z))
             axes.text(x, z, str(numbers[k] + 1), va="center", **style)
             continue
         ground = float(np.interp(x, *section.ground.T))
