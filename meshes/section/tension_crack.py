@@ -71,6 +71,9 @@ class TensionCrack(Model):
         """Return how the methods treat tension cracks of a section, one sentence each."""
         if self.bottom is None:
             return
+        if not self.depth(section, section.layering.x).any():
+            yield "tension_crack, bottom: lies above all of the ground, so that there are no cracks"
+            return
         yield (
             "tension_crack: slip circles end at cracks that exist before failure; in finite elements, strict bounds "
             "and material points the ground above the bottom of cracks has no tensile strength, and resists more "

@@ -62,9 +62,10 @@ class Uplift:
         """Describe in words the place of uplift and the excess of pressure."""
         return (
             f'the pore pressure in "{self.stratum}" exceeds the weight above it, most at x = {coordinate(self.x)} m, '
-            f"elevation {coordinate(self.elevation)} m: {self.pressure / 1e3:.1f} kPa under a total vertical stress of "
-            f"{self.weight / 1e3:.1f} kPa (factor against uplift {self.factor:.2f}); the ground blows out between "
-            f"x = {coordinate(self.start)} and {coordinate(self.end)} m unless its strength holds it down"
+            f"elevation {coordinate(self.elevation)} m, where it is {self.pressure / 1e3:.1f} kPa under a total "
+            f"vertical stress of {self.weight / 1e3:.1f} kPa (factor against uplift {self.factor:.2f}); the ground "
+            f"blows out between x = {coordinate(self.start)} and {coordinate(self.end)} m unless its strength holds it "
+            "down"
         )
 
 

@@ -226,10 +226,8 @@ def _regressions(section: Section) -> Iterator[Estimate]:
         if ground is not None:
             by_ground.setdefault(ground, []).append(case)
     for ground, cases in by_ground.items():
-        which = ", ".join(map(str, cases))
-        words = (
-            f"cases {which}: H = {ground.thickness:.2f} m (up to {ground.thickest:.2f} m), θ = {ground.gradient:.2f} %"
-        )
+        which = f"case{'s' * (len(cases) > 1)} {', '.join(map(str, cases))}"
+        words = f"{which}: H = {ground.thickness:.2f} m (up to {ground.thickest:.2f} m), θ = {ground.gradient:.2f} %"
         slopes = ground.gradient >= LEAST_GRADIENT
         words += "" if slopes else f"; {DOES_NOT_APPLY}the ground and its layers are level"
         by_root, printed = (

@@ -90,7 +90,7 @@ def _critical(results: Results, _: Texts) -> HeadlinePart:
     return HeadlinePart(
         name=name,
         value=coefficient(fem.kc),
-        interval=interval_text(governing.interval, _),
+        interval=interval_text(governing.interval, _, fem.kc),
         conclusion=phrase + excluded,
     )
 
@@ -165,7 +165,7 @@ def _contradicted(
         excess=difference_words(in_direction.kc, kh.value),
     )
     phrase += excluded
-    interval = interval_text(kh.interval, _, _("by this strict bound alone"))
+    interval = interval_text(kh.interval, _, kh.value, _("by this strict bound alone"))
     return HeadlinePart(name=_("critical Kh"), value=kh.text, interval=interval, conclusion=phrase)
 
 
@@ -255,6 +255,8 @@ def _of_safety(results: Results, fem: FemAnswer, factor: FactorOfSafety, _: Text
         alone = f"{low:.2f}", f"{high:.2f}"
         if by_meshes is not None and by_meshes[0] <= high and low <= by_meshes[1]:
             low, high, method = max(low, by_meshes[0]), min(high, by_meshes[1]), f"{method} and {METHODS[0][3:]}"
+        counts = governing_factor(results, factor)  # its last digit may be the next one
+        low, high = min(low, counts), max(high, counts)
         return from_to(f"{low:.2f}", f"{high:.2f}", method, _, alone)
     if by_meshes is not None:
         return from_to(f"{by_meshes[0]:.2f}", f"{by_meshes[1]:.2f}", METHODS[0], _)

@@ -152,12 +152,15 @@ def range_sentence(answer: FemAnswer, error: Accuracy) -> str:
     )
 
 
-def interval_text(error: Accuracy | None, _: Texts, unknown: str = "") -> str:
-    """Return the interval of a critical Kh, or that it is ``unknown``."""
+def interval_text(error: Accuracy | None, _: Texts, kh: float, unknown: str = "") -> str:
+    """Return the interval of a critical Kh, or that it is ``unknown``. If ``kh`` lies beyond the interval by no more
+    than rounding, so that its last digit may be the next one, it is the end of the interval."""
     if error is None:
         return unknown or _("numerical error not known: one mesh, no strict bounds")
+    rounding = not exceeds(kh, error.high) and not falls_below(kh, error.low)
+    low, high = (min(error.low, kh), max(error.high, kh)) if rounding else (error.low, error.high)
     strict = None if error.strict is None else (coefficient(error.strict[0]), coefficient(error.strict[1]))
-    return from_to(coefficient(error.low), coefficient(error.high), error.method, _, strict)
+    return from_to(coefficient(low), coefficient(high), error.method, _, strict)
 
 
 def from_to(low: str, high: str, method: str, _: Texts, strict: tuple[str, str] | None = None) -> str:

@@ -78,3 +78,16 @@ def test_a_vertical_wall_of_sand_is_told_on_either_side(is_right: bool) -> None:
     (message,) = [text for text in walled.notices if "bare wall" in text]
     x = 20 if is_right else 30
     assert message.startswith(f'the bare wall of "Sand" at x = {x} m, from elevation 4 to 8 m, cannot stand by itself')
+
+
+def test_cracks_whose_bottom_lies_above_the_ground_are_none() -> None:
+    """A section with bottom = 100 was told how slip circles end at its cracks."""
+    data = {
+        "name": "slope", "surface": [[0.0, 9.0], [20.0, 9.0], [40.0, 0.0], [60.0, 0.0]], "base": {"elevation": -5.0},
+        "strata": [{"name": "Clay", **SOIL}],
+    }  # fmt: skip
+    for bottom, words in ((100.0, "lies above all of the ground"), ({"depth": 2.0}, "slip circles end at cracks")):
+        (message,) = [
+            text for text in analysed({**data, "tension_crack": {"bottom": bottom}}).notices if "crack" in text
+        ]
+        assert words in message

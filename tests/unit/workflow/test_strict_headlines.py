@@ -134,6 +134,16 @@ def test_rounding_is_no_contradiction() -> None:
     assert governing_value(0.1, None, None) == 0.1
 
 
+def test_the_headline_lies_in_its_printed_interval() -> None:
+    """0.2135 by elements, 0.2134 as upper bound: the first page had "0.214; 0.212 to 0.213 by strict bounds"."""
+    answers = judged(RUN, 0.21353, 1.7852, 0.2120 / 0.21353, 0.21338 / 0.2120, (None, None))
+    first, safety, *_ = headlines(answers, Texts())
+    for headline in (first, safety):
+        low, high = re.findall(r"\d\.\d+", headline.interval)[:2]
+        assert float(low) <= float(headline.value) <= float(high)
+    assert (first.value, first.interval[:14]) == ("0.214", "0.212 to 0.214")
+
+
 @pytest.mark.parametrize("flow", ["associated", "davis", "non-associated"])
 def test_an_upper_bound_without_a_lower_one_limits_the_headline(flow: str) -> None:
     """The headline of a dam with a key trench, whose lower bounds the solver did not find, was 3 % above its strict
