@@ -9,6 +9,7 @@ from pydantic import Field, StrictBool
 from dem.case import LOOSE_SAND, PAPER_CASES, Case
 from dem.disc_count import DISCS_ACROSS_LAYER, FEWEST_DISCS, MOST_DISCS, lattice_radius
 from dem.springs import Mean
+from meshes.section.cutting import unknown_strata
 from meshes.section.motion_units import RecordComponent, RecordUnit
 from meshes.section.quantity import Length
 from meshes.section.recorded_kh import RecordedKh
@@ -365,8 +366,7 @@ class SlideSettings(Model):
             for number, case in enumerate(self.cases, start=1)
             for key in ("residual", "residual_strength")
             if isinstance(values := getattr(case, key), dict)
-            for name in values
-            if name not in strata
+            for name in unknown_strata(values, strata)
         ]
 
     @property

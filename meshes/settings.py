@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from meshes.blocks import ROWS, WIDER, blocks_of, divisions, largest_corner
-from meshes.section.cutting import BELOW_WATER, value_of_stratum
+from meshes.section.cutting import BELOW_WATER, unknown_strata, value_of_stratum
 from meshes.section.layering import Layering
 from meshes.section.quantity import Length
 from meshes.section.section import Model, Section
@@ -73,8 +73,7 @@ class MeshSettings(Model):
         return [
             f'mesh, {table}: there is no "{name}"; expected one of {", ".join(known[table])}'
             for table in known
-            for name in getattr(self, table)
-            if name not in known[table]
+            for name in unknown_strata(getattr(self, table), known[table])
         ]
 
     def problems(self, section: Section) -> list[str]:

@@ -173,8 +173,29 @@ def value_of_stratum(values: Mapping[str, Value], name: str) -> Value | None:
     -------
     The setting; parts that water or zones cut off have that of the whole stratum. None without a setting.
     """
+    return next((values[key] for key in _settings_names(name) if key in values), None)
+
+
+def _settings_names(name: str) -> tuple[str, ...]:
+    """Return the names by which settings may call a stratum, its own first."""
     whole = name.removesuffix(BELOW_WATER)
-    return next((values[key] for key in (name, whole, soil_of(name), soil_of(whole)) if key in values), None)
+    return name, whole, soil_of(name), soil_of(whole)
+
+
+def unknown_strata(names: Iterable[str], strata: Iterable[str]) -> list[str]:
+    """Return the names in settings that stand for no stratum.
+
+    Parameters
+    ----------
+    names : names in settings
+    strata : names of the strata, those of a file or those that water and zones divided
+
+    Returns
+    -------
+    The names that are neither a stratum nor the soil of one of its parts.
+    """
+    known = {key for stratum in strata for key in _settings_names(stratum)}
+    return [name for name in names if name not in known]
 
 
 @dataclass(frozen=True, eq=False)

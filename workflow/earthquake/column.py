@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from meshes.errors import InputError
-from meshes.section.cutting import value_of_stratum
+from meshes.section.cutting import unknown_strata, value_of_stratum
 from meshes.section.overburden import outside, overburden
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -78,7 +78,7 @@ def column_of(section: Section, settings: SiteResponseSettings) -> ResponseColum
     problems = [f"site_response, {text}" for text in [outside(section, x, 0.0)] if text]
     names = [stratum.name for stratum in section.strata]
     for key in ("velocities", "plasticity"):
-        unknown = sorted(set(getattr(settings, key)) - set(names))
+        unknown = sorted(unknown_strata(getattr(settings, key), names))
         problems += [f'site_response, {key}: there is no stratum "{name}"' for name in unknown]
     if problems:
         raise InputError(section.name, problems)

@@ -153,8 +153,9 @@ def range_sentence(answer: FemAnswer, error: Accuracy) -> str:
 
 
 def interval_text(error: Accuracy | None, _: Texts, kh: float, unknown: str = "") -> str:
-    """Return the interval of a critical Kh, or that it is ``unknown``. If ``kh`` lies beyond the interval by no more
-    than rounding, so that its last digit may be the next one, it is the end of the interval."""
+    """Return the interval of a critical Kh ``kh`` by its ``error`` as a text by ``_``, or that it is ``unknown``. If
+    ``kh`` lies beyond the interval by no more than rounding, so that its last digit may be the next one, it is the end
+    of the interval."""
     if error is None:
         return unknown or _("numerical error not known: one mesh, no strict bounds")
     rounding = not exceeds(kh, error.high) and not falls_below(kh, error.low)
