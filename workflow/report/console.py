@@ -32,7 +32,7 @@ from workflow.report.structures import structure_sentences
 from workflow.report.summary_text import lies_still, moved_lately
 from workflow.report.tables import case_heads, case_rows
 from workflow.report.triggering import triggering_sentences
-from workflow.report.warnings import sides_warning, split_warning
+from workflow.report.warnings import sides_warning, split_warning, tension_warning
 from workflow.results.accuracy import accuracy, of_meshes, remaining_error, strict_factor, strict_kh
 from workflow.results.answer import FORCE, SectionLabel, way_out
 from workflow.results.bounds import BoundsAnswer, SafetyPart
@@ -117,7 +117,8 @@ def fem_sentences(
     for warning in (*answer.warnings, *by_bounds):
         kind = "Contradiction" if warning.contradiction else "Warning"
         yield f"{kind}: {warning.observation} To do: {warning.remedy}."
-    for _, text in sides_warning(answer, section):
+    variants = results.variants.variants if results is not None and results.variants is not None else ()
+    for _, text in (*sides_warning(answer, section), *tension_warning(answer, variants, section)):
         yield "Warning: {} To do: {}".format(*split_warning(text))
 
 

@@ -218,12 +218,13 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
 
 
 def tension_warning(fem: FemAnswer, variants: Sequence[Variant], section: Section) -> Iterator[tuple[Weight, str]]:
-    """Yield a warning if the critical Kh of ground that resists tension is much larger than without tension.
+    """Yield a warning if the critical Kh of ground that resists tension is much larger than without tension, by the
+    ``variants`` or else by the finite elements alone.
 
     From an upright face, such as that of a quay, slices of no thickness topple without tensile strength at any Kh:
     there only ground that fails by its weight counts.
     """
-    change = next((variant for variant in variants if variant.name == "tension"), None)
+    change = next((variant for variant in variants if variant.name == "tension"), fem.without_tension)
     cracked = change.of(fem.kc) if change is not None else None
     if cracked is None or cracked > TENSION_EFFECT_RATIO * fem.kc or not fem.kc > 0.0:
         return

@@ -182,6 +182,37 @@ class FailureAnswer(Answer):
     slip_surface: Line = Field(description="points [x, elevation] of the slip surface (m)")
 
 
+class Variant(Part):
+    """Holds one change of the assumptions, and the critical Kh with this change."""
+
+    name: str = Field(description='name of the assumption in [variants], such as "sides"')
+    change: str = Field(description="changed assumption, in words")
+    kc: float | None = Field(
+        description="critical Kh with the change; null without an answer, 0 if the section then fails by its weight"
+    )
+    kc_upper: float | None = Field(description="upper end of the bracket on its mesh; null without an answer")
+    verdict: PathVerdict | Literal["no answer"] = Field(
+        description='how the path ended; there is a critical Kh for "plateau" and "peak" only'
+    )
+    reason: str = Field(description="reason of the verdict, in words")
+    seconds: float = Field(description="computing time (s)")
+    kc_without: float | None = Field(
+        default=None,
+        description="critical Kh without the change, if both were computed on a coarser mesh than the answer, or with "
+        "another element",
+    )
+
+    def of(self, kc: float) -> float | None:
+        """Return the critical Kh with one assumption changed; None without an answer.
+
+        If the change was computed on a coarser mesh than the answer ``kc``, or with another element, the critical Kh is
+        ``kc`` times the ratio of both critical Kh by that mesh or element.
+        """
+        if self.kc is None or self.kc_without is None:
+            return self.kc
+        return kc * self.kc / self.kc_without
+
+
 class FemAnswer(Answer):
     """Holds the critical Kh, with its bracket, verdict and path."""
 
@@ -222,6 +253,11 @@ class FemAnswer(Answer):
     )
     own_dilation: OwnDilationPart | None = Field(
         default=None, description="approximate critical Kh for the ψ of the strata, if fem.own_dilation = true"
+    )
+    without_tension: Variant | None = Field(
+        default=None,
+        description="critical Kh of the ground without tensile strength, on the first mesh that is adapted to the "
+        "mechanism, if it was computed",
     )
     shallow_failures: tuple[ShallowFailurePart, ...] = Field(
         description="cohesionless faces that fail at a smaller Kh; kc is that of a deeper failure"
@@ -308,37 +344,6 @@ class FemAnswer(Answer):
     def last_in_equilibrium(self) -> StoredState | None:
         """Return the last state of the path, which shows the failure mechanism."""
         return next((state for state in reversed(self.states) if not state.past_equilibrium), None)
-
-
-class Variant(Part):
-    """Holds one change of the assumptions, and the critical Kh with this change."""
-
-    name: str = Field(description='name of the assumption in [variants], such as "sides"')
-    change: str = Field(description="changed assumption, in words")
-    kc: float | None = Field(
-        description="critical Kh with the change; null without an answer, 0 if the section then fails by its weight"
-    )
-    kc_upper: float | None = Field(description="upper end of the bracket on its mesh; null without an answer")
-    verdict: PathVerdict | Literal["no answer"] = Field(
-        description='how the path ended; there is a critical Kh for "plateau" and "peak" only'
-    )
-    reason: str = Field(description="reason of the verdict, in words")
-    seconds: float = Field(description="computing time (s)")
-    kc_without: float | None = Field(
-        default=None,
-        description="critical Kh without the change, if both were computed on a coarser mesh than the answer, or with "
-        "another element",
-    )
-
-    def of(self, kc: float) -> float | None:
-        """Return the critical Kh with one assumption changed; None without an answer.
-
-        If the change was computed on a coarser mesh than the answer ``kc``, or with another element, the critical Kh is
-        ``kc`` times the ratio of both critical Kh by that mesh or element.
-        """
-        if self.kc is None or self.kc_without is None:
-            return self.kc
-        return kc * self.kc / self.kc_without
 
 
 class VariantsAnswer(Answer):

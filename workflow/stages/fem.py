@@ -22,8 +22,10 @@ from workflow.results.continuum import (
     OwnDilationPart,
     ShallowFailurePart,
     StoredState,
+    Variant,
 )
 from workflow.results.stored_mesh import FEM_FILE, PATH_FILE
+from workflow.run.progress import Progress
 from workflow.run.ranks import Ranks
 from workflow.run.stage import Job, Stage
 from workflow.run.store import Store
@@ -106,11 +108,31 @@ def work(job: Job) -> None:
             save(assessment.mesh, path)
         with store.writing(PATH_FILE) as path:
             save(assessment.path_mesh, path)
-        answer_of(config, assessment).write(store)
+        cracked = without_tensile_strength(config, assessment, progress) if ranks.comm.size == 1 else None
+        answer_of(config, assessment).model_copy(update={"without_tension": cracked}).write(store)
         write_fields(config.section, assessment.path_mesh, result.states, store)
         progress(f"critical Kh = {result.kc:.4f}", None)
     if result.verdict == "undecided":
         raise NoAnswerError(f"the finite elements found no limit load: {result.reason}", result.remedy)
+
+
+def without_tensile_strength(config: Config, assessment: "Assessment", progress: Progress) -> Variant | None:
+    """Return the critical Kh without tensile strength, on the first mesh that is adapted to the mechanism, where it
+    costs a tenth of the last one; None without a limit load, or if the ground has no tensile strength."""
+    from workflow.stages.variants import Change, changed, variant
+
+    adapted = assessment.adapted
+    first = adapted.earlier[0] if adapted is not None and adapted.earlier else adapted
+    if first is None or first.result.verdict != "plateau" or not first.result.kc > 0.0:
+        return None
+    one_way = config.with_settings("fem", direction=first.result.direction)
+    if (change := changed(one_way, "tension", assessment.critical.element)) is None:
+        return None
+    name, words, with_it = change
+    return variant(
+        Change(name, words, with_it, first.mesh, False, first.result.kc),
+        lambda text: progress(f"{words}: {text}", None),
+    )
 
 
 def _slip_line(mesh: "QuadMesh", state: "FieldState") -> Line:

@@ -3,18 +3,22 @@
 from typing import cast
 
 import pytest
+from mpi4py import MPI
 
+from fem.search.assessment import assess
 from meshes.gmsh_model import generate
 from meshes.quad_mesh import QuadMesh
 from tests.support.answers import fem, variant
 from tests.support.sections import slope
 from workflow.config import Config
+from workflow.report.console import fem_sentences
 from workflow.report.warnings import tension_warning
 from workflow.results import stored_mesh
 from workflow.results.continuum import MeshCount, MeshStep
 from workflow.run.progress import silent
 from workflow.run.store import Store
 from workflow.stages import variants
+from workflow.stages.fem import without_tensile_strength
 from workflow.stages.variants import (
     PATH_CELLS,
     Change,
@@ -191,3 +195,29 @@ def test_a_critical_kh_that_needs_tension_is_reported(kc: float | None, reported
     # slices of no thickness topple from a quay at any Kh, which says nothing of it unless it fails by its weight
     quay = Config.parse({**slope(), "surface": [[0, 20], [50, 20], [50, 12], [100, 12]]}).section
     assert bool([*tension_warning(answer, variants, quay)]) == (kc == 0.0)
+
+
+def test_the_finite_elements_alone_report_a_critical_kh_that_needs_tension() -> None:
+    answer, section = fem(Config.parse(slope())), Config.parse(slope()).section
+    for share, reported in ((0.92, False), (0.85, True)):
+        cracked = variant("tension", "no tensile strength", share * 0.3).model_copy(update={"kc_without": 0.3})
+        alone = answer.model_copy(update={"without_tension": cracked})
+        assert bool([*tension_warning(alone, (), section)]) == reported
+        assert any("without tensile strength" in text for text in fem_sentences(alone, section)) == reported
+
+
+def test_the_finite_elements_compute_the_critical_kh_without_tensile_strength() -> None:
+    run = Config.parse(slope()).with_settings("fem", direction="downhill", accuracy=0.1, safety_factor_at=())
+    mesh = generate(run.section, run.mesh)
+    result = assess(run.section, run.mesh, mesh, run.fem, MPI.COMM_SELF, lambda what, path: None)
+    cracked = without_tensile_strength(run, result, silent)
+    assert cracked is not None
+    assert cracked.kc is not None
+    assert cracked.kc_without is not None
+    assert 0.0 <= cracked.kc < cracked.kc_without == pytest.approx(result.critical.kc, rel=0.1)
+    data = slope()
+    for stratum in data["strata"]:
+        stratum["tension"] = "0 kPa"
+    assert (
+        without_tensile_strength(run.model_copy(update={"section": Config.parse(data).section}), result, silent) is None
+    )
