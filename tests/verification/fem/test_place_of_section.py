@@ -1,4 +1,5 @@
-"""A slide by material points does not depend on the axes of coordinates: on the datum, on x = 0, and on their sense."""
+"""A slide by material points does not depend on the axes of coordinates: on the datum, on x = 0, and on their sense.
+Similar slopes slide alike."""
 
 from pathlib import Path
 from typing import Any
@@ -18,22 +19,25 @@ def _line(points: list[list[float]], sense: float, dx: float, dz: float) -> list
     return [[sense * x + dx, z + dz] for x, z in points][:: int(sense)]
 
 
-def _slope(sense: float, dx: float, dz: float, **slide: Any) -> Config:
-    """Return a slope with water, a dipping layer that liquefies and a lens, mirrored if ``sense`` is -1, and shifted by
-    ``dx`` and ``dz`` (m)."""
+def _slope(sense: float, dx: float, dz: float, scale: float = 1.0, **slide: Any) -> Config:
+    """Return a slope with water, a dipping layer that liquefies and a lens, mirrored if ``sense`` is -1, shifted by
+    ``dx`` and ``dz`` (m), and larger by a ``scale`` with its strengths and stiffness."""
 
     def soil(name: str, cohesion: float, friction: float, **more: Any) -> dict[str, Any]:
         return {
-            "name": name, "youngs_modulus": "20 MPa", "poissons_ratio": 0.3, "density": "1.9 t/m^3",
-            "density_saturated": "2.0 t/m^3", "cohesion": cohesion, "friction_angle": f"{friction} deg",
+            "name": name, "youngs_modulus": f"{20.0 * scale} MPa", "poissons_ratio": 0.3, "density": "1.9 t/m^3",
+            "density_saturated": "2.0 t/m^3", "cohesion": scale * cohesion, "friction_angle": f"{friction} deg",
         } | more  # fmt: skip
 
+    def line(*points: list[float]) -> list[list[float]]:
+        return _line([[scale * x, scale * z] for x, z in points], sense, dx, dz)
+
     def elevations(*points: list[float]) -> dict[str, Any]:
-        return {"elevation": _line(list(points), sense, dx, dz)}
+        return {"elevation": line(*points)}
 
     return Config.parse({
         "name": "slope",
-        "surface": _line([[0.0, 18.0], [20.0, 18.0], [44.0, 8.0], [70.0, 8.0]], sense, dx, dz),
+        "surface": line([0.0, 18.0], [20.0, 18.0], [44.0, 8.0], [70.0, 8.0]),
         "base": {"elevation": dz},
         "strata": [
             soil("fill", 10e3, 30.0, bottom=elevations([0.0, 9.3], [70.0, 6.6])),
@@ -42,10 +46,13 @@ def _slope(sense: float, dx: float, dz: float, **slide: Any) -> Config:
             soil("loose", 0.0, 30.0, bottom=elevations([0.0, 3.9], [70.0, 2.6]), liquefies_in=[1, 2]),
             soil("firm", 20e3, 36.0),
         ],
-        "water": {"table": _line([[0.0, 12.0], [44.0, 8.0], [70.0, 8.0]], sense, dx, dz)},
+        "water": {"table": line([0.0, 12.0], [44.0, 8.0], [70.0, 8.0])},
         "slide": {
             "mpm_cells": 350, "onset": 1.0, "duration": 12.0, "kh": 0.05, **slide,
-            "cases": [{"name": "both", "residual_strength": 11e3}, {"name": "loose", "residual_strength": 7e3}],
+            "cases": [
+                {"name": "both", "residual_strength": 11e3 * scale},
+                {"name": "loose", "residual_strength": 7e3 * scale},
+            ],
         },
     })  # fmt: skip
 
@@ -87,3 +94,13 @@ def test_a_slide_under_a_record_does_not_depend_on_the_axes(tmp_path: Path) -> N
     slide = _slid(_slope(1.0, 0.0, 0.0, **setting), 2)
     for place in SHIFTS:
         _same(_slid(_slope(*place, **setting), 2), slide, *place)
+
+
+def test_a_slope_twice_as_large_slides_twice_as_far() -> None:
+    """Froude's similarity: times are longer by the square root of the scale, and strains alike."""
+    small, large = (
+        _slid(_slope(1.0, 0.0, 0.0, scale, kh_seconds=root * 3.0, onset=root * 4.0, duration=root * 14.0), 1)
+        for scale, root in ((1.0, 1.0), (2.0, np.sqrt(2.0)))
+    )
+    assert small.slide_max > 1.0
+    assert large.slide_max == pytest.approx(2.0 * small.slide_max, rel=0.02)
