@@ -12,8 +12,9 @@ from matplotlib.image import imread
 from meshes import shipped
 from meshes.errors import InputError
 from tests.support.command_line import run
-from tests.support.sections import layer, slope, written
+from tests.support.sections import SOIL, layer, slope, written
 from workflow.cli.options import Panel
+from workflow.cli.terminal import without_repeats
 from workflow.config import Config
 from workflow.stages import NAMES
 
@@ -225,3 +226,25 @@ def test_a_number_beyond_its_limit_and_an_unknown_word_are_told_with_what_is_exp
     assert "mesh, size = true: " in said
     assert 'structures 1 "levee", feet: unknown key; expected one of name, from, to, kind' in said
     assert 'structures 1 "levee", from: missing; expected x of the left foot of the structure' in said
+
+
+def test_bounds_and_slices_warn_of_the_water_without_a_mesh(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Free water that is not level was reported by the commands that make a mesh alone."""
+    path = tmp_path / "slope.toml"
+    data = {
+        "name": "bank", "surface": [[0, 8], [20, 8], [32, 2], [50, 2]], "base": {"elevation": 0},
+        "water": {"table": [[0, 4], [50, 3]]}, "strata": [{**SOIL, "name": "Silt", "cohesion": "10 kPa"}],
+        "bounds": {"max_cells": 200, "gap": 0.3},
+    }  # fmt: skip
+    path.write_text(tomli_w.dumps(data))
+    for command in ("bounds", "slices"):
+        run(command, path, "--out", tmp_path / command)
+        lines = capsys.readouterr().out.splitlines()
+        assert [line[:28] for line in lines].count("Warning: water: water stands") == 1, command
+
+
+def test_a_warning_that_another_one_repeats_with_a_remedy_is_printed_once() -> None:
+    fact = "the pore pressure exceeds the weight above it, most at x = 62.5 m."
+    other = "Warning: Other ground fails."
+    remedy = f"Contradiction: {fact.capitalize()} To do: check the water levels."
+    assert without_repeats([f"Warning: {fact}", other, remedy, other]) == [other, remedy]

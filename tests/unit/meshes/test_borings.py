@@ -356,3 +356,12 @@ def test_a_drawing_without_strata(tmp_path: Path, capsys: pytest.CaptureFixture[
     drawing.saveas(tmp_path / "lines.dxf")
     assert command_line.run("section", tmp_path / "lines.dxf", "-o", tmp_path / "made.toml") == 2
     assert "holds no closed polylines" in capsys.readouterr().err
+
+
+def test_soundings_without_borings_are_said_to_lack_layers() -> None:
+    """Two cones were "fewer than two borings have layers", although no file was one of borings."""
+    cones = [Log(f"S{k}", (10.0 * k, math.nan), 2.0, ()) for k in range(2)]
+    with pytest.raises(InputError, match="soundings alone have no layers; expected borings with layers"):
+        placed(cones)
+    with pytest.raises(InputError, match="fewer than two borings have layers"):
+        placed([*cones, Log("B", (5.0, math.nan), 2.0, (LogLayer("sand", 0.0, 3.0),))])
