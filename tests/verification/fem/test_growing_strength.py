@@ -107,6 +107,25 @@ def test_bounds_of_clay_without_strength_at_its_surface_meet_the_endless_slope()
     assert bounds.lower <= bounds.upper < 1.01 * endless
 
 
+def test_bounds_of_clay_whose_strength_vanishes_at_a_wet_toe_are_close() -> None:
+    """S σ'v is zero at the toe, where the water table reaches the ground: few triangles there could not turn the
+    stress, and the bounds stayed at 0.024 and 0.048."""
+    clay = layer("clay", cohesion=0, strength_ratio=0.45, friction_angle=0, density_ordinary="1.6 t/m^3",
+                 density_seismic="1.6 t/m^3")  # fmt: skip
+    data = {
+        "name": "wet",
+        "surface": [[0.0, 6.0], [20.0, 6.0], [50.0, 0.0], [80.0, 0.0]],
+        "base": {"elevation": -10.0},
+        "water": {"table": [[0.0, 5.0], [20.0, 5.0], [50.0, 0.0], [80.0, 0.0]]},
+        "strata": [clay],
+    }
+    bounds = kh_bounds(
+        Section.parse(data), FemSettings(sides="smooth", direction="downhill"), BoundsSettings(gap=0.02, seconds=20.0)
+    )
+    assert bounds.end_reason == "gap"
+    assert 0.95 * bounds.upper - 0.002 < bounds.lower < bounds.upper
+
+
 def test_cohesions_by_hand() -> None:
     """At (5, -1) σ'v = 18 + 2 x 10 - 3 x 10 = 8 kPa; at (25, 1) 4 x 18 - 10 = 62 kPa."""
     over = slope(strength_ratio=0.25, ocr=2.0)
