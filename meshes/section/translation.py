@@ -1,5 +1,6 @@
 """Moves a section to other axes: all of its lines, loads, walls and structures."""
 
+from collections.abc import Iterator
 from typing import Any
 
 from pydantic import BaseModel
@@ -26,7 +27,7 @@ def with_origin(section: Section, x: float, z: float) -> Section:
     -------
     The section, its coordinates rounded to `DIGITS` and without the units in which they were written.
     """
-    parts = {key: _translated(value, -x, -z) for key, value in section if key != "surface"}
+    parts = {key: _translated(value, -x, -z) for key, value in _fields(section) if key != "surface"}
     moved = Section.model_construct(**{**parts, "surface": _points(section.surface, -x, -z)})
     return moved.after_shaking() if section.water_pressure.after_shaking else moved
 
@@ -39,12 +40,17 @@ def _translated(part: Any, dx: float, dz: float) -> Any:
     if not isinstance(part, BaseModel):
         return part
     name = type(part).__name__
-    values = {key: _translated(value, dx, dz) for key, value in part if isinstance(value, tuple | BaseModel)}
+    values = {key: _translated(value, dx, dz) for key, value in _fields(part) if isinstance(value, tuple | BaseModel)}
     if isinstance(part, Line):
         values = {"elevation": _moved(part.elevation, dx, dz), "depth": _moved(part.depth, dx, 0.0)}
     for keys, change in ((HORIZONTAL.get(name, ()), dx), (VERTICAL.get(name, ()), dz)):
         values |= {key: round(getattr(part, key) + change, DIGITS) for key in keys}
     return part.model_copy(update=values)
+
+
+def _fields(part: BaseModel) -> Iterator[tuple[str, Any]]:
+    """Yield the fields of a part with their values; pydantic's own iteration includes what was computed from them."""
+    return ((key, getattr(part, key)) for key in type(part).model_fields)
 
 
 def _points(points: Points, dx: float, dz: float) -> Points:

@@ -84,3 +84,13 @@ def test_loads_walls_and_structures_move_with_the_ground() -> None:
     assert after is not None
     at = np.linspace(0.0, 50.0, 21)
     assert np.interp(at - X, *after.T) == pytest.approx(np.interp(at, *before.T) - Z, abs=0.05)
+
+
+def test_a_section_moves_alike_after_answers_were_computed_from_it() -> None:
+    """What a section stores of its answers is no part of it, is not moved, and may contain the section itself."""
+    section = Section.read(SECTIONS / "slope_2to1.toml")
+    fresh = with_origin(section, X, Z)
+    assert section.cut_at_films is section
+    moved = with_origin(section, X, Z)
+    assert moved == fresh
+    assert moved.outline() == pytest.approx(section.outline() - [X, Z], abs=1e-6)
