@@ -37,6 +37,7 @@ LIMITS = {
 }
 
 LONGEST = 80  # characters of a value that are shown
+FEW_KEYS = 5  # of a table that are all named, rather than the table in which an unknown key has its place
 
 
 Place = tuple[int | str, ...]
@@ -138,7 +139,7 @@ def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], other_
         hint = f'; did you mean "{close[0]}"?' if close else listed
         if (other := OTHER_WORDS.get(str(error["loc"][-1]).lower())) and other[0] in known:
             hint = f"; expected {other[0]}{other[1]}"
-        if not close and (place := _right_place(error["loc"], model)):
+        elif not close and len(known) > FEW_KEYS and (place := _right_place(error["loc"], model)):
             hint = f" here; {place}"
         return [f"{key}: unknown key{hint}"]
     value = error["input"]
