@@ -37,7 +37,7 @@ LIMITS = {
 }
 
 LONGEST = 80  # characters of a value that are shown
-FEW_KEYS = 5  # of a table that are all named, rather than the table in which an unknown key has its place
+FEW_KEYS = 10  # of a table that are all named, rather than the table in which an unknown key has its place
 
 
 Place = tuple[int | str, ...]
