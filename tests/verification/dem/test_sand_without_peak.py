@@ -55,11 +55,12 @@ def mean_curve(friction: float, kind: LoadingKind, marked: bool, monkeypatch: py
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("friction", "before", "now"), [(0.25, 1.12, 1.11), (0.378, 1.27, 1.10), (0.5, 1.40, 1.04)])
+@pytest.mark.parametrize(("friction", "before", "now"), [(0.25, 1.12, 1.11), (0.378, 1.27, 1.10), (0.5, 1.40, 1.07)])
 def test_patches_have_hardly_a_peak_in_compression(
     friction: float, before: float, now: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """With mu = 0.677 of the strongest sand: 1.9 and 1.1."""
+    """With mu = 0.677 of the strongest sand: 1.9 and 1.1. With mu = 0.5 two processors, whose roundings differ, gave
+    1.04 and 1.10 for the same six patches."""
     for marked, ratio in ((False, before), (True, now)):
         curve = mean_curve(friction, "biaxial", marked, monkeypatch)
         assert curve.max() / curve[33:].mean() == pytest.approx(ratio, rel=0.05)

