@@ -6,6 +6,8 @@ import numpy as np
 
 from meshes.section.quantity import GRAVITY
 
+HALF_COSINE_POINTS = 65  # points in time
+
 
 @dataclass(frozen=True)
 class Acceleration:
@@ -52,8 +54,7 @@ class Acceleration:
         ax, az = g * (kh * np.cos(tilt)), g * (kh * np.sin(tilt))
         if ramp is None:
             return cls(np.zeros(1), np.array([ax]), np.array([az]))
-        s = np.linspace(0.0, 1.0, 65)
-        share = 0.5 - 0.5 * np.cos(np.pi * s)
+        s, share = half_cosine()
         return cls(ramp[0] + s * (ramp[1] - ramp[0]), ax * share, az * share)
 
     def with_level(self, gravity: tuple[float, float]) -> np.ndarray:
@@ -84,6 +85,17 @@ class Acceleration:
     def plus(self, x: float | np.ndarray, z: float | np.ndarray) -> "Acceleration":
         """Return the sum with further accelerations (m/s2) along x and z, constant or at the same times."""
         return _unchecked(self.times, self.x + x, self.z + z)
+
+
+def half_cosine() -> tuple[np.ndarray, np.ndarray]:
+    """Return a smooth rise from 0 to 1 along a half cosine.
+
+    Returns
+    -------
+    Times (n,) as shares of the duration of the rise (-), and values (n,) at these times (-).
+    """
+    s = np.linspace(0.0, 1.0, HALF_COSINE_POINTS)
+    return s, 0.5 - 0.5 * np.cos(np.pi * s)
 
 
 def _unchecked(times: np.ndarray, x: np.ndarray, z: np.ndarray) -> Acceleration:

@@ -131,7 +131,7 @@ def deposit(
         layers = [layer.springs(radius, VOID_RATIO) for layer in soil]
         stored = 0, settle(ground, layers, settings, by_shaking=False)
     first, settled = stored
-    ground = ground_at_rest(whole, settings, settled)
+    ground = _with_discs(section, downhill(whole.ground), settings, settled)
     for done in range(first, LEVELLING_ROUNDS + EXTRA_ROUNDS):
         if rounds is not None:
             rounds.add(done, settled)
@@ -233,9 +233,12 @@ def ground_at_rest(section: Section, settings: DemSettings, settled: DiscModel) 
     The discs at their present positions, as a random packing in the frame of the section. Discs of periodic ground are
     moved into the section.
     """
-    local = with_origin(section, *settled.place)
+    return _with_discs(with_origin(section, *settled.place), downhill(section.ground), settings, settled)
+
+
+def _with_discs(local: Section, falls: int, settings: DemSettings, settled: DiscModel) -> Ground:
+    """Return the ground of settled discs in a section in their own axes (``local``) that falls to one side."""
     packing, radius = _packing_of(local, settled), settings.mean_radius(local)
-    falls = downhill(section.ground)
     return Ground(packing, "random", radius, 0, 0.0, settled.place, falls, local, place=settled.place)
 
 

@@ -6,7 +6,7 @@ from typing import assert_never
 
 import numpy as np
 
-from dem.acceleration import Acceleration
+from dem.acceleration import Acceleration, half_cosine
 from dem.ground import Ground
 from dem.liquefied_ground import FADING_STEPS
 from dem.model import DiscModel
@@ -20,7 +20,6 @@ LEAD_TIME: Mapping[Law, float] = {"paper": 0.0, "soil": 2.0}
 FALL_TIME = 1.0  # s in which a constant Kh ends, so that the ground is not shocked
 TIME_TOLERANCE = 1e-6  # s: difference up to which two times are equal
 SHORTEST_RISE = 1e-3  # s in which the Kh of the paper rises
-HALF_COSINE_POINTS = 65  # points in time
 STEP_DURATION = 1e-6  # s between the two ends of a step of a record
 POINTS_PER_CYCLE = 64  # points in time
 TAPER_CYCLES = 1.0  # cycles of the taper at the beginning and at the end; half of each counts
@@ -160,8 +159,7 @@ def constant_kh_in_time(settings: SlideSettings, lower_end: int, law: Law) -> tu
     Times (n,) in s since Kh began to rise, increasing, and Kh (n,) at these times; it is constant after the last one.
     """
     lead, onset, kh = LEAD_TIME[law], settings.onset_of(law), signed_kh(settings, lower_end)
-    s = np.linspace(0.0, 1.0, HALF_COSINE_POINTS)
-    share = 0.5 - 0.5 * np.cos(np.pi * s)
+    s, share = half_cosine()
     times, values = (lead or max(onset, SHORTEST_RISE)) * s, kh * share
     if settings.kh_seconds is None:
         return times, values

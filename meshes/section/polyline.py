@@ -9,6 +9,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSeriali
 from meshes.section.quantity import COORDINATE
 
 Points = tuple[tuple[float, float], ...]
+SAME_PLACE = 1e-9  # m: points that are no farther apart along x lie at one place
 MOST_ALIKE = 3  # points out of order that are named one by one
 
 
@@ -154,6 +155,22 @@ def crossings(
     i = np.flatnonzero((first * last < 0.0) & (np.minimum(abs(first), abs(last)) > least))
     at = x[i] + (x[i + 1] - x[i]) * first[i] / (first[i] - last[i])
     return np.asarray(at[(at - x[i] > snap) & (x[i + 1] - at > snap)])
+
+
+def points_at(line: np.ndarray, x: float) -> np.ndarray:
+    """Return the points of a line at a place.
+
+    Parameters
+    ----------
+    line (n, 2) : points of the line from left to right (m)
+    x : place (m)
+
+    Returns
+    -------
+    Points (k, 2) in m from left to right: both ends of a vertical step, or one point.
+    """
+    there = line[np.abs(line[:, 0] - x) < SAME_PLACE]
+    return there if len(there) else np.array([[x, np.interp(x, *line.T)]])
 
 
 def without_repeats(points: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from meshes.errors import InputError
 from tests.support.command_line import run
 from tests.support.sections import SOIL, layer, slope, written
 from workflow.cli.options import Panel
-from workflow.cli.terminal import without_repeats
+from workflow.cli.terminal import distinct_warnings
 from workflow.config import Config
 from workflow.stages import NAMES
 
@@ -247,4 +247,4 @@ def test_a_warning_that_another_one_repeats_with_a_remedy_is_printed_once() -> N
     fact = "the pore pressure exceeds the weight above it, most at x = 62.5 m."
     other = "Warning: Other ground fails."
     remedy = f"Contradiction: {fact.capitalize()} To do: check the water levels."
-    assert without_repeats([f"Warning: {fact}", other, remedy, other]) == [other, remedy]
+    assert distinct_warnings([f"Warning: {fact}", other, remedy, other]) == [other, remedy]

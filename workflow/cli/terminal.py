@@ -238,7 +238,7 @@ def _tell_in_sentences(job: Job, choice: Choice, every: bool) -> None:
                         say(line)
                 if every or stage.name in shown:
                     printed_stages.append(stage.name)
-        for line in without_repeats([*_on_the_ground(job, choice), *warnings]):
+        for line in distinct_warnings([*_on_the_ground(job, choice), *warnings]):
             say(line)
         if every or SEISMIC_STAGES & set(choice.chosen):
             _show_shaking(job)
@@ -260,7 +260,7 @@ def _on_the_ground(job: Job, choice: Choice) -> list[str]:
     return [line for line in notice_lines(job.config.section.notices) if line.startswith(WARNINGS)]
 
 
-def without_repeats(lines: Iterable[str]) -> list[str]:
+def distinct_warnings(lines: Iterable[str]) -> list[str]:
     """Return warnings each once; a warning that another line repeats with a remedy is left out.
 
     Parameters

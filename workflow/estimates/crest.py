@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshes.section.polyline import points_at
+
 # Share of the height: ground within this distance below the top belongs to the crest, above the foot to the foot.
 CREST_DEPTH = 0.1
 LEAST_HEIGHT, LEAST_SHARE = 1.0, 0.2  # m, and of the relief of the section: lower humps are no embankments
-SAME_PLACE = 1e-9  # m
 LEAST_SLOPE = 0.1  # mean rise over run of a face: hills are flatter
 
 
@@ -61,9 +62,7 @@ def crest_between(ground: np.ndarray, start: float, end: float) -> Crest:
 def _at_foot(ground: np.ndarray, x: float, inwards: int) -> np.ndarray:
     """Return the ground of a structure at its foot at ``x``, from left to right; ``inwards`` is 1 at the left foot, -1
     at the right one."""
-    there = ground[np.abs(ground[:, 0] - x) < SAME_PLACE][::inwards]
-    if not len(there):
-        return np.array([[x, np.interp(x, *ground.T)]])
+    there = points_at(ground, x)[::inwards]
     foot, top = there[0], there[-1]
     return np.array([foot, top])[::inwards] if foot[1] < top[1] else top[None]
 

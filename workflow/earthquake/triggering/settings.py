@@ -11,6 +11,7 @@ from meshes.borings.boring import Boring
 from meshes.borings.plausible import implausible_tests
 from meshes.section.liquefies import TRIGGERED
 from meshes.section.plausibility import Range, is_within, sentence
+from meshes.section.polyline import points_at
 from meshes.section.quantity import Coordinate, Length
 from meshes.section.section import Model, Section
 from workflow.earthquake.settings import EarthquakeSettings
@@ -28,7 +29,6 @@ Residual = Literal["strength", "ratio"]
 DEPTH = Range(0.5, 750.0, "km", 1e3, ((1e3, "km"), (1e-3, "m")))
 DISTANCE = Range(0.1, 1500.0, "km", 1e3, ((1e3, "km"), (1e-3, "m")))
 RODS = Range(0.0, 30.0, "m", 1.0, ((1e-2, "cm"), (1e-3, "mm")))
-SAME_PLACE = 1e-9  # m
 VS30 = Range(50.0, 3000.0, "m/s", 1.0, ())
 
 
@@ -124,11 +124,6 @@ def left_to_borings(data: Mapping[str, Any]) -> bool:
     return bool(liquefy) and all(isinstance(cases, str) and cases == TRIGGERED for cases in liquefy)
 
 
-def _elevations(ground: np.ndarray, x: float) -> list[float]:
-    """Return the elevations (m) of the ground (n, 2) at a place: two at a wall."""
-    return [float(np.interp(x, *ground.T)), *ground[np.abs(ground[:, 0] - x) < SAME_PLACE, 1].tolist()]
-
-
 class FreeFaceSettings(Model):
     """Holds toe and top of a free face, and the place behind it for which the displacement is required."""
 
@@ -167,7 +162,7 @@ class FreeFaceSettings(Model):
         """Return the distance L (m) from the toe to the required place, and the height H (m) of the free face."""
         if self.crest is None or self.toe is None:
             raise ValueError("the section has no free face")
-        upper, lower = (pick(_elevations(ground, x)) for pick, x in ((max, self.crest), (min, self.toe)))
+        upper, lower = points_at(ground, self.crest)[:, 1].max(), points_at(ground, self.toe)[:, 1].min()
         place = self.crest if self.at is None else self.at
         return abs(float(place) - float(self.toe)), float(upper - lower)
 
