@@ -2,14 +2,14 @@
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from meshes.borings.blows import is_refusal
 from meshes.borings.boring import Sample
-from meshes.borings.connect import ConnectedBorings
-from meshes.borings.log import Log
+from meshes.borings.connect import ConnectedBorings, PlacedBoring
+from meshes.borings.log import Log, LogLayer
 
 CLAYEY = 50.0  # % of fines from which a layer is taken for cohesive
 STEEPEST = 45.0  # degrees
@@ -49,11 +49,16 @@ def _head_lines(connected: ConnectedBorings, name: str) -> Iterator[str]:
     wide = 10.0 * math.ceil(WIDER * (max(log.ground_level for log in logs) - base) / 10.0)
     yield f'beyond = "{wide:g} m"                 # ground, layers and water continue level this far'
     yield ""
-    water = [(boring.x, boring.log.water_level) for boring in connected.borings if boring.log.water_level is not None]
+    yield from water_lines(connected.borings, float(connected.x[0]), float(connected.x[-1]))
+
+
+def water_lines(borings: Sequence[PlacedBoring], left: float, right: float) -> Iterator[str]:
+    """Yield the lines of a water table from x ``left`` to ``right`` (m) through the levels that borings report."""
+    water = [(boring.x, boring.log.water_level) for boring in borings if boring.log.water_level is not None]
     yield "[water]"
     if len(water) > 1:
         x, level = np.array(water).T
-        across = np.unique([connected.x[0], *x, connected.x[-1]])
+        across = np.unique([left, *x, right])
         comment = "     # level beyond the borings that report it" if len(across) > len(x) else ""
         yield f"table = {_points(across, np.interp(across, x, level))}{comment}"
     elif water:
@@ -64,28 +69,33 @@ def _head_lines(connected: ConnectedBorings, name: str) -> Iterator[str]:
 
 
 def _strata(connected: ConnectedBorings) -> Iterator[str]:
+    logs = [boring.log for boring in connected.borings]
     for k, name in enumerate(connected.names):
-        layers = [layer for boring in connected.borings for layer in boring.log.layers if layer.name == name]
-        counts = [sample for boring in connected.borings for layer in boring.log.layers if layer.name == name
-                  for sample in boring.log.samples if layer.top <= sample.depth <= layer.bottom]  # fmt: skip
         yield "[[strata]]"
         yield f"name = {json.dumps(name, ensure_ascii=False)}"
-        described = next((layer.description for layer in layers if layer.description), "")
-        if described:
-            yield f"description = {json.dumps(' '.join(described.split())[:120], ensure_ascii=False)}"
         if k + 1 < len(connected.names):
             yield f"bottom = {{ elevation = {_points(connected.x, connected.bottoms[k])} }}"
-        weights = list(dict.fromkeys(layer.unit_weight for layer in layers if layer.unit_weight))
-        if weights:
-            more = f"      # other borings report {', '.join(weights[1:])}" if len(weights) > 1 else ""
-            yield f"density = {_quantity(weights[0])}{more}"
-        else:
-            yield '# density = "18 kN/m^3"           # not measured: give it'
-        yield from _soil(counts)
+        yield from soil_lines([(layer, log) for log in logs for layer in log.layers if layer.name == name])
         yield ""
 
 
-def _soil(counts: list[Sample]) -> Iterator[str]:
+def soil_lines(layers: Sequence[tuple[LogLayer, Log]]) -> Iterator[str]:
+    """Yield the lines of a soil that borings met in ``layers``, each with its boring: description, density, and what
+    the blow counts let estimate."""
+    counts = [sample for layer, log in layers for sample in log.samples if layer.top <= sample.depth <= layer.bottom]
+    described = next((layer.description for layer, _ in layers if layer.description), "")
+    if described:
+        yield f"description = {json.dumps(' '.join(described.split())[:120], ensure_ascii=False)}"
+    weights = list(dict.fromkeys(layer.unit_weight for layer, _ in layers if layer.unit_weight))
+    if weights:
+        more = f"      # other borings report {', '.join(weights[1:])}" if len(weights) > 1 else ""
+        yield f"density = {_quantity(weights[0])}{more}"
+    else:
+        yield '# density = "18 kN/m^3"           # not measured: give it'
+    yield from _strength(counts)
+
+
+def _strength(counts: list[Sample]) -> Iterator[str]:
     """Yield lines with stiffness and strength estimated from the mean blow count. Each line states the estimate beside
     the value. Refusals are left out where the layer has other tests: one stone in a soft clay would raise the mean."""
     if not counts:
@@ -125,7 +135,12 @@ def _borings(connected: ConnectedBorings) -> Iterator[str]:
         yield ""
         yield "# [triggering]"
         yield '# method = "boulanger_idriss_2014"     # uses the cones; the default uses blow counts'
-    for boring in everything:
+    yield from boring_lines(everything)
+
+
+def boring_lines(borings: Sequence[PlacedBoring]) -> Iterator[str]:
+    """Yield the tables of the borings that have tests."""
+    for boring in borings:
         if not boring.log.samples and not boring.log.cones:
             continue
         yield ""

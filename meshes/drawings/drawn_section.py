@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,8 +29,15 @@ class DrawnSection(NamedTuple):
     notices: list[str]
 
 
-def drawn_section(shapes: Shapes, path: Path, name: str) -> DrawnSection:
-    """Return the section of a drawing, without the properties of its soils.
+def missing_soil(_: str) -> list[str]:
+    """Return the keys of a soil, without values."""
+    return [f"# {key} =" for key in SOIL]
+
+
+def drawn_section(
+    shapes: Shapes, path: Path, name: str, soil: Callable[[str], list[str]] = missing_soil
+) -> DrawnSection:
+    """Return the section of a drawing, with the lines of ``soil`` for the name of each stratum.
 
     Outlines are strata with the names of their drawing layers. Without outlines, or if lines continue beyond them, the
     highest line is the ground surface, every other line is the bottom of the stratum named by its drawing layer, and
@@ -40,7 +47,7 @@ def drawn_section(shapes: Shapes, path: Path, name: str) -> DrawnSection:
     lines_of_water = [*filter(is_water, shapes.lines), *pond_levels]
     lines = [line for line in shapes.lines if not is_water(line)]
     if not outlines or _go_past(lines, outlines):
-        return _of_lines(lines, outlines, lines_of_water, [*shapes.notices, *notices], path, name)
+        return _of_lines(lines, outlines, lines_of_water, [*shapes.notices, *notices], path, name, soil)
     points, trimmed = _with_one_side([outline.points for outline in outlines])
     columns = columns_of([outline.layer for outline in outlines], points)
     if columns.problems:
@@ -52,7 +59,7 @@ def drawn_section(shapes: Shapes, path: Path, name: str) -> DrawnSection:
     strata = [(stratum, columns.points(bottom))
               for stratum, bottom in zip(columns.stack.names, bottoms, strict=True)]  # fmt: skip
     base = strata[-1][1]
-    return DrawnSection(_text(name, notices, columns.points(ground), base, table, strata), notices)
+    return DrawnSection(_text(name, notices, columns.points(ground), base, table, strata, soil), notices)
 
 
 def _without_water(shapes: Shapes) -> tuple[list[Shape], list[Shape], list[str]]:
@@ -138,6 +145,7 @@ def _of_lines(
     notices: list[str],
     path: Path,
     name: str,
+    soil: Callable[[str], list[str]],
 ) -> DrawnSection:
     if len(lines) < 2:
         expected = (
@@ -171,7 +179,8 @@ def _of_lines(
         )
     strata = [(stratum, _thinned_points(points)) for stratum, (_, points) in zip(names, below, strict=False)]
     zones = [(zone, outline.points) for zone, outline in zip(names[len(below) :], outlines, strict=True)]
-    return DrawnSection(_text(name, notices, _thinned_points(ground), strata[-1][1], table, strata, zones), notices)
+    text = _text(name, notices, _thinned_points(ground), strata[-1][1], table, strata, soil, zones)
+    return DrawnSection(text, notices)
 
 
 def _from_the_ground_down(lines: Sequence[Shape], notices: list[str]) -> list[tuple[str, np.ndarray]]:
@@ -224,9 +233,10 @@ def _text(
     base: np.ndarray,
     table: np.ndarray | None,
     strata: Sequence[tuple[str, np.ndarray]],
+    soil: Callable[[str], list[str]],
     zones: Sequence[tuple[str, np.ndarray]] = (),
 ) -> str:
-    lines = ["# Section from a drawing: the soils have to be added.", *(f"# {text}." for text in notices), ""]
+    lines = ["# Section from a drawing: complete its soils.", *(f"# {text}." for text in notices), ""]
     lines += [f"name = {json.dumps(name)}", f"surface = {_written_points(ground)}"]
     lines += [f"base = {{ elevation = {_written_points(base)} }}", ""]
     if table is not None:
@@ -235,10 +245,10 @@ def _text(
         lines += ["[[strata]]", f"name = {json.dumps(stratum, ensure_ascii=False)}"]
         if k + 1 < len(strata):
             lines.append(f"bottom = {{ elevation = {_written_points(bottom)} }}")
-        lines += [f"# {key} =" for key in SOIL] + [""]
+        lines += [*soil(stratum), ""]
     for zone, points in zones:
         lines += ["[[zones]]", f"name = {json.dumps(zone, ensure_ascii=False)}", f"points = {_written_points(points)}"]
-        lines += [f"# {key} =" for key in SOIL] + [""]
+        lines += [*soil(zone), ""]
     return "\n".join(lines)
 
 

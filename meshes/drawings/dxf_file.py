@@ -3,11 +3,11 @@ an open polyline."""
 
 import importlib.util
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from meshes.drawings.drawn_section import DrawnSection, drawn_section
+from meshes.drawings.drawn_section import DrawnSection, drawn_section, missing_soil
 from meshes.drawings.shapes import shapes_of
 from meshes.drawings.water_line import WATER
 from meshes.errors import InputError
@@ -83,14 +83,17 @@ def layer_names(names: Sequence[str]) -> list[str]:
     return result
 
 
-def read_dxf(path: Path, name: str, unit: float | None = None) -> DrawnSection:
-    """Read the section of a drawing, without the properties of its soils.
+def read_dxf(
+    path: Path, name: str, unit: float | None = None, soil: Callable[[str], list[str]] = missing_soil
+) -> DrawnSection:
+    """Read the section of a drawing.
 
     Parameters
     ----------
     path : path of the drawing
     name : name of the section
     unit : length (m) of one unit of the drawing, whatever its $INSUNITS says
+    soil : the lines of the soil of a stratum by its name; by default its keys, without values
 
     Returns
     -------
@@ -110,7 +113,7 @@ def read_dxf(path: Path, name: str, unit: float | None = None) -> DrawnSection:
         drawing = ezdxf.readfile(path) if binary else recover.readfile(path)[0]
     except (OSError, ezdxf.DXFError, ValueError) as error:
         raise InputError(str(path), [f"is no DXF drawing: {error}"]) from None
-    return drawn_section(shapes_of(drawing, _names(drawing), unit), path, name)
+    return drawn_section(shapes_of(drawing, _names(drawing), unit), path, name, soil)
 
 
 def _names(drawing: Any) -> dict[str, str]:

@@ -4,7 +4,9 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
+from meshes.borings.added_borings import DrawnSoils, with_borings
 from meshes.borings.ags4_file import read_ags4
 from meshes.borings.bro_file import read_bro
 from meshes.borings.connect import OFF_LINE, ConnectedBorings, connected
@@ -29,7 +31,7 @@ READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {
     ".gef": read_gef,
     ".xml": read_bro,
 }
-DRAWING = ".dxf"
+DRAWING, SECTION = ".dxf", ".toml"
 MODELS: dict[str, Callable[[Path, str, str | None], ImportedSection]] = {
     ".stix": read_stix,
     ".gsz": read_gsz,
@@ -92,7 +94,7 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str
 
     Parameters
     ----------
-    files : files of borings, or one .dxf drawing, one model of another program, or one section .toml
+    files : files of borings; one .dxf drawing, one model of another program or one section .toml; or both
     out : file to write: a new section, or the .dxf drawing of a section
     reading : options of reading
 
@@ -106,19 +108,18 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str
         problem of the files.
     """
     kinds = {file.suffix.lower() for file in files}
-    alone = {DRAWING, ".toml", *MODELS}
-    unknown = sorted(kinds - set(READERS) - alone)
+    grounds = [file for file in files if file.suffix.lower() not in READERS]
     if missing := [f"{file}: there is no such file" for file in files if not file.is_file()]:
         raise InputError("section", missing)
     if not out.parent.is_dir():
         raise InputError("--out", [f"{out}: there is no folder {out.parent}"])
-    if unknown or (kinds & alone and len(files) > 1):
+    if kinds - {*READERS, DRAWING, SECTION, *MODELS} or len(grounds) > 1:
         messages = (
-            f"expected files of borings, {', '.join(READERS)}, or one .dxf drawing, one model {' or '.join(MODELS)}, "
-            "or one section .toml to be drawn as .dxf"
+            f"expected files of borings, {', '.join(READERS)}, or their ground, one .dxf drawing, one model "
+            f"{' or '.join(MODELS)} or one section .toml, or both; a section .toml without borings is drawn as .dxf"
         )
         raise InputError("section", [f"{', '.join(map(str, files))}: {messages}"])
-    if kinds == {".toml"}:
+    if kinds == {SECTION}:
         if out.suffix.lower() != DRAWING:
             raise InputError("--out", [f"{out}: expected the name of a .dxf file for the drawing of the section"])
         return [
@@ -128,23 +129,48 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str
     if out.exists():
         raise InputError(str(out), ["exists already; expected the name of a new file"])
     name = re.sub(r"\W+", "_", out.stem, flags=re.ASCII).strip("_")[:80] or "section"
-    if kinds <= set(MODELS):
-        model = MODELS[kinds.pop()](files[0], name, reading.part)
-        out.write_text(model.text, encoding="utf-8")
-        return [*_minded(model.notices), f"Section of {files[0]}: {out}", *to_be_given(out, "It is sound.")]
-    if kinds == {DRAWING}:
-        drawn = read_dxf(files[0], name, reading.unit)
-        out.write_text(drawn.text, encoding="utf-8")
-        return [*_minded(drawn.notices), f"Section of {files[0]}: {out}", *to_be_given(out)]
-    read = [READERS[file.suffix.lower()](file, reading.columns) for file in files]
-    connection = connected(
-        _requested_borings([log for item in read for log in item.logs], reading.borings), reading.off_line
-    )
+    read = [READERS[file.suffix.lower()](file, reading.columns) for file in files if file not in grounds]
+    logs = _requested_borings([log for item in read for log in item.logs], reading.borings) if read else []
+    notices = [text for item in read for text in item.notices]
+    if grounds:
+        ground = _ground(grounds[0], name, reading, logs)
+        out.write_text(ground.text, encoding="utf-8")
+        return [*_minded([*notices, *ground.notices]), f"Section of {', '.join(map(str, files))}: {out}",
+                *to_be_given(out, ground.sound)]  # fmt: skip
+    connection = connected(logs, reading.off_line)
     out.write_text(text_of(connection, name), encoding="utf-8")
     picture = out.with_suffix(".png")
     draw(connection, out.stem).save(picture)
-    minded = _minded([text for item in read for text in item.notices] + list(connection.notices))
+    minded = _minded([*notices, *connection.notices])
     return [*minded, *_summary(connection), f"Section: {out}", f"Picture: {picture}", *to_be_given(out)]
+
+
+class _Ground(NamedTuple):
+    """Holds the text of a section whose ground a drawing, a model or a section gives, notices, and what is said of it
+    if nothing is missing."""
+
+    text: str
+    notices: list[str]
+    sound: str
+
+
+def _ground(path: Path, name: str, reading: Reading, logs: Sequence[Log]) -> _Ground:
+    """Return the section of a drawing, a model or a section file, with the tests of borings that stand in it."""
+    kind = path.suffix.lower()
+    if kind == DRAWING:
+        soils = DrawnSoils(logs)
+        text, notices = read_dxf(path, name, reading.unit, *([soils.lines] if logs else []))
+        made = _Ground(text, [*notices, *soils.notices()], GUESSED)
+    elif kind == SECTION:
+        Config.load(path)  # raises InputError for an invalid file
+        made = _Ground(path.read_text(encoding="utf-8-sig"), [], SOUND)
+    else:
+        model = MODELS[kind](path, name, reading.part)
+        made = _Ground(model.text, list(model.notices), SOUND)
+    if not logs:
+        return made
+    text, notices = with_borings(made.text, path, logs, water=kind == DRAWING)
+    return made._replace(text=text, notices=[*made.notices, *notices])
 
 
 def _requested_borings(logs: Sequence[Log], names: Sequence[str]) -> list[Log]:
@@ -166,6 +192,7 @@ def _minded(notices: Sequence[str]) -> list[str]:
 MISSING = re.compile(
     r'(?P<stratum>strata (?P<number>\d+) ".*")[,:] (?P<key>\w+): missing; expected (?P<expected>.*)', re.DOTALL
 )
+SOUND = "It is sound."
 GUESSED = "The section is complete; stiffness and strength are estimated from N: correct them."
 
 
