@@ -38,7 +38,8 @@ def test_borings_give_a_drawing_its_soils_and_its_water(tmp_path: Path, capsys: 
     assert section["water"]["table"] == [[0, 15], [20, 15], [80, 10], [100, 10]]
     assert [[test["N"] for test in boring["spt"]] for boring in section["triggering"]["borings"]] == [[6, 20], [9]]
     text = " ".join(capsys.readouterr().out.split())
-    assert "boring B2 begins at 13.5 m" in text and "lies at 12.00 m there" in text
+    assert "boring B2 begins at 13.5 m" in text
+    assert "lies at 12.00 m there" in text
     assert "boring B1" not in text
 
 
@@ -49,7 +50,8 @@ def test_a_layer_that_no_boring_has_is_named(tmp_path: Path, capsys: pytest.Capt
     (tmp_path / "b.csv").write_text(BORINGS.replace("lower", "marl"))
     assert command_line.run("section", tmp_path / "slope.toml", "-o", tmp_path / "slope.dxf") == 0
     section = made(tmp_path, "slope.dxf", "b.csv")
-    assert "cohesion" in section["strata"][0] and "cohesion" not in section["strata"][1]
+    assert "cohesion" in section["strata"][0]
+    assert "cohesion" not in section["strata"][1]
     text = " ".join(capsys.readouterr().out.split())
     assert 'no boring has a layer named as the strata "lower"; the borings have "Upper", "marl"' in text
     assert 'strata 2 "lower": youngs_modulus, poissons_ratio, cohesion, friction_angle, density' in text
