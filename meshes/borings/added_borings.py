@@ -18,7 +18,12 @@ NUMBER = re.compile(r"(, part)? \d+$")  # which a drawn layer that is met twice 
 
 
 class DrawnSoils:
-    """Gives the soils of drawn strata by the layers of the same name in borings."""
+    """Gives the soils of drawn strata by the layers of the same name in borings.
+
+    Parameters
+    ----------
+    logs : borings
+    """
 
     def __init__(self, logs: Sequence[Log]) -> None:
         self._logs = logs
@@ -40,8 +45,7 @@ class DrawnSoils:
 
 
 def with_borings(text: str, path: Path, logs: Sequence[Log], water: bool = False) -> tuple[str, list[str]]:
-    """Return the text of a section with the tests of borings, and a sentence for each boring whose ground is another
-    one than that of the section.
+    """Add the tests of borings to the text of a section.
 
     Parameters
     ----------
@@ -52,7 +56,7 @@ def with_borings(text: str, path: Path, logs: Sequence[Log], water: bool = False
 
     Returns
     -------
-    Text of the section, and notices.
+    Text of the section, and a sentence for each boring whose ground is not that of the section.
 
     Raises
     ------

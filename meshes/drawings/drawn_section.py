@@ -37,7 +37,7 @@ def missing_soil(_: str) -> list[str]:
 def drawn_section(
     shapes: Shapes, path: Path, name: str, soil: Callable[[str], list[str]] = missing_soil
 ) -> DrawnSection:
-    """Return the section of a drawing, with the lines of ``soil`` for the name of each stratum.
+    """Return the section of ``shapes`` drawn in ``path``, called ``name``, with the lines of ``soil`` for each stratum.
 
     Outlines are strata with the names of their drawing layers. Without outlines, or if lines continue beyond them, the
     highest line is the ground surface, every other line is the bottom of the stratum named by its drawing layer, and
