@@ -158,14 +158,14 @@ class CohesionField:
     def _passes(self, line: np.ndarray) -> np.ndarray:
         """Return the x (n,) in m where a line, above which ground does not count, crosses the ground surface, a layer
         or the water."""
-        layers, table = self.water.layers, self.water.table_after
-        x = np.unique(np.concatenate([layers.x, line[:, 0], *([] if table is None else [table[:, 0]])]))
+        layers = self.water.layers
+        tables = [table for table in (self.water.table_before, self.water.table_after) if table is not None]
+        x = np.unique(np.concatenate([layers.x, line[:, 0], *(table[:, 0] for table in tables)]))
         x = x[(x >= layers.x[0]) & (x <= layers.x[-1])]
         middle, gaps = 0.5 * (x[1:] + x[:-1]), []
         for end in (x[:-1], x[1:]):
             others = layers.interfaces(end, near=middle)
-            if table is not None:
-                others = np.column_stack([others, level_at(table, end, middle)])
+            others = np.column_stack([others, *(level_at(table, end, middle) for table in tables)])
             gaps.append(level_at(line, end, middle)[:, None] - others)
         least = ON_GROUND * layers.tolerance
         return np.concatenate([crossings(x, *pair, least) for pair in zip(gaps[0].T, gaps[1].T, strict=True)])

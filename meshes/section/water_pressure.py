@@ -108,13 +108,20 @@ class WaterPressure:
             return np.zeros(len(points))
         else:
             pressure = self.hydrostatic(level, points, near)
-        drawn_down = self.table_after is not None and self.table_after is not self.table_before
-        if drawn_down and (head is not None or level is self.table_before):
-            if not self.strata[k].drains:
-                return np.maximum(pressure - self._taken_off(points, near), 0.0)
-            if head is None and self.table_after is not None:
-                return self.hydrostatic(self.table_after, points, near)
+        if self._keeps_pressure(k):
+            return np.maximum(pressure - self._taken_off(points, near), 0.0)
+        if self._is_drawn_down(k) and head is None and self.table_after is not None:
+            return self.hydrostatic(self.table_after, points, near)
         return pressure
+
+    def _is_drawn_down(self, k: int) -> bool:
+        """Return whether a drawdown changes the water of a stratum."""
+        drawn_down = self.table_after is not None and self.table_after is not self.table_before
+        return drawn_down and (self.heads[k] is not None or self.levels[k] is self.table_before)
+
+    def _keeps_pressure(self, k: int) -> bool:
+        """Return whether the pore pressure of a stratum falls in a drawdown only by the load of the water removed."""
+        return self._is_drawn_down(k) and not self.strata[k].drains
 
     def excess(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray) -> np.ndarray:
         """Return the excess pore pressure (n,) by shaking that is not part of the pore pressure ``at_rest``: the excess
@@ -150,6 +157,11 @@ class WaterPressure:
             lowered = self._top(near, near, top)[:, 1] < self._top(near, near)[:, 1] - self.layers.tolerance
             load = np.where(lowered, 0.0, load)
         free = 0.0 if self.table_after is None else self.hydrostatic(self.table_after, ground, near)
+        if top is not None and self.table_before is not None:
+            # The pore pressure of ground that does not drain is that below the table before, less what was taken off.
+            keeps = np.array([self._keeps_pressure(k) for k in range(len(self.strata))])[stratum]
+            before = self.hydrostatic(self.table_before, ground, near) - self._taken_off(points, near)
+            free = np.where(keeps, np.maximum(before, 0.0), free)
         total = self.overburden(points, near, top) + free + load
         pressure = self.static(points, near, stratum) if pressure is None else pressure
         return np.maximum(total - pressure, 0.0)

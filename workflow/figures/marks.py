@@ -59,9 +59,10 @@ def draw_water(axes: Axes, section: Section, moved: bool = False) -> Sequence[Li
     if water is None:
         return []
     if not moved:
-        x = np.union1d(section.ground[:, 0], water[:, 0])
+        free = water if lowered is None else lowered
+        x = np.union1d(section.ground[:, 0], free[:, 0])
         x = np.union1d(x, np.linspace(x[0], x[-1], 2000))
-        level, ground = np.interp(x, *water.T), np.interp(x, *section.ground.T)
+        level, ground = np.interp(x, *free.T), np.interp(x, *section.ground.T)
         axes.fill_between(x, ground, level, where=list(level > ground), color=WATER, alpha=0.25, linewidth=0)
     name = "water table before the slide" if moved else "water table"
     tables = [(water, TABLE, name if lowered is None else "water table before the drawdown")]

@@ -82,12 +82,12 @@ def _show(
     if (water := section.water_points()) is not None:
         axes.plot(*water.T, color=WATER, linewidth=1.2, linestyle=(0, (6, 3)))
         if section.water is not None:  # a table that is only drawn does not stand on the ground
-            x = np.union1d(water[:, 0], section.layering.x)
+            lowered = section.water_points_after_drawdown()
+            free = water if lowered is None else lowered
+            x = np.union1d(free[:, 0], section.layering.x)
             x = np.union1d(x, np.linspace(x[0], x[-1], 400))
             ground = section.layering.interface(0, x)
-            axes.fill_between(
-                x, ground, np.maximum(np.interp(x, *water.T), ground), color=WATER, alpha=0.2, linewidth=0
-            )
+            axes.fill_between(x, ground, np.maximum(np.interp(x, *free.T), ground), color=WATER, alpha=0.2, linewidth=0)
     if name == "weight":
         draw_loads(axes, section)
     elif (flow := section.water_pressure.flow) is not None:

@@ -31,6 +31,21 @@ def test_a_flood_does_not_lower_the_preconsolidation() -> None:
     assert strength(ground(consolidation=None), 5.0, -3.0) == pytest.approx(0.25 * now, rel=1e-6)
 
 
+@pytest.mark.parametrize("below", [0.0, -1.0])
+def test_a_drawdown_does_not_change_the_strength_of_clay_below_a_new_dam(below: float) -> None:
+    """Below the crest σ'v was 0, since the water in the dam above the line counted with the lower table alone."""
+    dam = [[0, 0], [20, 0], [30, 6], [34, 6], [44, 0], [64, 0]]
+    clay = {**soil("Clay", cohesion=0, friction_angle=0, strength_ratio=0.25), "consolidated_below": below}
+    fill = {**soil("Fill"), "bottom": {"elevation": 0.0}}
+    water = {"table": [[0, 5], [28, 5], [44, 0], [64, 0]]}
+    lower = {**water, "after_drawdown": [[0, 1], [22, 1], [44, 0], [64, 0]]}
+    full, emptied = (ground(surface=dam, strata=[fill, clay], water=state, consolidation=None)
+                     for state in (water, lower))  # fmt: skip
+    for x in (5.0, 24.0, 31.0, 50.0):
+        assert strength(full, x, -5.0) > 0.0
+        assert strength(emptied, x, -5.0) == pytest.approx(strength(full, x, -5.0), rel=1e-9)
+
+
 def test_its_depths_are_below_the_ground_without_zones_that_raise_it() -> None:
     berm = {"name": "Berm", "points": [[5, 0], [15, 0], [14, 2], [6, 2]], "material": "Clay"}
     state = {"table": {"depth": 1.0}, "surface": {"depth": 0.0}}

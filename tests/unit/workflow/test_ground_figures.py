@@ -82,6 +82,19 @@ def test_water_beside_ground_that_has_moved_is_that_before_the_slide() -> None:
         assert (line.get_label(), len(axes.collections)) == (label, fills)
 
 
+def test_free_water_after_a_drawdown_stands_up_to_the_lower_table() -> None:
+    """The picture had the water that was removed on the ground."""
+    data = {**slope(), "water": {"table": [[0, 14], [100, 14]], "after_drawdown": [[0, 12], [100, 12]]}}
+    for stratum in data["strata"]:
+        stratum |= {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3"}
+        stratum.pop("density_ordinary", None)
+        stratum.pop("density_seismic", None)
+    axes = Figure().add_subplot()
+    draw_water(axes, Config.parse(data).section)
+    (water,) = axes.collections
+    assert max(path.vertices[:, 1].max() for path in water.get_paths()) == pytest.approx(12.0)
+
+
 def test_both_water_tables_of_a_drawdown_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """The picture had the water table before the drawdown alone, called "water table"."""
     before, after = [[0, 12], [100, 12]], [[0, 12], [100, 6]]

@@ -124,6 +124,17 @@ def test_free_water_counts_for_freeboard_not_the_water_in_the_ground_below_a_bui
     assert water == {"flats": None, "bank": 0.0}
 
 
+def test_the_freeboard_after_a_drawdown_is_above_the_lowered_water() -> None:
+    """It was that above the flood, which had gone."""
+    data = levee().to_data()
+    left = float(levee().section.ground[0, 1])
+    data["water"] = {"table": left + 4.0, "after_drawdown": left + 1.5}
+    data["criteria"] = {"freeboard": {"limit": 1.0}}
+    config = analysed(data)
+    (structure,) = structures_of(config.section)
+    assert water_at_crest(config, structure) == pytest.approx(left + 1.5)
+
+
 def test_lengths_of_a_verdict_have_the_digits_of_tables_and_the_worst_are_named() -> None:
     """ "11.72 m to 14.21 m" stood beside a slide of 13 m, and three structures that slid less were named."""
 
