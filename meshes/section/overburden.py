@@ -111,11 +111,22 @@ def water_level(section: Section, x: float, stratum: int | None = None) -> float
     -------
     Elevation (m); None without water.
     """
-    points = _level(section, stratum)
+    points = water_points(section, stratum)
     return None if points is None else float(np.interp(x, points[:, 0], points[:, 1]))
 
 
-def _level(section: Section, stratum: int | None) -> np.ndarray | None:
+def water_points(section: Section, stratum: int | None = None) -> np.ndarray | None:
+    """Return the water table of the state that is computed, which is the lower one after a drawdown.
+
+    Parameters
+    ----------
+    section : the ground
+    stratum : number of the stratum whose water level is meant; None for the water table, which free water follows
+
+    Returns
+    -------
+    Elevations (n, 2) in m; None without water.
+    """
     if stratum is not None and section.strata[stratum].confined:
         return section.water_pressure.levels[stratum]
     lowered = section.water_points_after_drawdown()
@@ -158,7 +169,7 @@ def reaches_water(section: Section, stratum: int) -> bool:
     """
     x = middles(*section.given_extent, COLUMNS)
     levels = section.layering.interfaces(x)
-    points = _level(section, stratum)
+    points = water_points(section, stratum)
     if points is None:
         return False
     present = levels[:, stratum] > levels[:, stratum + 1]

@@ -247,12 +247,6 @@ class Section(Model):
         lowered = None if self.water is None else self.water.after_drawdown
         return None if lowered is None else self.elevations_of(lowered)
 
-    def computed_water_points(self) -> np.ndarray | None:
-        """Return the water table of the state that is computed, the one after a drawdown, as elevations (n, 2) in
-        metres, or None."""
-        lowered = self.water_points_after_drawdown()
-        return self.water_points() if lowered is None else lowered
-
     @cached_property
     def water_pressure(self) -> WaterPressure:
         """Return the pressure of the water in the pores and on the ground."""

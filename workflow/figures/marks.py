@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation, Transform, blended_transform_factory
 
 from fem.continuum.loads import Direction, sign_of
+from meshes.section.overburden import water_points
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.figures.canvas import CRITICAL, RIGHT, WATER
@@ -56,10 +57,10 @@ def draw_water(axes: Axes, section: Section, moved: bool = False) -> Sequence[Li
     ground that has ``moved`` there is no free water, since the surface is another one, and the table is called that
     before the slide."""
     water, lowered = section.water_points(), section.water_points_after_drawdown()
-    if water is None:
+    free = water_points(section)
+    if water is None or free is None:
         return []
     if not moved:
-        free = water if lowered is None else lowered
         x = np.union1d(section.ground[:, 0], free[:, 0])
         x = np.union1d(x, np.linspace(x[0], x[-1], 2000))
         level, ground = np.interp(x, *free.T), np.interp(x, *section.ground.T)
