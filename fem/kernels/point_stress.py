@@ -7,10 +7,11 @@ before the ground carries pressure again. With a tension cut-off the largest pri
 radius of Mohr's circle, ground that strains by its strain potential has a smaller shear modulus and a viscosity.
 
 A point may have a plane of weakness, as the ubiquitous joints of Zienkiewicz & Pande (1977, Int. J. Numer. Anal.
-Methods Geomech. 1, 219): the shear stress τ along the plane is at most c_p + p sin φ_p, its stress-strain law is that
-of soft ground, and every other strain is that of the ground around. With n half the difference of the normal stresses
-along and across the plane, Mohr's circle has the radius √(n² + τ²); where both limits are exceeded the stress returns
-to the nearest point of both. The stress rotates with the plane, which slip along it does not rotate.
+Methods Geomech. 1, 219): the shear stress τ along the plane is at most c_p + σ sin φ_p with the normal stress σ on the
+plane (compression positive), its stress-strain law is that of soft ground, and every other strain is that of the ground
+around. With n half the difference of the normal stresses along and across the plane, Mohr's circle has the radius
+√(n² + τ²); where both limits are exceeded the stress returns to the nearest point of both. The stress rotates with the
+plane, which slip along it does not rotate.
 
 Stress is positive in tension, Pa, [xx, zz, xz].
 """
@@ -248,8 +249,9 @@ def _sheared_on_plane(
     lost = _shear_energy(abs(along), stiff, soft, knee) + 0.5 * across * across / shear
     strain = math.copysign(_strain_of(abs(along), stiff, soft, knee), along) + slide
     along, across = math.copysign(_radius_of(abs(strain), stiff, soft, knee), strain), across + shear * stretch
-    on_plane = max(properties[p, PLANE_STRENGTH] - mean * properties[p, PLANE_SINE], 0.0)
     strength = max(properties[p, STRENGTH] - mean * properties[p, SIN_PHI], 0.0)
+    normal = mean - min(max(across, -strength), strength)
+    on_plane = max(properties[p, PLANE_STRENGTH] - normal * properties[p, PLANE_SINE], 0.0)
     slipped, sheared = _nearest(along, across, on_plane, strength)
     state[p, PLASTIC_STRAIN] += abs(across - sheared) / shear
     state[p, PLASTIC_STRAIN] += _strain_of(abs(along), stiff, soft, knee) - _strain_of(abs(slipped), stiff, soft, knee)

@@ -332,15 +332,16 @@ def _grid(
         reach = (BORDER - 1 - ROUNDING) * cell
         support[(x < left - reach) | (x > right + reach)] = grid_motion.FIXED
     support[:, -2:] = grid_motion.FIXED
-    return BackgroundGrid(cell, support, _uplift(section, cell, x, z), sides == "periodic", slope)
+    return BackgroundGrid(cell, support, _uplift(section, cell, x, z, sides == "periodic"), sides == "periodic", slope)
 
 
-def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray, periodic: bool) -> np.ndarray:
     """Return the force of the water pressure per volume (nx, nz, 2) at the nodes of the grid (N/m³).
 
     The force is minus the gradient of the water pressure, by central differences between half a cell before and half a
     cell behind the node. Above the ground the gradient is that of free water, so that ground that has slid into the
-    water is buoyant. ``x`` (nx,) and ``z`` (nx, nz): coordinates of the nodes (m); ``cell``: width of a cell (m).
+    water is buoyant. ``x`` (nx,) and ``z`` (nx, nz): coordinates of the nodes (m); ``cell``: width of a cell (m);
+    ``periodic``: whether the water continues across the sides, as the ground does.
     """
     shape = z.shape
     if not section.water_pressure.present:
@@ -350,9 +351,17 @@ def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray) -> np.n
     for axis in (0, 1):
         step = np.zeros(2)
         step[axis] = 0.5 * cell
-        drop = _pressure(section, grid - step) - _pressure(section, grid + step)
+        before, behind = (_across_sides(section, grid + way) if periodic else grid + way for way in (-step, step))
+        drop = _pressure(section, before) - _pressure(section, behind)
         out[..., axis] = (drop / cell).reshape(shape)
     return out
+
+
+def _across_sides(section: Section, points: np.ndarray) -> np.ndarray:
+    """Return points (n, 2) in m; those beyond a periodic side are moved by a period to the other side."""
+    (left, right), layering = section.extent, section.layering
+    periods = np.floor((points[:, 0] - left) / (right - left))
+    return np.asarray(points - np.outer(periods, [right - left, layering.right[-1, -1] - layering.left[0, -1]]))
 
 
 def _between_sides(section: Section, points: np.ndarray) -> np.ndarray:

@@ -21,6 +21,7 @@ from docs.verify.slides.record import Line, SlideAnswer
 from docs.verify.slides.shaking import shaking_of_slope
 from docs.verify.slides.sliding import Sliding, number_of
 from meshes.errors import InputError, NoAnswerError
+from workflow.stages.discs_at_rest import sides_of_discs
 from workflow.stages.shaking import shaking_of
 
 STABLE_WEIGHT_RATIO = 3.0  # gamma H / s_u at which a slow loss of strength begins; columns stand below 3.83
@@ -145,7 +146,7 @@ def _computed_slide(sliding: Sliding, number: int, seed: int) -> tuple[DiscModel
     config = sliding.config
     soil = soil_layers(config.section)
     settings = config.dem.changed(seed=seed)
-    lies = deposit(config.section, settings, soil)
+    lies = deposit(config.section, settings, soil, periodic=sides_of_discs(config) == "periodic")
     strata = [k for k, stratum in enumerate(config.section.strata) if number in stratum.liquefies_in]
     if not strata:
         raise ValueError("nothing liquefies in it")

@@ -49,6 +49,22 @@ def test_firm_ground_at_the_edge_of_a_liquefied_layer_keeps_its_side_pressure(sl
     assert np.abs(after[wet, SIDE]) == pytest.approx(liquid[wet], rel=1e-12)
 
 
+def test_water_continues_across_periodic_sides() -> None:
+    """Seepage along a slope pulls by γ_w times its fall everywhere; nodes at the side had half of it."""
+    soil = {"youngs_modulus": "30 MPa", "poissons_ratio": 0.25, "density": 1.9e3, "friction_angle": "35 deg"}
+    fall, width = 0.1, 20.0
+    data = {
+        "name": "slope",
+        "surface": [[0.0, fall * width], [width, 0.0]],
+        "base": {"depth": 8.0},
+        "water": {"table": [[0.0, fall * width - 1.0], [width, -1.0]]},
+        "strata": [soil | {"name": "wet", "cohesion": "5 kPa"}],
+    }
+    config = Config.parse(data)
+    uplift = ground_of(config.section, 160, "periodic").grid.uplift
+    assert uplift[:, 2, 0] == pytest.approx(fall * config.section.water_pressure.unit_weight, rel=1e-6)
+
+
 def test_ground_that_has_come_apart_is_not_pressed_again_while_it_liquefies(slider: PointSlider) -> None:
     points = slider.ground.points
     loose = np.flatnonzero((points.side != 0.0) & (points.stratum == 1))[0]

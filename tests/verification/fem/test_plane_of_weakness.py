@@ -60,6 +60,23 @@ def test_a_plane_slips_at_its_strength_and_the_ground_around_it_at_its_own(slope
     assert on_plane(stretched, slope)[1] == pytest.approx(73.7e3, rel=1e-3)
 
 
+@pytest.mark.parametrize("slope", [0.0, 0.2, -0.7])
+def test_friction_on_a_plane_is_that_of_the_normal_stress_on_it(slope: float) -> None:
+    """Sand at rest with K0 = 0.5 across the plane slips at σ sin φ with the σ on the plane, not with the mean stress,
+    which is three quarters of it."""
+    slipping, normal, angle = point(slope), 100e3, 2.0 * np.arctan(slope)
+    slipping.properties[0, [law.PLANE_STRENGTH, law.PLANE_SINE]] = 0.0, 0.5
+    half = 0.25 * normal  # along less across the plane, tension positive
+    slipping.stress[0] = [
+        -0.75 * normal + half * np.cos(angle),
+        -0.75 * normal - half * np.cos(angle),
+        half * np.sin(angle),
+    ]
+    for _ in range(400):
+        strained(slipping, 1e-4, 0.0, slope)
+    assert on_plane(slipping, slope) == pytest.approx((0.5 * normal, half), rel=1e-6)
+
+
 def test_slip_along_a_plane_does_not_turn_the_stress_across_it() -> None:
     """A plane that slips by 100 % keeps half a difference of the normal stresses of 30 kPa."""
     slipping = point()

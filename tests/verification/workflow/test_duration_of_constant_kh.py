@@ -70,6 +70,49 @@ def test_liquefied_ground_slides_as_far_as_a_block_under_the_same_kh(onset: floa
     assert 0.95 < float(np.median(slide.slide[-1])) / expected < 1.05
 
 
+def test_sand_of_a_wet_slope_slides_as_far_as_a_block_as_it_liquefies() -> None:
+    """Water lies in the crust of a slope of 7.6°, Kh is 1.6 times the yield coefficient. The friction before and the
+    ratio after liquefaction belong to the same σ'v; with the mean stress on the plane at the edge of the layer, the
+    slope slid three times as far as the block."""
+    fall, depth, water, crust = 0.133, 14.0, 5.5, 6.5
+    width, density, friction, ratio, onset = 16.0, 1.8e3, np.radians(35.0), 0.35, 5.0
+    soil = {"youngs_modulus": "60 MPa", "poissons_ratio": 0.33, "density": density, "friction_angle": "35 deg"}
+    config = Config.parse(
+        {
+            "name": "wet",
+            "surface": [[0.0, fall * width], [width, 0.0]],
+            "base": {"depth": depth + 2.0},
+            "water": {"table": [[0.0, fall * width - water], [width, -water]]},
+            "strata": [
+                soil | {"name": "crust", "cohesion": "10 kPa", "bottom": {"depth": crust}},
+                soil | {"name": "sand", "cohesion": "0 kPa", "bottom": {"depth": depth}, "liquefies_in": [1]},
+                soil | {"name": "firm", "cohesion": "200 kPa"},
+            ],
+            "fem": {"sides": "periodic"},
+            "slide": {
+                "kh": 0.16, "kh_seconds": SECONDS, "onset": onset, "mpm_cells": 250, "duration": 50.0,
+                "cases": [{"name": "ratio", "residual": ratio}],
+            },
+        }
+    )  # fmt: skip
+    angle, mass = np.arctan(fall), density * depth * np.cos(np.arctan(fall))
+    effective = density * GRAVITY * depth - 9.81e3 * (depth - water)
+    times, kh = constant_kh_in_time(config.slide, 1, "soil")
+    instants = np.union1d(np.linspace(0.0, 15.0, 3001), times)
+    share = np.clip((instants - LEAD_TIME["soil"]) / onset, 0.0, 1.0)
+    before = effective * np.cos(angle) ** 2 * np.sin(friction)
+    strength = before + share * (ratio * effective - before)
+    drive = GRAVITY * (np.sin(angle) + np.interp(instants, times, kh) * np.cos(angle)) - strength / mass
+    speed = slid = 0.0
+    for step, force in zip(np.diff(instants), drive, strict=False):
+        after = max(speed + step * force, 0.0)
+        slid, speed = slid + 0.5 * step * (speed + after), after
+    slider, _ = at_rest(config)
+    slide = slide_of_points(PointRun(config, slider, 1, 10.0), lambda _: None)
+    assert slide.settled
+    assert 0.95 < float(np.median(slide.slide[-1])) / (slid * np.cos(angle)) < 1.15
+
+
 @pytest.mark.parametrize("seconds", [0.3, 2.0, None])
 def test_discs_and_points_feel_the_same_constant_kh(seconds: float | None) -> None:
     """It gives a block the velocity of a Kh that ends at once; that of the discs lasted half a second longer."""
