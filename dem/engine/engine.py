@@ -274,10 +274,10 @@ class EngineRun:
         return self.balance() if engine.energies else None
 
     def list_anew(self) -> None:
-        """Make the neighbour list again, and compute the stable step while the layout is made."""
+        """Make the neighbour list again, and check the time step while the layout is made."""
         model = self.model
         model.make_list(self.in_ranges)
-        find = step_finder(model)
+        find = step_finder(model, self.dt if self.share is None else np.inf)
         if self.pool is None or self.threads == 1:
             self.stable = find()
         else:

@@ -37,9 +37,9 @@ def largest_step(model: DiscModel) -> StableStep:
     return step_finder(model)()
 
 
-def step_finder(model: DiscModel) -> Callable[[], StableStep]:
+def step_finder(model: DiscModel, enough: float = np.inf) -> Callable[[], StableStep]:
     """Return a function that computes the largest stable time step of a model in its present state. The function may
-    run while the layout is made.
+    run while the layout is made. It may return a smaller step if that is at least `enough` (s), which takes less time.
     """
     invmass = np.where(model.fixed, 0.0, 1.0 / model.mass)
     bodies = Bodies(model.x, model.z, model.radius, invmass, invmass * model.inertia_ratio)
@@ -49,7 +49,7 @@ def step_finder(model: DiscModel) -> Callable[[], StableStep]:
 
     def find() -> StableStep:
         pairs = Pairs(i, j, model.kind(i, j), length)
-        seconds, disc = stable_step(bodies, pairs, model.skin, lines, springs, model.repeats)
+        seconds, disc = stable_step(bodies, pairs, model.skin, lines, springs, model.repeats, enough)
         limits = ((float(seconds), int(disc)), longest_look(model), step_at_speed(model))
         return StableStep(*min(limits, key=lambda limit: limit[0]))
 

@@ -258,7 +258,7 @@ def _add_all(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def stable_step(
-    bodies: Bodies, pairs: Pairs, skin: float, at_lines: LineContacts, springs: Springs, period: Period
+    bodies: Bodies, pairs: Pairs, skin: float, at_lines: LineContacts, springs: Springs, period: Period, enough: float
 ) -> tuple[float, int]:
     """Return the largest stable time step of discs in contact, by the bound in the docstring of this module.
 
@@ -270,6 +270,7 @@ def stable_step(
     at_lines : contacts with rigid lines
     springs : constants of the contacts
     period : length along x and rise along z of a period (m)
+    enough : step (s) beyond which the bound is not improved by further weights; inf for the best bound
 
     Returns
     -------
@@ -290,6 +291,8 @@ def stable_step(
         largest = max(largest, least)
         if weighing == 0:
             which = slowest
+        if largest >= enough:
+            break
     return largest, which
 
 

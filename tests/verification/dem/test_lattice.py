@@ -8,7 +8,7 @@ import pytest
 from dem.assembly import DiscBoundary, DiscGeometry, DiscMaterials
 from dem.engine.engine import Engine
 from dem.engine.forces import contact_forces, resultants
-from dem.engine.time_step import largest_step
+from dem.engine.time_step import largest_step, step_finder
 from dem.model import DiscModel
 from tests.support.dem_cases import BARE_SPRINGS, FLOOR, GRAVITY, KN, MASS, RADIUS, lattice, random_discs, stress, trace
 
@@ -139,6 +139,15 @@ def test_bound_of_the_step_is_safe_and_close_for_random_discs(seed: int, ratio: 
     model = random_discs(seed, 49, replace(BARE_SPRINGS, ks=ratio * KN), 0.0)
     exact = 2.0 / highest_frequency(model, ratio * KN)
     assert 0.9 * exact < largest_step(model).seconds <= exact
+
+
+@pytest.mark.parametrize("share", [0.2, 0.9, 1.0, 1.1])
+def test_bound_that_is_large_enough_is_not_improved(share: float) -> None:
+    model = random_discs(1, 49, replace(BARE_SPRINGS, ks=0.5 * KN), 0.0)
+    best = largest_step(model).seconds
+    early = step_finder(model, enough=share * best)().seconds
+    assert min(share, 1.0) * best <= early <= best
+    assert share > 0.2 or early < best
 
 
 def test_column_settles_under_its_weight() -> None:
