@@ -230,12 +230,19 @@ def tension_warning(fem: FemAnswer, variants: Sequence[Variant], section: Sectio
         return
     if cracked > 0.0 and len(upright_faces(section.ground)):
         return
-    yield (
-        2,
-        f"the ground resists tension, and without tensile strength, as with open cracks, the critical Kh is "
-        f"{coefficient(cracked)}, {100.0 * (1.0 - cracked / fem.kc):.0f} % smaller: give a [tension_crack], or "
-        'tension = "0 kPa" for strata that may crack',
-    )
+    remedy = 'give a [tension_crack], or tension = "0 kPa" for strata that may crack'
+    if cracked > 0.0:
+        yield (
+            2,
+            f"the ground resists tension, and without tensile strength, as with open cracks, the critical Kh is "
+            f"{coefficient(cracked)}, {100.0 * (1.0 - cracked / fem.kc):.0f} % smaller: {remedy}",
+        )
+    else:
+        yield (
+            2,
+            "the ground resists tension, and without tensile strength, as with open cracks, it fails under its own "
+            f"weight: {remedy}",
+        )
 
 
 def _level_ground_governs(fem: FemAnswer, section: Section) -> str:
