@@ -271,5 +271,7 @@ def factors(case: Bearing) -> str:
         phrases.append(f"at least {case.factor_lower:.2f} by a strict bound with ψ = φ")
     if case.factor is not None:
         less = case.factor_lower is not None and case.factor < case.factor_lower
-        phrases.append(f"{case.factor:.2f} by finite elements" + (", lower since ψ < φ" if less else ""))
+        more = case.factor_upper is not None and round(case.factor, 2) > round(case.factor_upper, 2)
+        beside = ", lower since ψ < φ" if less else ", above the strict upper bound, which counts" if more else ""
+        phrases.append(f"{case.factor:.2f} by finite elements{beside}")
     return ", ".join(phrases)

@@ -112,6 +112,12 @@ def test_elements_below_the_strict_bounds_say_why() -> None:
     assert factors(less).endswith("0.70 by finite elements, lower since ψ < φ")
 
 
+def test_elements_above_the_strict_upper_bound_say_that_the_bound_counts() -> None:
+    """A slope of shale had "0.51 to 0.53 by strict bounds, 0.54 by finite elements"."""
+    more = after_liquefaction(1, 4.0, 0.8).model_copy(update={"factor": 0.83})
+    assert factors(more).endswith("0.83 by finite elements, above the strict upper bound, which counts")
+
+
 def test_a_case_is_called_by_its_name_and_ground_that_rises_does_not_settle() -> None:
     data = slope()
     data["strata"][0]["liquefies_in"] = [1]
