@@ -35,6 +35,8 @@ def data(**changes: Any) -> dict[str, Any]:
         ({"strength_ratio": 22}, "22 %"),
         ({"strength_ratio": 0.22, "ocr": 250}, ""),
         ({"strength_ratio": 0.22, "pre_overburden_pressure": 20}, "20 kPa"),
+        ({"strength_table": [[0, "20 kPa"], ["40 kPa", "180 MPa"]]}, "180 kPa"),
+        ({"strength_table": [[0, 20], ["40 kPa", "25 kPa"]]}, "20 kPa"),
         ({"pore_pressure_ratio": 30}, "30 %"),
         ({"permeability": 5}, "5 cm/s"),
     ],
