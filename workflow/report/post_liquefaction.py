@@ -272,6 +272,6 @@ def factors(case: Bearing) -> str:
     if case.factor is not None:
         less = case.factor_lower is not None and case.factor < case.factor_lower
         more = case.factor_upper is not None and round(case.factor, 2) > round(case.factor_upper, 2)
-        beside = ", lower since ψ < φ" if less else ", above the strict upper bound, which counts" if more else ""
-        phrases.append(f"{case.factor:.2f} by finite elements{beside}")
+        comparison = ", lower since ψ < φ" if less else ", above the strict upper bound, which counts" if more else ""
+        phrases.append(f"{case.factor:.2f} by finite elements{comparison}")
     return ", ".join(phrases)
