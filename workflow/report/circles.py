@@ -37,6 +37,10 @@ FAILS = "the section fails"  # with which the reason of a stage begins if the gr
 CIRCLE_REMEDY = (
     "rely on finite elements and bounds, since the critical mechanism is no circle, for example along a weak layer"
 )
+TENSION_REMEDY = (
+    "rely on finite elements and bounds, since circles have no tension cut-off, or give a [tension_crack], at which they "
+    "end"
+)
 
 
 def of_circles(results: Results) -> Iterator[str]:
@@ -50,13 +54,15 @@ def of_circles(results: Results) -> Iterator[str]:
     if circles is None or bounds is None or results.config.fem.direction != "both":
         return
     section = results.config.section
+    without_cutoff = results.config.tension_crack.bottom is None and any(s.tension is not None for s in section.strata)
+    remedy = TENSION_REMEDY if without_cutoff else CIRCLE_REMEDY
     factors = {group.kh: group.circles[0] for group in circles.factors if group.circles}
     for part in bounds.safety:
         if (circle := factors.get(part.kh)) is None:
             continue
         statement = f"slip circles have a factor of safety of {circle.bishop:.2f} at Kh = {part.kh:g}"
         if part.upper is not None and circle.bishop > RATIO_ABOVE_BOUND * part.upper:
-            yield f"{statement}, above the strict upper bound of {part.upper:.2f}: {CIRCLE_REMEDY}"
+            yield f"{statement}, above the strict upper bound of {part.upper:.2f}: {remedy}"
         if part.lower is not None and circle.bishop < RATIO_BELOW_BOUND * part.lower:
             yield f"{statement}, below the strict lower bound of {part.lower:.2f}{_assumed(section, circle)}"
     if not circles.critical:
@@ -64,7 +70,7 @@ def of_circles(results: Results) -> Iterator[str]:
     circle = circles.critical[0]
     statement = f"slip circles have a critical Kh of {coefficient(circle.bishop)}"
     if bounds.upper is not None and circle.bishop > RATIO_ABOVE_BOUND * bounds.upper + KH_ABOVE_BOUND:
-        remedy = _slides_out(bounds) or CIRCLE_REMEDY
+        remedy = _slides_out(bounds) or remedy
         yield f"{statement}, above the strict upper bound of {coefficient(bounds.upper)}: {remedy}"
     if bounds.lower is not None and circle.bishop < min(
         RATIO_BELOW_BOUND * bounds.lower, bounds.lower - KH_BELOW_BOUND

@@ -122,6 +122,12 @@ def test_slip_circles_above_a_strict_upper_bound_are_told(run: Config) -> None:
     console = list(contradicted_circles(results(both, slices=circles(2.1, 0.4), bounds=strict)))
     assert console[1].startswith("Warning: Slip circles have a critical Kh of 0.400, above the strict upper bound")
     assert ". To do: rely on finite elements and bounds" in console[1]
+    assert first.endswith("the critical mechanism is no circle, for example along a weak layer")
+    strata = [stratum.model_copy(update={"tension": 0.0}) for stratum in both.section.strata]
+    cut_off = both.model_copy(update={"section": both.section.with_strata(strata)})
+    first, second = of_circles(results(cut_off, slices=circles(2.1, 0.4), bounds=strict))
+    for text in (first, second):  # both blamed a weak layer in one soil
+        assert text.endswith("since circles have no tension cut-off, or give a [tension_crack], at which they end")
     assert list(of_circles(results(both, slices=circles(1.75, 0.27), bounds=strict))) == []
     assert list(of_circles(results(both, bounds=strict))) == []
 
