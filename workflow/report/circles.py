@@ -38,8 +38,8 @@ CIRCLE_REMEDY = (
     "rely on finite elements and bounds, since the critical mechanism is no circle, for example along a weak layer"
 )
 TENSION_REMEDY = (
-    "rely on finite elements and bounds, since circles have no tension cut-off, or give a [tension_crack], at which they "
-    "end"
+    "rely on finite elements and bounds, since circles have no tension cut-off, or give a [tension_crack], at which "
+    "they end"
 )
 
 
