@@ -6,7 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Normalize
 from matplotlib.image import imread
+from matplotlib.lines import Line2D
 
 from dem.case import Case
 from dem.engine.engine import Engine
@@ -21,7 +24,7 @@ from workflow.config import Config
 from workflow.figures import discs as dem_figures
 from workflow.figures.canvas import Sheet, Window
 from workflow.figures.colours import soil_colour
-from workflow.figures.slides import Frame, history, left_by, profiles, shown_window
+from workflow.figures.slides import Frame, history, left_by, legend_beside_bar, profiles, shown_window
 from workflow.results.cases import Profile
 from workflow.results.history import SlideHistory
 
@@ -127,3 +130,15 @@ def test_a_picture_of_material_points_shows_the_ground_and_not_the_base_beyond_t
     deep = replace(first, x=np.array([-44.0, 0.0, 70.0, 184.0]), z=np.array([10.0, 10.0, 2.0, -9.0]))
     deep = replace(deep, stratum=np.array([-1, 0, -1, -1]))
     assert shown_window([deep, last], "mpm").bottom == 1.5  # the whole base below the ground, which was cut
+
+
+def test_the_legend_with_both_water_tables_of_a_drawdown_lies_right_of_the_colour_bar() -> None:
+    """Its first column lay on the colour bar of the displacements."""
+    sheet = Sheet("slide", [0.2, 0.2], "", legend_rows=3)
+    dem_figures.displacement_scale(sheet, Normalize(0.0, 10.0))
+    bar = sheet.figure.axes[-1]
+    names = ("surface before", "surface after", "water table before the drawdown", "water table after the drawdown")
+    legend_beside_bar(sheet, [Line2D([], [], label=name) for name in names])
+    FigureCanvasAgg(sheet.figure).draw()
+    [legend] = sheet.figure.legends
+    assert legend.get_window_extent().x0 > bar.get_window_extent().x1
