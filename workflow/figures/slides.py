@@ -184,11 +184,11 @@ def end(config: Config, path: Path, case: CaseAnswer | PointCase, springs: str, 
     wet = draw_water(sheet.show(1, render(window, strata), window, "layers"), config.section, moved=True)
     displacement_scale(sheet, norm)
     sheet.legend(handles, columns, below=2.6)
-    legend_beside_bar(sheet, [*axes.lines, *wet])
+    draw_line_legend(sheet, [*axes.lines, *wet])
     return sheet
 
 
-def legend_beside_bar(sheet: Sheet, lines: Sequence[Artist]) -> None:
+def draw_line_legend(sheet: Sheet, lines: Sequence[Artist]) -> None:
     """Draw the legend of the ``lines`` of a ``sheet`` right of its colour bar: three in a row, four in two columns."""
     sheet.figure.legend(
         handles=lines, loc="upper right", bbox_to_anchor=(0.985, sheet.legend_at[1]), ncols=3 if len(lines) < 4 else 2,

@@ -24,7 +24,7 @@ from workflow.config import Config
 from workflow.figures import discs as dem_figures
 from workflow.figures.canvas import Sheet, Window
 from workflow.figures.colours import soil_colour
-from workflow.figures.slides import Frame, history, left_by, legend_beside_bar, profiles, shown_window
+from workflow.figures.slides import Frame, draw_line_legend, history, left_by, profiles, shown_window
 from workflow.results.cases import Profile
 from workflow.results.history import SlideHistory
 
@@ -138,7 +138,7 @@ def test_the_legend_with_both_water_tables_of_a_drawdown_lies_right_of_the_colou
     dem_figures.displacement_scale(sheet, Normalize(0.0, 10.0))
     bar = sheet.figure.axes[-1]
     names = ("surface before", "surface after", "water table before the drawdown", "water table after the drawdown")
-    legend_beside_bar(sheet, [Line2D([], [], label=name) for name in names])
+    draw_line_legend(sheet, [Line2D([], [], label=name) for name in names])
     FigureCanvasAgg(sheet.figure).draw()
     [legend] = sheet.figure.legends
     assert legend.get_window_extent().x0 > bar.get_window_extent().x1
