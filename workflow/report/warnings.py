@@ -26,6 +26,7 @@ SIDE_EFFECT_RATIO = 1.15  # times, or divided by it: other sides that change the
 TENSION_EFFECT_RATIO = 0.9  # of the critical Kh: a smaller one without tensile strength is reported
 LEVEL_GROUND_SHARE = 0.97  # of the Kh of level ground: a larger critical Kh is its failure, up to errors of meshes
 LIMIT_DISTANCE = 0.1  # of the critical Kh after liquefaction: a Kh of a slide that is nearer to it is reported
+REPORTED_SHARE = 0.1  # of a stratum: a smaller part with F_L below 1 is not reported
 UNRESOLVED_RATIO = 2.0  # times, or divided by it: a slide whose numerical error alone may be larger is reported
 OPEN_KH_RATIO = (
     1.1  # ratio of the largest possible critical Kh to the target of the calibration, from which it is reported
@@ -71,7 +72,8 @@ def _warnings(results: Results) -> Iterator[tuple[Weight, str]]:
         yield 2, "the ground is a reconstruction: confirm the depths of the layers by borings"
     for text in assumed_input(results):
         yield 2, text.replace(": ", ", ", 1) if text.count(": ") > 1 else text  # the first colon follows a key
-    for find in (_calibration, _target_range, _fails_between_fixed_sides, _residual_strength, _at_the_limit):
+    for find in (_calibration, _target_range, _fails_between_fixed_sides, _residual_strength, _at_the_limit,
+                 _partly_liquefied):  # fmt: skip
         yield from ((2, text) for text in find(results))
     yield from contradictions(results)
     yield from ((2, text) for text in _of_cases(results))
@@ -152,6 +154,21 @@ def _residual_strength(results: Results) -> Iterator[str]:
             "the field sand shears before it regains strength, so that lateral spreads are underestimated: give "
             "borings, or the shear strain (slide.cases, strain_potential), at most 0.5 in loose sand"
         )
+
+
+def _partly_liquefied(results: Results) -> Iterator[str]:
+    """Yield a warning of each soil that liquefies in a smaller part than counts, and so in none."""
+    triggering, ground = results.triggering, {stratum.name: stratum for stratum in results.config.section.strata}
+    for part in triggering.strata if triggering is not None else ():
+        if part.liquefies or part.name not in ground or ground[part.name].liquefiable:
+            continue
+        if part.share is not None and part.share >= REPORTED_SHARE and triggering is not None:
+            yield (
+                f"F_L is below 1 in {100.0 * part.share:.0f} % of {shown_name(part.name)}, less than the "
+                f"{100.0 * triggering.share:.0f} % from which a stratum counts as liquefied, so that none of it "
+                "liquefies in stability and slides: divide the stratum where its blow counts differ, or lower "
+                "triggering.share"
+            )
 
 
 def _at_the_limit(results: Results) -> Iterator[str]:

@@ -7,13 +7,14 @@ import pytest
 
 from tests.support import dem_fixture
 from tests.support.answers import fem, liquefying_config, report_text, results, warned
-from tests.support.sections import analysed, slope
+from tests.support.sections import analysed, assessment, slope
 from workflow.config import Config
 from workflow.earthquake.site_response import warning as strain_warning
 from workflow.report.warnings import _unresolved, merged_notes
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import PathStep
 from workflow.results.dem_counterpart import DemCounterpart
+from workflow.results.triggering import TriggeringAnswer
 
 
 @pytest.fixture
@@ -129,3 +130,31 @@ def test_a_large_strain_in_the_response_is_observed_before_the_colon(run: Config
     assert sentence.startswith(
         "In the response of the layers to r.EW the largest shear strain is 0.62 %, above 0.5 %. "
     )
+
+
+@pytest.mark.parametrize(
+    ("blows", "share", "reported"), [((4, 40), 0.6, True), ((4, 40), 0.3, False), ((40, 40), 0.6, False)]
+)
+def test_a_stratum_that_liquefies_in_a_part_too_small_to_count_is_reported(
+    blows: tuple[int, int], share: float, reported: bool
+) -> None:
+    """Tailings with F_L below 1 in 45 % of them, and P_L of 22 at one boring, had a run without a word of it."""
+    tests = [[{"depth": depth, "N": count, "fines": 5} for depth in (4.0, 6.0)] for count in blows]
+    data = {
+        **slope(),
+        "water": {"table": [[0, 18], [100, 9]]},
+        "earthquake": {"magnitude": 7.5, "peak_acceleration": "0.2 g"},
+        "triggering": {
+            "share": share,
+            "borings": [{"name": f"B{x}", "x": x, "spt": spt} for x, spt in zip((30, 70), tests, strict=True)],
+        },
+    }
+    for stratum in data["strata"]:
+        stratum |= {"density": "1.8 t/m^3", "density_saturated": "2.0 t/m^3", "liquefies_in": "triggered"}
+        del stratum["density_ordinary"], stratum["density_seismic"]
+    data["strata"] = [{**data["strata"][1], "name": "sand"}]
+    config = analysed(data)
+    answer = TriggeringAnswer.of(config, assessment(config))
+    texts = [text for text in warned(results(config, triggering=answer)) if "from which a stratum counts" in text]
+    assert bool(texts) == reported
+    assert all('% of "sand" below water, less than the 60 % from' in text for text in texts)
