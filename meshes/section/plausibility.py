@@ -250,7 +250,26 @@ def not_level(ground: np.ndarray, table: np.ndarray) -> Iterator[str]:
         )
 
 
-def nothing_flows(water: WaterPressure) -> Iterator[str]:
+def flow_notices(water: WaterPressure) -> Iterator[str]:
+    """Return a sentence if nothing flows in seepage, and one for each wall that free water stands against."""
+    yield from _nothing_flows(water)
+    table = water.table_before
+    if water.flow is None or table is None:
+        return
+    for x in water.flow.grid.walls:
+        at, near = np.full(2, x), np.array([x - LEVEL, x + LEVEL])
+        levels = level_at(table, at, near)
+        above = np.maximum(levels - water.layers.interface(0, at, near=near), 0.0)
+        if abs(levels[1] - levels[0]) > LEVEL and abs(above[1] - above[0]) > LEVEL:
+            pressure = water.unit_weight * abs(above[1] - above[0]) / 1e3
+            yield (
+                f"water, cutoffs: free water stands at {levels[0]:g} m left of the wall at x = {x:g} m and at "
+                f"{levels[1]:g} m right of it; a wall has no strength here, and the ground beside it carries "
+                f"{pressure:.3g} kPa at its surface: give the wall as a zone if it carries them"
+            )
+
+
+def _nothing_flows(water: WaterPressure) -> Iterator[str]:
     """Return a sentence if seepage is to be computed, but its heads, or a wall, prevent any flow."""
     table = water.table_before
     if water.flow is None or table is None or water.flow.discharge:

@@ -25,7 +25,7 @@ from meshes.section.layering import Layering, Layers, elevations_below, layering
 from meshes.section.line_order import in_order
 from meshes.section.model import Model
 from meshes.section.naming import naming_problems, without_other_tables
-from meshes.section.plausibility import against_the_water, implausible, not_level, not_lower, nothing_flows
+from meshes.section.plausibility import against_the_water, implausible, not_level, not_lower, flow_notices
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Length
 from meshes.section.seepage import Seepage
@@ -189,7 +189,7 @@ class Section(Model):
         notices += against_the_water(self.layering, self.strata, drawn, table)
         if after is not None:
             notices += [*not_level(self.ground, after), *(not_lower(table, after) if table is before else [])]
-        notices += [*nothing_flows(self.water_pressure), *([self.uplift.description] if self.uplift else [])]
+        notices += [*flow_notices(self.water_pressure), *([self.uplift.description] if self.uplift else [])]
         notices += [f"{key_in_file(self.strata, k)}: {words}" for k, words in self.cohesion_field.notices]
         notices += self.surface_loads.notices
         if self.beyond is not None:

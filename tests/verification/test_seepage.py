@@ -102,6 +102,19 @@ def test_heads_from_which_nothing_flows_and_walls_down_to_the_base_are_told() ->
     assert any("a wall closes the section" in text for text in closed.notices)
 
 
+def test_ground_that_carries_free_water_in_the_place_of_a_wall_is_reported() -> None:
+    """A cofferdam in sand failed beside its wall with a factor of 0.4, as the wall has no strength, without a word."""
+    wall = {"x": 30.0, "bottom": 0.0}
+    water = [[0, 8], [30, 8], [30, 6], [60, 6]]
+    section = Section.parse(flowing([[0, 5], [60, 5]], water, cutoffs=[wall]))
+    (notice,) = (text for text in section.notices if "cutoffs" in text)
+    assert "free water stands at 8 m left of the wall at x = 30 m and at 6 m right of it" in notice
+    assert f"carries {2.0 * section.water_pressure.unit_weight / 1e3:.3g} kPa at its surface" in notice
+    for table in ([[0, 4], [30, 4], [30, 2], [60, 2]], [[0, 8], [60, 6]]):  # in the ground; no step at the wall
+        quiet = Section.parse(flowing([[0, 5], [60, 5]], table, cutoffs=[wall]))
+        assert not any("cutoffs" in text for text in quiet.notices)
+
+
 @pytest.mark.parametrize(
     ("table", "at"),
     [
