@@ -25,7 +25,7 @@ from meshes.section.layering import Layering, Layers, elevations_below, layering
 from meshes.section.line_order import in_order
 from meshes.section.model import Model
 from meshes.section.naming import naming_problems, without_other_tables
-from meshes.section.plausibility import against_the_water, implausible, not_level, not_lower, flow_notices
+from meshes.section.plausibility import against_the_water, flow_notices, implausible, not_level, not_lower
 from meshes.section.polyline import Line, Polyline
 from meshes.section.quantity import Length
 from meshes.section.seepage import Seepage
