@@ -110,13 +110,16 @@ def safety_of_failure(results: Results, failure: FailureAnswer, name: str, _: Te
     ``results``, ``name``, ``_``: as above; ``failure``: factor of safety by finite elements.
     """
     factor, upper = failure.factor, results.upper_factor_at_rest
-    phrase = _(
-        "Without shaking the section does not stand: its factor of safety is {factor} ({flow}).",
-        factor=f"{factor:.2f}", flow=_(FLOW[failure.flow]),
-    )  # fmt: skip
+    limited = upper is not None and upper < factor
+    value = f"{upper:.2f}" if limited else f"{factor:.2f}"
+    sentence = (
+        "Without shaking the section does not stand: its factor of safety is at most {factor} ({flow})."
+        if limited
+        else "Without shaking the section does not stand: its factor of safety is {factor} ({flow})."
+    )
+    phrase = _(sentence, factor=value, flow=_(FLOW[failure.flow]))
     if failure.davis is not None:
         phrase += " " + _(
             "With Davis reduced strength the factor of safety is {factor}.", factor=f"{failure.davis:.2f}"
         )
-    interval = _("at most {upper}", upper=f"{upper:.2f}") if upper is not None and upper < factor else ""
-    return HeadlinePart(name=name, value=f"{factor:.2f}", interval=interval, conclusion=phrase)
+    return HeadlinePart(name=name, value=f"< {value}" if limited else value, interval="", conclusion=phrase)

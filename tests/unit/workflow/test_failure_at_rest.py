@@ -343,10 +343,16 @@ def test_the_first_page_of_ground_that_fails_by_its_weight_has_its_factor_of_saf
     assert safety.conclusion.endswith("With Davis reduced strength the factor of safety is 0.64.")
     rows = [row.value for row in stability_rows(known, Texts()) if "factor of safety at Kh = 0" in row.quantity]
     assert rows == ["0.86", "0.64"]
-    proven = replace(known, bounds=bounds(run, -0.13, -0.0275).model_copy(update={"verdict": "unstable"}))
+    strict = bounds(run, -0.13, -0.0275).model_copy(update={"verdict": "unstable"})
+    proven = replace(known, bounds=strict)
     first, second, _ = headlines(proven, Texts())
     assert (first.value, second.value) == ("< 0", "0.86")
     assert "its critical Kh is at most -0.0275" in first.conclusion
+    part = SafetyPart(kh=0.0, lower=0.38, upper=0.42, cells=9)
+    below = replace(proven, bounds=strict.model_copy(update={"safety": (part,)}))
+    [second] = [item for item in headlines(below, Texts()) if item.name == second.name]
+    assert second.value == "< 0.42"  # it was "0.86; at most 0.42"
+    assert "does not stand: its factor of safety is at most 0.42" in second.conclusion
     picture = front(known)
     assert picture is not None
     labels = {text.get_text() for legend in picture.figure.legends for text in legend.get_texts()}
