@@ -221,6 +221,11 @@ class CohesionField:
         stratum = np.repeat(stratum, 4)
         pressure = self.water.static(points, near, stratum).reshape(-1, 4)
         pressure[:, 3] = pressure[:, :3].mean(axis=1)
+        for k, line in enumerate(self.consolidated):  # the water above it is linear between corners as well
+            if line is not None and self.water.flow is not None and (stratum == k).any():
+                load = self.water.seepage_at(line, points, near).reshape(-1, 4)
+                of_stratum = stratum[::4] == k
+                pressure[of_stratum, 3] += (load[:, 3] - load[:, :3].mean(axis=1))[of_stratum]
         return self._of_strata(linear, points, near, stratum, pressure.ravel()).reshape(-1, 4)[:, :3]
 
     def means(self) -> tuple[Stratum, ...]:

@@ -157,7 +157,9 @@ class WaterPressure:
             lowered = self._top(near, near, top)[:, 1] < self._top(near, near)[:, 1] - self.layers.tolerance
             load = np.where(lowered, 0.0, load)
         free = 0.0 if self.table_after is None else self.hydrostatic(self.table_after, ground, near)
-        if top is not None and self.table_before is not None:
+        if top is not None and self.flow is not None:
+            free = self.seepage_at(top, points, near)
+        elif top is not None and self.table_before is not None:
             # The pore pressure of ground that does not drain is that below the table before, less what was taken off.
             keeps = np.array([self._keeps_pressure(k) for k in range(len(self.strata))])[stratum]
             before = self.hydrostatic(self.table_before, ground, near) - self._taken_off(points, near)
@@ -165,6 +167,13 @@ class WaterPressure:
         total = self.overburden(points, near, top) + free + load
         pressure = self.static(points, near, stratum) if pressure is None else pressure
         return np.maximum(total - pressure, 0.0)
+
+    def seepage_at(self, line: np.ndarray, points: np.ndarray, near: np.ndarray) -> np.ndarray:
+        """Return the pressure (n,) of flowing water on a ``line`` (k, 2), or on the ground where it is lower, above or
+        below points; zero where no water flows. ``points``, ``near``: as in ``at_rest``."""
+        if self.flow is None:
+            return np.zeros(len(points))
+        return self.unit_weight * self.flow.pressure_head(self._top(points, near, line), near)
 
     def inside(self, points: np.ndarray, near: np.ndarray, stratum: np.ndarray, excess_pressure: bool) -> np.ndarray:
         """Return the pore pressure (n,), with the excess pore pressure by shaking if ``excess_pressure``.

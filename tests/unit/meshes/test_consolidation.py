@@ -46,6 +46,25 @@ def test_a_drawdown_does_not_change_the_strength_of_clay_below_a_new_dam(below: 
         assert strength(emptied, x, -5.0) == pytest.approx(strength(full, x, -5.0), rel=1e-9)
 
 
+def test_seepage_in_a_new_dam_loads_clay_by_its_pore_pressure_not_by_the_table_of_heads() -> None:
+    """Behind a wall that closes the dam σ'v is γ' z; the straight table of heads added the weight of 2 m of water."""
+    dam = [[0, 0], [20, 0], [30, 6], [34, 6], [44, 0], [64, 0]]
+    clay = {**soil("Clay", cohesion=0, friction_angle=0, strength_ratio=0.25, permeability="1e-9 m/s"),
+            "consolidated_below": 0.0}  # fmt: skip
+    fill = {**soil("Fill", permeability="1e-6 m/s"), "bottom": {"elevation": 0.0}}
+    water = {"flow": True, "table": [[0, 5], [28, 5], [44, 0], [64, 0]], "cutoffs": [{"x": 32, "bottom": -10}]}
+    closed = ground(surface=dam, strata=[fill, clay], water=water, consolidation=None)
+    assert strength(closed, 37.0, -5.0) == pytest.approx(0.25 * 5.0 * (20e3 - 9.80665e3), rel=1e-3)
+    open_dam = ground(surface=dam, strata=[fill, clay], water={**water, "cutoffs": []}, consolidation=None)
+    corners = np.array([[[x, -4.0], [x + 2.0, -4.0], [x, -4.5]] for x in np.arange(1.0, 62.0, 0.5)])
+    field, clays = open_dam.cohesion_field, np.full(len(corners), len(open_dam.strata) - 1)
+    at = corners.reshape(-1, 2)
+    exact = field.at(at, np.repeat(corners.mean(axis=1), 3, axis=0), np.repeat(clays, 3)).reshape(-1, 3)
+    # At the toe, where the load of the water bends upwards, the lower bounds had no strength at all.
+    assert (field.corners(corners, clays, above=False) > 0.95 * exact).all()
+    assert (field.corners(corners, clays, above=True) < 1.05 * exact).all()
+
+
 def test_its_depths_are_below_the_ground_without_zones_that_raise_it() -> None:
     berm = {"name": "Berm", "points": [[5, 0], [15, 0], [14, 2], [6, 2]], "material": "Clay"}
     state = {"table": {"depth": 1.0}, "surface": {"depth": 0.0}}
