@@ -19,6 +19,8 @@ from meshes.section.quantity import GRAVITY
 LEAD_TIME: Mapping[Law, float] = {"paper": 0.0, "soil": 2.0}
 FALL_TIME = 1.0  # s in which a constant Kh ends, so that the ground is not shocked
 TIME_TOLERANCE = 1e-6  # s: difference up to which two times are equal
+# Of a step of the onset: the engine stops up to half a time step before a step ends.
+STEP_TOLERANCE = 0.02
 SHORTEST_RISE = 1e-3  # s in which the Kh of the paper rises
 STEP_DURATION = 1e-6  # s between the two ends of a step of a record
 POINTS_PER_CYCLE = 64  # points in time
@@ -71,15 +73,13 @@ class BaseMotion:
     end: float
 
     def share(self, stratum: int, since: float) -> float:
-        """Return the degree of liquefaction of a stratum, 0 to 1, rounded to steps."""
+        """Return the degree of liquefaction of a stratum, 0 to 1: in the middle of the step that begins, so that it is
+        neither early nor late on average."""
         since -= self.starts[stratum]
-        if since < -TIME_TOLERANCE:
-            return 0.0
-        return (
-            1.0
-            if self.onset == 0.0
-            else min(1.0, (np.floor(FADING_STEPS * since / self.onset + TIME_TOLERANCE) + 1.0) / FADING_STEPS)
-        )
+        if since < -TIME_TOLERANCE or self.onset == 0.0:
+            return float(since >= -TIME_TOLERANCE)
+        steps = np.floor(FADING_STEPS * since / self.onset + STEP_TOLERANCE)
+        return 1.0 if steps >= FADING_STEPS else float((steps + 0.5) / FADING_STEPS)
 
     def wait(self, since: float, longest: float) -> float:
         """Return the time to the next change of springs (s), at most ``longest``."""

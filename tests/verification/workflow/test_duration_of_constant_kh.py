@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from dem.ground import Ground
+from dem.liquefied_ground import FADING_STEPS
 from dem.model import DiscModel
 from dem.packing import Packing
 from dem.slides.drive import LEAD_TIME, constant_kh, constant_kh_in_time
@@ -133,3 +134,17 @@ def test_discs_and_points_feel_the_same_constant_kh(seconds: float | None) -> No
     assert impulse == pytest.approx(KH * GRAVITY * seconds, rel=2e-3)
     assert motion.rest_from == pytest.approx(liquefied_at + seconds + 1.0)
     assert points[times > liquefied_at + seconds + 0.501] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_discs_liquefy_neither_early_nor_late() -> None:
+    """The mean degree of liquefaction over an onset is a half, also if the engine stops just before a step of the onset
+    ends; then discs had the degree of the step before, and otherwise that of the next one."""
+    config, onset = _level_ground(5.0), 5.0
+    start = cast("DiscModel", SimpleNamespace(law="soil", time=0.0))
+    motion = constant_kh(start, Ground(cast("Packing", None), "random", 0.5, 0, 0.0, (0.0, 0.0), 1), [1], config.slide)
+    ends = LEAD_TIME["soil"] + onset * np.arange(FADING_STEPS + 1) / FADING_STEPS
+    for late in (0.0, -1e-4, 1e-4):
+        shares = [motion.share(1, max(end + late, LEAD_TIME["soil"])) for end in ends]
+        assert np.mean(shares[:-1]) == pytest.approx(0.5)
+        assert shares[-1] == 1.0
+    assert motion.share(1, LEAD_TIME["soil"] - 0.1) == 0.0
