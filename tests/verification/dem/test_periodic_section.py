@@ -9,6 +9,8 @@ import pytest
 from dem.laboratory.soil_contacts import soil_layers
 from dem.search.deposit import Deposit, deposit
 from dem.slides.liquefaction import Slider
+from docs.verify.slides.predict import _computed_slide
+from docs.verify.slides.sliding import Sliding
 from meshes.section.quantity import GRAVITY
 from workflow.config import Config
 
@@ -61,6 +63,13 @@ def test_discs_continue_across_the_sides(on_firm_ground: tuple[Config, Deposit])
     x, z = on_firm_ground[1].ground.to_section(model.x, model.z)
     base = FALL * (WIDTH - x) - (CRUST + LOOSE + FIRM)
     assert (z[model.fixed] < base[model.fixed]).all()
+
+
+def test_known_slides_with_periodic_sides_have_discs_with_periodic_sides() -> None:
+    """Walls of a box supported such a slope, which slid by millimetres in the place of metres."""
+    config = endless_on(0.0).with_settings("dem", elements=250).with_settings("slide", duration=0.5)
+    start, _, _ = _computed_slide(Sliding(config), 1, 0)
+    assert start.period == pytest.approx((WIDTH, -FALL * WIDTH))
 
 
 def fixed_by(config: Config, at_rest: Deposit) -> float:
