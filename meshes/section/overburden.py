@@ -111,11 +111,11 @@ def water_level(section: Section, x: float, stratum: int | None = None) -> float
     -------
     Elevation (m); None without water.
     """
-    points = water_points(section, stratum)
+    points = computed_water_points(section, stratum)
     return None if points is None else float(np.interp(x, points[:, 0], points[:, 1]))
 
 
-def water_points(section: Section, stratum: int | None = None) -> np.ndarray | None:
+def computed_water_points(section: Section, stratum: int | None = None) -> np.ndarray | None:
     """Return the water table of the state that is computed, which is the lower one after a drawdown.
 
     Parameters
@@ -169,7 +169,7 @@ def reaches_water(section: Section, stratum: int) -> bool:
     """
     x = middles(*section.given_extent, COLUMNS)
     levels = section.layering.interfaces(x)
-    points = water_points(section, stratum)
+    points = computed_water_points(section, stratum)
     if points is None:
         return False
     present = levels[:, stratum] > levels[:, stratum + 1]

@@ -128,9 +128,11 @@ OF_A_STRATUM = {
 def implausible(strata: Sequence[Stratum], water: Water | None, surcharges: Sequence[Surcharge]) -> list[str]:
     """Return one sentence for each quantity outside its range."""
     sentences = [text for k, s in enumerate(strata) for text in _sentences(key_in_file(strata, k), s, OF_A_STRATUM)]
-    for k, s in enumerate(strata):
-        pairs = [quantity for pair in s.strength_table or () for quantity in pair if not is_within(quantity, COHESION)]
-        sentences += [sentence(f"{key_in_file(strata, k)}, strength_table", quantity, COHESION) for quantity in pairs]
+    sentences += [
+        sentence(f"{key_in_file(strata, k)}, strength_table", quantity, COHESION)
+        for k, s in enumerate(strata) for pair in s.strength_table or () for quantity in pair
+        if not is_within(quantity, COHESION)
+    ]  # fmt: skip
     sentences += _sentences("water", water, {"unit_weight": WATER}) if water is not None else []
     for number, load in enumerate(surcharges, start=1):
         sentences += [

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation, Transform, blended_transform_factory
 
 from fem.continuum.loads import Direction, sign_of
-from meshes.section.overburden import water_points
+from meshes.section.overburden import computed_water_points
 from meshes.section.section import Section
 from workflow.config import Config
 from workflow.figures.canvas import CRITICAL, RIGHT, WATER
@@ -57,7 +57,7 @@ def draw_water(axes: Axes, section: Section, moved: bool = False) -> Sequence[Li
     ground that has ``moved`` there is no free water, since the surface is another one, and the table is called that
     before the slide."""
     water, lowered = section.water_points(), section.water_points_after_drawdown()
-    free = water_points(section)
+    free = computed_water_points(section)
     if water is None or free is None:
         return []
     if not moved:

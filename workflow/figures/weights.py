@@ -9,7 +9,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 
 from meshes.pore_loads import corner_pressure
-from meshes.section.overburden import water_points
+from meshes.section.overburden import computed_water_points
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.triangles import TriMesh, triangulate
@@ -80,7 +80,7 @@ def _show(
     sheet.views[view].set_position((left, low, SHARE * wide, high))
     axes = sheet.show(view, painted(window, paint, exaggeration), window, words + exaggeration_words, exaggeration)
     axes.add_collection(LineCollection(borders(section), colors=INK, linewidths=0.5))
-    water, free = section.water_points(), water_points(section)
+    water, free = section.water_points(), computed_water_points(section)
     if water is not None and free is not None:
         axes.plot(*water.T, color=WATER, linewidth=1.2, linestyle=(0, (6, 3)))
         if section.water is not None:  # a table that is only drawn does not stand on the ground

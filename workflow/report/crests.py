@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from meshes.errors import InputError
-from meshes.section.overburden import water_points
+from meshes.section.overburden import computed_water_points
 from meshes.section.stratum import liquefying_strata
 from workflow.config import Config
 from workflow.earthquake.triggering.assessment import assess
@@ -121,7 +121,7 @@ def water_at_crest(config: Config, structure: CrestedStructure) -> float | None:
     limit = config.criteria.freeboard
     if limit is not None and limit.water is not None:
         return float(limit.water)
-    points = water_points(config.section)
+    points = computed_water_points(config.section)
     if points is None or not holds_water(config):
         return None
     feet = np.array([structure.crest.start, structure.crest.end])
@@ -143,7 +143,7 @@ def holds_water(config: Config) -> bool:
     """Return whether freeboard is relevant: there is a criterion for it, or free water."""
     if config.criteria.freeboard is not None:
         return True
-    points, ground = water_points(config.section), config.section.ground
+    points, ground = computed_water_points(config.section), config.section.ground
     return points is not None and bool((np.interp(ground[:, 0], *points.T) > ground[:, 1] + LEAST_DEPTH).any())
 
 
