@@ -174,7 +174,8 @@ def save(mesh: QuadMesh, path: Path | str) -> None:
     """
     import meshio
 
-    edges = {name: ends for name, ends in mesh.boundaries.items() if len(ends)}
+    # A side where the ground thins out to nothing has no edges; it keeps its name, which `read` requires.
+    edges = {name: np.reshape(ends, (-1, 2)) for name, ends in mesh.boundaries.items()}
     tags = {name: len(mesh.strata) + number for number, name in enumerate(edges, start=1)}
     of_lines = np.concatenate([np.full(len(ends), tags[name]) for name, ends in edges.items()])
     physical = [mesh.stratum + 1, of_lines]

@@ -156,8 +156,10 @@ class FactorSearch(WeakenedGround):
         take less work than lower bounds, and exist on coarse triangles on which lower bounds do not."""
         safe, unsafe, last = 0.0, math.inf, self.known_at_full_strength
         if last is not None and last.upper is not None:
-            step = math.exp(self.excess(last.upper) / USUAL_DECREASE_OF_KH)
-            self.factor = self.looked_for(min(max(step, 1.0 / LARGEST_FACTOR_RATIO), LARGEST_FACTOR_RATIO))
+            # Light ground, such as that below a footing, has a Kh of hundreds, whose exponential overflows.
+            most = math.log(LARGEST_FACTOR_RATIO)
+            step = math.exp(min(max(self.excess(last.upper) / USUAL_DECREASE_OF_KH, -most), most))
+            self.factor = self.looked_for(step)
             safe, unsafe = (1.0, math.inf) if step >= 1.0 else (0.0, 1.0)
         for _ in range(MOST_TRIALS):
             trial = self.measure(self.factor, lower=False)

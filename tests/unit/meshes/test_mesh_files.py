@@ -18,7 +18,7 @@ from meshes.section.naming import BOUNDARIES
 from meshes.section.section import Section
 from meshes.settings import MeshSettings
 from tests.support.meshes import SHIPPED, free, grid, s13
-from tests.support.sections import assert_conforming, slope
+from tests.support.sections import assert_conforming, layer, slope
 from workflow.results.stored_mesh import given_mesh
 
 
@@ -48,6 +48,19 @@ def test_reading_gives_what_was_written_exactly(tmp_path: Path, writer: str) -> 
     corners, written = (np.sort(item.points[item.cells].mean(axis=1), axis=0) for item in (mesh, again))
     np.testing.assert_allclose(written, corners, rtol=1e-14, atol=1e-12)
     np.testing.assert_allclose(again.stratum_areas(), mesh.stratum_areas(), rtol=1e-12)
+    assert {name: len(ends) for name, ends in again.boundaries.items()} == {
+        name: len(ends) for name, ends in mesh.boundaries.items()
+    }
+
+
+def test_a_dam_that_thins_out_on_its_base_is_read_again_without_a_right_side(tmp_path: Path) -> None:
+    surface = [[0.0, 10.0], [10.0, 10.0], [40.0, 0.0], [50.0, 0.0]]
+    dam = layer("dam", cohesion="15 kPa", friction_angle="30 deg")
+    section = Section.parse({"name": "dam", "surface": surface, "base": {"elevation": 0.0}, "strata": [dam]})
+    mesh = generate(section, MeshSettings(), tmp_path / "section.msh")
+    save(mesh, tmp_path / "saved.msh")
+    again = read(tmp_path / "saved.msh")
+    assert again.boundaries["right"].shape == (0, 2)
     assert {name: len(ends) for name, ends in again.boundaries.items()} == {
         name: len(ends) for name, ends in mesh.boundaries.items()
     }

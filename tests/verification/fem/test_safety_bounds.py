@@ -83,6 +83,36 @@ def test_a_footing_fails_by_its_load_whatever_kh():
     assert 0.97 <= result.lower <= 1.0 <= result.upper <= 1.02
 
 
+def test_a_footing_at_the_edge_of_a_clay_slope_of_hardly_any_weight():
+    """Nc = π + 2 - 2β at the edge of a slope of 45°, F = 1.5. Such light ground has a critical Kh of hundreds, which must
+    not overflow in the first step of the search. Measured with 8000 triangles: 1.489 to 1.504."""
+    clay = {
+        "name": "clay",
+        "youngs_modulus": "30 MPa",
+        "poissons_ratio": 0.45,
+        "density": "0.02 kN/m^3",
+        "cohesion": "50 kPa",
+        "friction_angle": "0 deg",
+    }
+    pressure = 50.0 * (math.pi + 2.0 - 2.0 * math.radians(45.0)) / 1.5
+    load = {"from": 17.0, "to": 20.0, "pressure": f"{pressure} kPa", "seismic_share": 0.0}
+    section = Section.parse(
+        {
+            "name": "footing",
+            "unusual": True,
+            "surface": [[0.0, 10.0], [20.0, 10.0], [30.0, 0.0], [45.0, 0.0]],
+            "base": {"elevation": -4.0},
+            "surcharges": [load],
+            "strata": [clay],
+        }
+    )
+    fem, settings = FemSettings(sides="smooth"), BoundsSettings(gap=0.04, max_cells=2000)
+    of_kh = kh_bounds(section, fem, settings)
+    factor = safety_bounds(section, fem, settings, known=of_kh)
+    assert of_kh.upper > 300.0
+    assert 1.45 <= factor.lower <= 1.5 <= factor.upper <= 1.53
+
+
 def test_a_slope_of_sand_is_told_with_the_factor_of_its_grains_and_that_of_the_whole():
     """Grains roll down at tan φ / tan β; with half a metre of the face left out, a fill of 5 m bears a little more."""
     surface = [[0.0, 0.0], [10.0, 0.0], [20.0, 5.0], [30.0, 5.0]]
