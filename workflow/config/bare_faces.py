@@ -8,7 +8,7 @@ import numpy as np
 
 from fem.continuum.shallow_failure import ShallowFailure, faces_at, merged_faces
 from fem.settings import FemSettings
-from meshes.section.cutting import BELOW_WATER
+from meshes.section.cutting import BELOW_WATER, whole_soil
 from meshes.section.section import Section
 from meshes.section.sentences import coordinate
 
@@ -25,13 +25,14 @@ def falling_faces(section: Section, settings: FemSettings) -> Iterator[str]:
 
 def joined_slopes(faces: Iterable[ShallowFailure]) -> list[ShallowFailure]:
     """Return the faces that fail by their weight, from left to right. Neighbouring parts of one slope of a stratum,
-    from which water flows at different gradients, are one face."""
+    above and below the water or from which water flows at different gradients, are one face."""
     joined: list[ShallowFailure] = []
     for face in faces:
         last = joined[-1] if joined else None
         if face.kh >= 0.0:
             continue
-        if last and (last.stratum, last.end) == (face.stratum, face.start) and math.isclose(last.angle, face.angle):
+        goes_on = last is not None and last.end == face.start and math.isclose(last.angle, face.angle)
+        if last is not None and goes_on and whole_soil(last.stratum) == whole_soil(face.stratum):
             joined[-1] = replace(last, end=face.end)
         else:
             joined.append(face)
@@ -43,7 +44,7 @@ def _sentence(section: Section, face: ShallowFailure) -> str:
     friction, slope = np.degrees(soil.friction_angle), np.degrees(face.angle)
     cause = "" if slope > friction else ", and water that flows out of it"
     return (
-        f'the bare face of "{face.stratum.removesuffix(BELOW_WATER)}" from x = {coordinate(face.start)} to '
+        f'the bare face of "{whole_soil(face.stratum)}" from x = {coordinate(face.start)} to '
         f"{coordinate(face.end)} m cannot stand by itself: its slope is {slope:.0f}°{cause}, its friction angle "
         f"{friction:.0f}°, its cohesion 0; all results are for failures below it: give it the cohesion that holds it, "
         "or a flatter slope"

@@ -31,8 +31,8 @@ def failure_at_rest(results: Results, texts: Texts | None = None) -> str:
         return ""
     rises = results.config.section.water_pressure.rises_by_shaking
     factor = results.upper_factor_at_rest
-    if bounds.upper is not None and -1.0 < bounds.upper < 0.0:
-        proof = _("its critical Kh is at most {upper}", upper=f"{bounds.upper:.3g}")
+    if (upper := bounds.upper_number) is not None and upper < 0.0:
+        proof = _("its critical Kh is at most {upper}", upper=f"{upper:.3g}")
     elif factor is not None and factor < 1.0:  # between held sides the ground may stand
         proof = _("its factor of safety is at most {upper}", upper=f"{factor:.2f}")
     else:

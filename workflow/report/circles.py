@@ -69,9 +69,10 @@ def of_circles(results: Results) -> Iterator[str]:
         return
     circle = circles.critical[0]
     statement = f"slip circles have a critical Kh of {coefficient(circle.bishop)}"
-    if bounds.upper is not None and circle.bishop > RATIO_ABOVE_BOUND * bounds.upper + KH_ABOVE_BOUND:
+    upper = bounds.upper_number
+    if upper is not None and circle.bishop > RATIO_ABOVE_BOUND * upper + KH_ABOVE_BOUND:
         remedy = _slides_out(bounds) or remedy
-        yield f"{statement}, above the strict upper bound of {coefficient(bounds.upper)}: {remedy}"
+        yield f"{statement}, above the strict upper bound of {coefficient(upper)}: {remedy}"
     if bounds.lower is not None and circle.bishop < min(
         RATIO_BELOW_BOUND * bounds.lower, bounds.lower - KH_BELOW_BOUND
     ):
@@ -140,7 +141,7 @@ def _why_far(results: Results, circle: CirclePart, elements: float, line: np.nda
             f", which slip from x = {line[0, 0]:.1f} to {line[-1, 0]:.1f} m, down to z = {line[:, 1].min():.1f} m"
         )
     if circle.bishop < elements:
-        strata = listed([shown_name(name) for name in _cut_steeply(section, circle)])
+        strata = listed(_cut_steeply(section, circle))
         steeply = STEEPLY.format(strata=strata) if strata else ""
         remedy = "find strict bounds (bounds.run), and report the circles as the more cautious result"
         return f"{place_words}{steeply}: {remedy}"
@@ -203,7 +204,7 @@ def _slides_out(bounds: BoundsAnswer) -> str:
 def _assumed(section: Section, circle: CirclePart) -> str:
     """Return the reason why a circle may fail at a smaller Kh than the ground resists in equilibrium, and advice on
     what to do."""
-    strata = [shown_name(name) for name in _cut_steeply(section, circle)]
+    strata = _cut_steeply(section, circle)
     if not strata:
         return (
             ", although the circles cut no ground with friction steeply: compare both results with the finite "
@@ -214,10 +215,10 @@ def _assumed(section: Section, circle: CirclePart) -> str:
 
 
 def _cut_steeply(section: Section, circle: CirclePart) -> list[str]:
-    """Return the strata with friction that a circle cuts steeply, by name from the top down."""
+    """Return the names of the soils with friction that a circle cuts steeply, from the top down."""
     line = np.array(circle.surface_m)
     middle, step = 0.5 * (line[1:] + line[:-1]), np.diff(line, axis=0)
     steep = middle[np.abs(step[:, 1]) > STEEP_SLOPE * np.abs(step[:, 0])]
     numbers = np.unique(section.stratum_at(steep[:, 0], steep[:, 1]))
     strata = [section.strata[k] for k in numbers.tolist() if k >= 0]
-    return list(dict.fromkeys(s.name for s in strata if s.friction_angle > 0.0))
+    return list(dict.fromkeys(shown_name(s.name) for s in strata if s.friction_angle > 0.0))

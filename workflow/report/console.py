@@ -203,13 +203,15 @@ def comparison_sentences(answer: FemAnswer, results: Results | None = None) -> I
         elif answer.is_rough(other):
             kh = f"about {rough_coefficient(other.kc)}, by one mesh"
         yield f"With the seismic force {FORCE[other.direction]} the critical Kh is {kh}{way_out(other.at_sides)}."
+    governing = governing_kh(results) if results is not None else None
+    whole = coefficient(answer.kc) if governing is None else coefficient(governing.value)
     for face in answer.shallow_failures:
         if face.is_edge(answer.settings.least_depth):
             yield edge_sentence(face.stratum, face.start_x_m, face.end_x_m, face.kh)
             continue
         yield (
             f"{face_words(face.stratum, face.start_x_m, face.end_x_m)} ({face.angle_deg:.0f}°) {failing_at(face.kh)}; "
-            f"the slope as a whole fails at {coefficient(answer.kc)}."
+            f"the slope as a whole fails at {whole}."
         )
 
 

@@ -100,8 +100,8 @@ def _critical(results: Results) -> Iterator[Interval]:
         yield from _by_elements(results, of, face, "critical Kh")
     governing, fem, bounds = governing_kh(results), results.fem, results.bounds
     if results.fails_at_rest and bounds is not None:
-        by_number = bounds.upper is not None and -1.0 < bounds.upper < 0.0  # a number below -1 has no meaning
-        yield BY_BOUNDS, -OPEN_END, bounds.upper if by_number else 0.0, ""
+        upper = bounds.upper_number
+        yield BY_BOUNDS, -OPEN_END, 0.0 if upper is None else min(upper, 0.0), ""
     elif (failure := results.failure) is not None and _is_of_section(results, failure.slip_surface):
         yield "the section by finite elements", -OPEN_END, 0.0, ""
     if governing is None or fem is None:

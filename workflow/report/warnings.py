@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from meshes.section.cutting import shown_name
+from meshes.section.cutting import CRACKED, shown_name
 from meshes.section.section import Section
 from meshes.section.stratum import cases_of
 from meshes.section.tension_crack import upright_faces
@@ -247,7 +247,9 @@ def tension_warning(fem: FemAnswer, variants: Sequence[Variant], section: Sectio
         return
     if cracked > 0.0 and len(upright_faces(section.ground)):
         return
-    remedy = 'give a [tension_crack], or tension = "0 kPa" for strata that may crack'
+    has_cracks = any(CRACKED in stratum.name for stratum in section.strata)
+    remedy = "give deeper cracks in [tension_crack]" if has_cracks else "give a [tension_crack]"
+    remedy += ', or tension = "0 kPa" for strata that may crack'
     if cracked > 0.0:
         yield (
             2,

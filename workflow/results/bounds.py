@@ -8,6 +8,7 @@ from fem.continuum.loads import Direction
 from fem.settings import BoundsSettings, Sides
 from workflow.results.answer import FORCE, Answer, Part, SectionLabel, way_out
 
+LEAST_NUMBER = -1.0  # Kh at or below which an upper bound is no number of an engineer
 BoundsVerdict = Literal["bracketed", "wide", "no bracket", "unstable"]
 
 
@@ -224,6 +225,12 @@ class BoundsAnswer(BracketPart, Answer):
     def fails_at_rest(self) -> bool:
         """Return whether a mechanism proves that the section fails without a seismic force."""
         return self.upper is not None and self.upper < 0.0
+
+    @property
+    def upper_number(self) -> float | None:
+        """Return the upper bound of Kh if it is a number of an engineer. Where no horizontal force could stabilise the
+        section, the search ends at a Kh far below -1, which is none."""
+        return None if self.upper is None or self.upper <= LEAST_NUMBER else self.upper
 
     @property
     def fails_with_smooth_sides(self) -> bool:

@@ -49,6 +49,15 @@ def test_a_face_of_several_seepage_gradients_is_one_face() -> None:
     assert joined_slopes(steeper) == steeper
 
 
+def test_a_face_that_the_water_table_crosses_is_one_face() -> None:
+    """A bank of sand of 34° had two warnings, of the parts above and below the water."""
+    faces = [ShallowFailure(name, start, end, 0.59, -0.05, 1.0, 0.2)
+             for name, start, end in (("Sand", 163.0, 163.8), ("Sand, below water", 163.8, 166.0))]  # fmt: skip
+    assert [(face.start, face.end) for face in joined_slopes(faces)] == [(163.0, 166.0)]
+    silt = [faces[0], replace(faces[1], stratum="Silt, below water")]
+    assert joined_slopes(silt) == silt
+
+
 def test_places_of_a_national_grid_have_all_their_digits() -> None:
     """They were at "x = 5.234e+05 m"."""
     ends = [coordinate(x) for x in (12.3456, -0.5, 1234.567, 523417.25, 523420.0, -6250400.0)]

@@ -156,6 +156,31 @@ def test_slip_circles_below_a_strict_lower_bound_are_told_with_the_ground_that_t
     assert "although the circles cut no ground with friction steeply" in messages
 
 
+def test_a_soil_that_cracks_part_is_named_once_where_circles_cut_it_steeply(run: Config) -> None:
+    """A cut of loess with a tension crack: circles cut steeply through "Loess" and "Loess"."""
+    loess = layer("Loess", cohesion="30 kPa", friction_angle="28 deg")
+    data = {"name": "cut", "surface": [[0, 12], [20, 12], [22, 0], [45, 0]], "base": {"elevation": -6}}
+    cracked = Config.parse({**data, "strata": [loess], "tension_crack": {"bottom": {"depth": 3.0}}}).section
+    line = ((15.0, 12.0), (18.0, 4.0), (22.0, 0.0))
+    item = CirclePart.model_construct(towards="right", bishop=-0.032, spencer=None, surface_m=line)
+    circles = SlicesAnswer.model_construct(factors=(), critical=(item,), faces=(), reason="")
+    both = run.with_settings("fem", direction="both").model_copy(update={"section": cracked})
+    (message,) = of_circles(results(both, slices=circles, bounds=bounds(run, -0.012, -0.006)))
+    assert 'steeply through "Loess", where' in message
+
+
+def test_circles_are_not_compared_with_a_bound_that_is_no_number(run: Config) -> None:
+    """An embankment on soft clay whose two faces fail at F = 0.74: circles of -0.084 were "above the strict upper bound
+    of -4901.453"."""
+    item = CirclePart.model_construct(towards="left", bishop=-0.084, spencer=None, surface_m=((0.0, 0.0), (9.0, 0.0)))
+    circles = SlicesAnswer.model_construct(factors=(), critical=(item,), faces=(), reason="")
+    both = run.with_settings("fem", direction="both")
+    endless = bounds(run, 0.0, 0.0).model_copy(update={"lower": None, "upper": -4901.453})
+    assert list(of_circles(results(both, slices=circles, bounds=endless))) == []
+    (message,) = of_circles(results(both, slices=circles, bounds=endless.model_copy(update={"upper": -0.12})))
+    assert "above the strict upper bound of -0.120" in message
+
+
 def test_level_ground_that_slides_out_at_a_side_explains_circles_above_the_bounds(run: Config) -> None:
     item = CirclePart.model_construct(towards="left", bishop=0.19, spencer=None, surface_m=((0.0, 0.0), (9.0, 0.0)))
     circles = SlicesAnswer.model_construct(factors=(), critical=(item,), faces=(), reason="")

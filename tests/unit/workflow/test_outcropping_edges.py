@@ -1,6 +1,9 @@
 """A narrow edge of a layer without cohesion is no shallow failure of a face."""
 
 from fem.settings import FemSettings
+from tests.support.answers import bounds as strict_bounds
+from tests.support.answers import fem, results
+from tests.support.sections import analysed, slope
 from workflow.report.bounds_text import bounds_sentences
 from workflow.report.console import comparison_sentences
 from workflow.results.bounds import BoundsAnswer, SafetyPart, ShallowBoundPart
@@ -39,6 +42,17 @@ def test_seven_centimetres_of_a_liner_are_an_edge() -> None:
 def test_three_metres_are_a_face() -> None:
     assert elements(3.0).startswith('Shallow failure of the face of "Liner" from x = 32.9')
     assert bounds(3.0).startswith('Shallow failure of the face of "Liner" from x = 32.9')
+
+
+def test_a_face_is_compared_with_the_critical_kh_that_counts() -> None:
+    """A bank of loose sand: "the slope as a whole fails at 0.085" stood below a critical Kh of at most 0.082."""
+    run = analysed(slope())
+    face = ShallowFailurePart(stratum="Sand", start_x_m=32.9, end_x_m=35.9, angle_deg=34.0, kh=-0.1)
+    answer = fem(run, 0.085).model_copy(update={"shallow_failures": (face,)})
+    (alone,) = comparison_sentences(answer)
+    assert alone.endswith("the slope as a whole fails at 0.085.")
+    (bounded,) = comparison_sentences(answer, results(run, fem=answer, bounds=strict_bounds(run, 0.0782, 0.0824)))
+    assert bounded.endswith("the slope as a whole fails at 0.082.")
 
 
 def test_a_face_that_the_elements_report_is_not_reported_again_by_the_bounds() -> None:

@@ -198,6 +198,16 @@ def test_a_critical_kh_that_needs_tension_is_reported(kc: float | None, reported
     assert bool([*tension_warning(answer, variants, quay)]) == (kc == 0.0)
 
 
+def test_ground_with_cracks_that_needs_tension_is_advised_to_crack_deeper() -> None:
+    """Rock with cracks of 12 m was advised to give a [tension_crack]."""
+    answer = fem(Config.parse(slope()))
+    for crack, advice in ((None, ": give a [tension_crack]"), (2.0, ": give deeper cracks in [tension_crack]")):
+        data = slope() if crack is None else {**slope(), "tension_crack": {"bottom": {"depth": crack}}}
+        section = Config.parse(data).section
+        ((_, text),) = tension_warning(answer, [variant("tension", "no tensile strength", 0.0)], section)
+        assert f"{advice}, or tension =" in text
+
+
 def test_the_finite_elements_alone_report_a_critical_kh_that_needs_tension() -> None:
     answer, section = fem(Config.parse(slope())), Config.parse(slope()).section
     for share, reported in ((0.92, False), (0.85, True)):
