@@ -84,8 +84,8 @@ def test_a_footing_fails_by_its_load_whatever_kh():
 
 
 def test_a_footing_at_the_edge_of_a_clay_slope_of_hardly_any_weight():
-    """Nc = π + 2 - 2β at the edge of a slope of 45°, F = 1.5. Such light ground has a critical Kh of hundreds, which must
-    not overflow in the first step of the search. Measured with 8000 triangles: 1.489 to 1.504."""
+    """Nc = π + 2 - 2β at the edge of a slope of 45°, F = 1.5. Such light ground has a critical Kh of hundreds, which
+    must not overflow in the first step of the search. Measured with 8000 triangles: 1.489 to 1.504."""
     clay = {
         "name": "clay",
         "youngs_modulus": "30 MPa",
