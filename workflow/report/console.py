@@ -203,8 +203,8 @@ def comparison_sentences(answer: FemAnswer, results: Results | None = None) -> I
         elif answer.is_rough(other):
             kh = f"about {rough_coefficient(other.kc)}, by one mesh"
         yield f"With the seismic force {FORCE[other.direction]} the critical Kh is {kh}{way_out(other.at_sides)}."
-    governing = governing_kh(results) if results is not None else None
-    whole = coefficient(answer.kc) if governing is None else coefficient(governing.value)
+    critical = governing_kh(results) if results is not None else None
+    whole = coefficient(answer.kc if critical is None else critical.value)
     for face in answer.shallow_failures:
         if face.is_edge(answer.settings.least_depth):
             yield edge_sentence(face.stratum, face.start_x_m, face.end_x_m, face.kh)
