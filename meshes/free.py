@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 
 from meshes.mapped import name_groups
 from meshes.seams import Seam, along_and_above, seam_ends, seams_of
+from meshes.section.alike_sides import has_alike_sides
 from meshes.section.layering import Layering
 from meshes.section.section import Section
 from meshes.settings import GROWTH_REACH
@@ -82,7 +83,7 @@ def build_free(section: Section, layers: Layering, sizes: Sizes, algorithm: int)
     before_division = sizes.times(2.0)
     surfaces, curves, steps = _geometry(section, layers, before_division)
     _size_field(section, surfaces, curves, before_division, steps)
-    if sizes.repeats and layers.repeats:
+    if sizes.repeats and has_alike_sides(section.strata, layers):
         _match_sides()
     option = gmsh.option.setNumber
     option("Mesh.MeshSizeFromPoints", 0)

@@ -16,6 +16,7 @@ from fem.kernels import assembly, mohr_coulomb, viscoplastic
 from fem.settings import DavisForm, Element, FlowSetting
 from meshes.errors import InputError
 from meshes.quad_mesh import QuadMesh
+from meshes.section.alike_sides import has_alike_sides
 from meshes.section.section import Section, Stratum
 
 # Share of the elastic stiffness that is added to the matrix, but not to the forces, so that the matrix is regular where
@@ -187,7 +188,11 @@ class PlaneStrain:
         if len(masters) != len(slaves) or not np.allclose(
             master_heights, slave_heights, atol=1e-6 * master_heights[-1], rtol=0.0
         ):
-            alike = "the same points of the mesh" if section.layering.repeats else "layers of the same thickness"
+            alike = (
+                "the same points of the mesh"
+                if has_alike_sides(section.strata, section.layering)
+                else "layers of the same thickness"
+            )
             remedy = f'expected {alike} at both; use sides = "smooth", "free-field" or "fixed"'
             raise InputError(
                 section.name, [f'fem, sides = "periodic": the {first} and {second} sides differ; {remedy}']

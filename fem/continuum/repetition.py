@@ -10,6 +10,7 @@ sides, since effective stresses on periodic sides balance each other and total s
 import numpy as np
 
 from meshes.errors import InputError
+from meshes.section.alike_sides import has_alike_sides
 from meshes.section.section import Section
 
 # Difference (Pa) up to which two pressures count as equal: 1 cm of water.
@@ -29,7 +30,7 @@ def refuse_other_sides(section: Section) -> None:
         If the thicknesses of layers, or the water pressures, differ at the two sides.
     """
     refuse_other_water(section)
-    if not section.layering.repeats:
+    if not has_alike_sides(section.strata, section.layering):
         remedy = 'expected layers of the same thickness at both; use sides = "smooth", "free-field" or "fixed"'
         raise InputError(section.name, [f'fem, sides = "periodic": the left and right sides differ; {remedy}'])
 

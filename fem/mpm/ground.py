@@ -20,6 +20,7 @@ from fem.kernels import point_stress as law
 from fem.mpm.grid import BackgroundGrid
 from fem.mpm.points import MaterialPoints, PointSoil
 from fem.settings import Sides
+from meshes.section.alike_sides import has_alike_sides
 from meshes.section.layering import middles
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -113,7 +114,7 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
     """
     left, right = section.extent
     width, ends = right - left, (section.layering.left[0], section.layering.right[-1])
-    periodic = sides == "periodic" and section.layering.repeats
+    periodic = sides == "periodic" and has_alike_sides(section.strata, section.layering)
     if sides == "periodic" and not periodic:
         sides = "free-field"
     slope = float(ends[1][-1] - ends[0][-1]) / width if periodic else _dip(section)

@@ -63,13 +63,6 @@ class Layering:
         at_left, at_right = self.thickness()
         return (at_left > 0) | (at_right > 0)
 
-    @property
-    def repeats(self) -> bool:
-        """Return whether both sides have the same layers, at the same heights or all of them shifted by the same
-        height."""
-        at_left, at_right = self.thickness()
-        return bool(np.abs(at_left[0] - at_right[-1]).max() <= self.tolerance)
-
     def interfaces(self, x: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
         """Return the elevation (m) of every interface at x, (len(x), interfaces); at a step, the elevation to the
         right.

@@ -127,6 +127,27 @@ def test_bounds_of_one_period_bracket_elements_where_layers_and_ground_are_not_s
     assert bounds.upper < 1.15 * bounds.lower
 
 
+def test_a_lens_within_one_soil_of_an_endless_slope_is_taken() -> None:
+    """The soil is a first part at the left of the lens and a second part at its right, which was refused as other
+    layers. A lens with the strength of its surroundings has the closed form of an endless dry slope."""
+    alike = {"cohesion": "5 kPa", "friction_angle": "20 deg", "density": "20 kN/m^3", "density_saturated": None}
+    lens = soil("Lens", **alike, points=[[6.0, 1.5], [12.0, 0.2], [12.0, -1.0], [6.0, -0.5]])
+    ground = section(
+        soil(**alike), surface=[[0.0, 5.0], [20.0, 0.0]], base={"depth": DEPTH}, water=None, zones=[lens]
+    )
+    assert len(ground.strata) == 3
+    kc, _ = closed_form(5e3, 20.0, 0.0)
+    bounds = kh_bounds(ground, PERIODIC, BoundsSettings(gap=0.06, max_cells=2500, davis=False))
+    assert 0.97 * kc < bounds.lower <= kc * (1.0 + 1e-9)
+    assert kc <= bounds.upper < 1.08 * kc
+    elements = critical_limit_load(ground, generate(ground, MeshSettings(size=0.5)), PERIODIC, MPI.COMM_SELF).kc
+    assert elements == pytest.approx(kc, rel=0.02)
+    other = soil("Lens", **{**alike, "points": [[14.0, 0.5], [30.0, -2.0], [30.0, -3.0], [14.0, -1.0]]})
+    cut = section(soil(**alike), surface=[[0.0, 5.0], [20.0, 0.0]], base={"depth": DEPTH}, water=None, zones=[other])
+    with pytest.raises(InputError, match="the left and right sides differ"):
+        kh_bounds(cut, PERIODIC, BoundsSettings(gap=0.5, max_cells=400, davis=False))
+
+
 @pytest.mark.parametrize("changes", [{}, {"excess_pore_pressure_ratio": 0.3}, {"pore_pressure_ratio": 0.3}])
 def test_water_that_repeats_with_the_ground_is_taken(changes: dict[str, Any]) -> None:
     for level in ({"depth": 2.0}, [[0.0, 8.0], [20.0, 3.0]]):
