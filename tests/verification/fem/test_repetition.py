@@ -132,9 +132,7 @@ def test_a_lens_within_one_soil_of_an_endless_slope_is_taken() -> None:
     layers. A lens with the strength of its surroundings has the closed form of an endless dry slope."""
     alike = {"cohesion": "5 kPa", "friction_angle": "20 deg", "density": "20 kN/m^3", "density_saturated": None}
     lens = soil("Lens", **alike, points=[[6.0, 1.5], [12.0, 0.2], [12.0, -1.0], [6.0, -0.5]])
-    ground = section(
-        soil(**alike), surface=[[0.0, 5.0], [20.0, 0.0]], base={"depth": DEPTH}, water=None, zones=[lens]
-    )
+    ground = section(soil(**alike), surface=[[0.0, 5.0], [20.0, 0.0]], base={"depth": DEPTH}, water=None, zones=[lens])
     assert len(ground.strata) == 3
     kc, _ = closed_form(5e3, 20.0, 0.0)
     bounds = kh_bounds(ground, PERIODIC, BoundsSettings(gap=0.06, max_cells=2500, davis=False))
