@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from meshes.borings.boring import Sample
 from meshes.borings.complaints import folded, unread_counts
+from meshes.borings.cone_file import KNOWN as CONE_COLUMNS
 from meshes.borings.cone_file import read_cones
 from meshes.borings.log import (
     DEPTHS_EXPECTED,
@@ -21,7 +22,16 @@ from meshes.borings.log import (
     refusal_notices,
 )
 from meshes.borings.plausible import implausible_sample, shares_for_percent
-from meshes.borings.table import NOT_MEASURED, PLACE, BoringTable, has_column, read_table, with_unit, written
+from meshes.borings.table import (
+    NOT_MEASURED,
+    PLACE,
+    BoringTable,
+    has_column,
+    named_columns,
+    read_table,
+    with_unit,
+    written,
+)
 from meshes.errors import InputError
 from meshes.section.quantity import DENSITY
 from meshes.section.sentences import sentences
@@ -30,6 +40,17 @@ NEEDED = ("boring", "ground_level", "top", "bottom", "layer")
 WATER = ("water_level", "water_depth")
 KNOWN = (*NEEDED, *PLACE, "N", "fines", "d50", "plasticity", "unit_weight", *WATER, "energy_ratio")
 OF_A_BORING = (*PLACE, "ground_level", *WATER)
+
+
+def columns_of_csv(path: Path, columns: Mapping[str, str]) -> dict[str, str]:
+    """Return those of the named columns that a file has, of borings or of cones.
+
+    Parameters
+    ----------
+    path : path of the file
+    columns : names of columns by the expected names, of this file and of other files
+    """
+    return named_columns(path, columns, CONE_COLUMNS if has_column(path, "qc", columns) else KNOWN)
 
 
 def read_csv(path: Path, columns: Mapping[str, str] | None = None) -> BoringFile:

@@ -87,6 +87,20 @@ def has_column(path: Path, name: str, columns: Mapping[str, str]) -> bool:
     return name in [head for head, _ in _sheet(path, columns, (name,)).heads]
 
 
+def named_columns(path: Path, columns: Mapping[str, str], known: Sequence[str]) -> dict[str, str]:
+    """Return those of the named ``columns`` that the file has and that a table of its kind may have.
+
+    Parameters
+    ----------
+    path : path of the file
+    columns : names of columns in the file by the expected names
+    known : names of columns that the table may have
+    """
+    cells = [cell for _, row in _sheet(path, columns, known).rows[:1] for cell in row]
+    headings = {text for cell in cells for text in (_plain(cell), _plain(_split(cell)[0]))}
+    return {key: name for key, name in columns.items() if key in known and _plain(name) in headings}
+
+
 def read_table(path: Path, needed: Sequence[str], known: Sequence[str], columns: Mapping[str, str]) -> BoringTable:
     """Read the lines of a file; every line names a boring.
 

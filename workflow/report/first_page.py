@@ -102,13 +102,22 @@ def _excluded_failure(fem: FemAnswer, kc: float, _: Texts) -> str:
     if not faces:
         return ""
     first = min(faces, key=lambda face: face.kh)
+    place = {
+        "stratum": shown_name(first.stratum),
+        "start": f"{first.start_x_m:g}",
+        "end": f"{first.end_x_m:g}",
+    }
+    if first.kh <= 0.0:
+        return " " + _(
+            "The cohesionless face of {stratum} from x = {start} to {end} m fails by its own weight; this shallow "
+            "failure is excluded.",
+            **place,
+        )
     return " " + _(
         "The cohesionless face of {stratum} from x = {start} to {end} m fails at Kh = {kh} already; this shallow "
         "failure is excluded.",
-        stratum=shown_name(first.stratum),
-        start=f"{first.start_x_m:g}",
-        end=f"{first.end_x_m:g}",
-        kh=coefficient(max(first.kh, 0.0)),
+        **place,
+        kh=coefficient(first.kh),
     )
 
 

@@ -133,8 +133,9 @@ def _shallow(results: Results, fem: FemAnswer) -> Iterator[str]:
     for face in fem.shallow_failures:
         if face.is_edge(fem.settings.least_depth):
             continue
+        when = f"At Kh = {coefficient(face.kh)} already" if face.kh > 0.0 else "By its own weight"
         yield (
-            f"At Kh = {coefficient(max(face.kh, 0.0))} already, the cohesionless face of "
+            f"{when}, the cohesionless face of "
             f"{shown_name(face.stratum, quoted=False)} from x = {face.start_x_m:g} to {face.end_x_m:g} m fails as an "
             "infinite slope (shallow failure)."
         )

@@ -24,6 +24,7 @@ from meshes.section.quantity import LENGTH
 from workflow.config import Config
 from workflow.config.after_triggering import load_config
 from workflow.figures.borings import draw
+from workflow.section_import.columns_of_files import columns_of_files
 
 READERS: dict[str, Callable[[Path, Mapping[str, str]], BoringFile]] = {
     ".csv": read_csv,
@@ -129,7 +130,9 @@ def make_section(files: Sequence[Path], out: Path, reading: Reading) -> list[str
     if out.exists():
         raise InputError(str(out), ["exists already; expected the name of a new file"])
     name = re.sub(r"\W+", "_", out.stem, flags=re.ASCII).strip("_")[:80] or "section"
-    read = [READERS[file.suffix.lower()](file, reading.columns) for file in files if file not in grounds]
+    borings = [file for file in files if file not in grounds]
+    read = [READERS[file.suffix.lower()](file, columns)
+            for file, columns in zip(borings, columns_of_files(borings, reading.columns), strict=True)]  # fmt: skip
     logs = _requested_borings([log for item in read for log in item.logs], reading.borings) if read else []
     notices = [text for item in read for text in item.notices]
     if grounds:

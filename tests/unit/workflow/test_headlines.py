@@ -108,6 +108,11 @@ def test_the_first_page_has_the_shallow_failure_that_the_critical_kh_excludes() 
     for strict in (None, bounds(run, 0.158, 0.16)):
         answer = fem(run, 0.163).model_copy(update={"shallow_failures": tuple(faces)})
         assert sentence in headlines(results(run, fem=answer, bounds=strict), Texts())[0].conclusion
+    falls = fem(run, 0.163).model_copy(update={"shallow_failures": (faces[0].model_copy(update={"kh": -0.05}),)})
+    conclusion = headlines(results(run, fem=falls), Texts())[0].conclusion
+    assert (
+        "x = 40 to 46 m fails by its own weight; this shallow failure is excluded" in conclusion
+    )  # was "at Kh = 0.000"
     answer = fem(run, 0.163).model_copy(update={"shallow_failures": tuple(faces[2:])})
     assert "shallow" not in headlines(results(run, fem=answer), Texts())[0].conclusion
 
