@@ -49,6 +49,10 @@ def columns_of_csv(path: Path, columns: Mapping[str, str]) -> dict[str, str]:
     ----------
     path : path of the file
     columns : names of columns by the expected names, of this file and of other files
+
+    Returns
+    -------
+    Names of columns of this file by the expected names.
     """
     return named_columns(path, columns, CONE_COLUMNS if has_column(path, "qc", columns) else KNOWN)
 

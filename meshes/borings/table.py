@@ -95,6 +95,10 @@ def named_columns(path: Path, columns: Mapping[str, str], known: Sequence[str]) 
     path : path of the file
     columns : names of columns in the file by the expected names
     known : names of columns that the table may have
+
+    Returns
+    -------
+    Names of columns by the expected names.
     """
     cells = [cell for _, row in _sheet(path, columns, known).rows[:1] for cell in row]
     headings = {text for cell in cells for text in (_plain(cell), _plain(_split(cell)[0]))}

@@ -16,6 +16,10 @@ def columns_of_files(files: Sequence[Path], columns: Mapping[str, str]) -> list[
     files : files of borings and cones; a single file gets all columns, and its reader reports those that it has not
     columns : names of columns in the files by the expected names, such as {"layer": "GEOL_LEG"}
 
+    Returns
+    -------
+    Names of columns by the expected names, for each of the files.
+
     Raises
     ------
     InputError
