@@ -8,7 +8,7 @@ import numpy as np
 
 from dem.chunked_map import Ranges, pairs_near, serial
 from dem.kernels import liquefied_pairs as bond
-from dem.kernels.liquefied_bonds import BOND_LIMIT, FITTED_STRENGTH, STRAINING_SHARE
+from dem.kernels.liquefied_bonds import BOND_LIMIT, FITTED_STRENGTH, STRAINING_SHARE, limiting_strains
 from dem.kernels.liquefied_lists import densities
 from dem.kernels.liquefied_stress import measured_shear
 from dem.kernels.neighbours import Near, known_pairs
@@ -60,8 +60,7 @@ class Onset(NamedTuple):
     strain (n,) : strain of bonds, half the shear strain, at which the residual strength is reached
     knee, soft_to (n,) : knee of the bilinear law at the strain potential: share of the residual strength (``knee``),
         and share of the strain at which the steep line begins (``soft_to``); 0 without a strain potential
-    peak : whether bonds have a larger limit until they have slipped, which is needed for discs that lose their contacts
-        under load
+    peak : whether bonds have a larger limit until they have slipped (`EXTRA_STRENGTH`)
     """
 
     discs: np.ndarray
@@ -194,16 +193,29 @@ def liquefy(model: DiscState, onset: Onset) -> None:
         wet[new_in_layer, bond.STIFFNESS] = WATER_STIFFNESS * float(onset.pressure[new_in_layer].mean())
     list_liquefied(model)
     model.bonds[new[model.liquefied_i] | new[model.liquefied_j], bond.EXTRA_SHARE_AT] = float(onset.peak)
-    density = _densities(model)
-    for k in np.unique(model.layer[new]):
-        new_in_layer = new & (model.layer == k)
-        middle = np.median(density[new_in_layer])
-        wet[new_in_layer, bond.DENSITY] = np.where(
-            density[new_in_layer] < LOOSEST_DENSITY * middle, LOOSE_DENSITY * middle, density[new_in_layer]
-        )
-    wet[new, bond.PRESENT_DENSITY] = density[new]
+    set_reference_density(model, new)
     speed = np.sqrt(wet[new, bond.STIFFNESS] * model.mass[new] / wet[new, bond.AREA])  # density times speed of sound
     wet[new, bond.VISCOSITY] = BULK_VISCOSITY * model.reach * speed
+
+
+def set_reference_density(model: DiscState, discs: np.ndarray) -> None:
+    """Set the density at which discs have the pore pressure of the onset to their present density.
+
+    Discs at a free surface take the density of their layer.
+
+    Parameters
+    ----------
+    model : discs with the fields of liquefied ground, which are changed
+    discs (n,) : mask of the discs whose density is set
+    """
+    wet, density = model.liquefied, _densities(model)
+    for k in np.unique(model.layer[discs]):
+        in_layer = discs & (model.layer == k)
+        middle = np.median(density[in_layer])
+        wet[in_layer, bond.DENSITY] = np.where(
+            density[in_layer] < LOOSEST_DENSITY * middle, LOOSE_DENSITY * middle, density[in_layer]
+        )
+    wet[discs, bond.PRESENT_DENSITY] = density[discs]
 
 
 def longest_look(model: DiscState) -> tuple[float, int]:
@@ -302,6 +314,31 @@ def change_strength(model: DiscState, factor: np.ndarray) -> None:
     """
     model.liquefied[:, bond.STRENGTH] *= factor
     model.liquefied[:, bond.STRAIN] *= factor
+
+
+def set_bonds(
+    model: DiscState, discs: np.ndarray, strength: np.ndarray, strain: np.ndarray, knee: np.ndarray, soft_to: np.ndarray
+) -> None:
+    """Give bonds the law of ground that liquefies.
+
+    Bonds keep their displacement, and so their force, if no stiffness changes and their strength allows it.
+
+    Parameters
+    ----------
+    model : discs after `liquefy`; fields and history of their bonds are changed
+    discs (n,) : mask of the discs whose law changes
+    strength (n,) : strength (Pa), without the factor of `match_strength`
+    strain (n,) : strain of bonds at which the strength is reached
+    knee, soft_to (n,) : see `Onset`
+    """
+    wet, pairs, factor = model.liquefied, np.array([model.liquefied_i, model.liquefied_j]), model.strength_factor
+    before = limiting_strains(wet, pairs)
+    fields = (bond.STRENGTH, bond.STRAIN, bond.KNEE_STRENGTH, bond.KNEE_STRAIN)
+    for column, values in zip(fields, (strength * factor, strain * factor, knee, soft_to), strict=True):
+        wet[discs, column] = values[discs]
+    ratio = before / limiting_strains(wet, pairs)
+    model.bonds[:, [bond.ALONG_AT, bond.ACROSS_AT]] *= ratio[:, None]
+    model.bonds[:, bond.LIMIT_ENERGY_AT] /= ratio * ratio
 
 
 def pressure_forces(model: DiscState) -> np.ndarray:

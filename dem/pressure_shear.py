@@ -11,14 +11,11 @@ For discs without a strain potential nothing is subtracted: their total strength
 (`liquefied_ground`).
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from dem.kernels import liquefied_pairs as bond
-from dem.state import DiscState, nearest_image
-
-SMALLEST_DISTANCE = 1e-9  # reaches: no pair counts as nearer
+from dem.neighbourhood import SMALLEST_DISTANCE, Neighbourhood
+from dem.state import DiscState
 
 
 def take_back_shear(state: DiscState) -> None:
@@ -31,60 +28,26 @@ def take_back_shear(state: DiscState) -> None:
         are changed
     """
     wet, i, j = state.liquefied, state.liquefied_i, state.liquefied_j
-    soft = (wet[:, bond.SHARE] > 0.0) & (wet[:, bond.KNEE_STRAIN] > 0.0)
+    degree, of_discs, area = wet[:, bond.SHARE], wet[:, bond.PRESSURE_TERM], wet[:, bond.AREA]
+    liquefied = degree > 0.0
+    soft = liquefied & (wet[:, bond.KNEE_STRAIN] > 0.0)
     if not soft.any():
         return
-    dx, dz = wet[j, bond.AT_X] - wet[i, bond.AT_X], wet[j, bond.AT_Z] - wet[i, bond.AT_Z]
-    dx, dz = nearest_image(dx, dz, state.repeats)
-    apart = np.maximum(np.hypot(dx, dz), SMALLEST_DISTANCE * state.reach)
-    nx, nz, q = dx / apart, dz / apart, np.minimum(apart / state.reach, 1.0)
-    rest, scale = 1.0 - q, 7.0 / (np.pi * state.reach**2)
-    width, slope = scale * rest**4 * (1.0 + 4.0 * q), -20.0 * scale * q * rest**3 / state.reach
-    share = rest * rest * (1.0 + 2.0 * q)
-    area = wet[:, bond.AREA]
-    liquefied = wet[:, bond.SHARE] > 0.0
-    inside = liquefied[i] & liquefied[j]
-    twice = np.where(inside, 1.0, 2.0)
-
-    def over_pairs(to_first: np.ndarray, to_second: np.ndarray) -> np.ndarray:
-        return np.bincount(i, to_first, len(state)) + np.bincount(j, to_second, len(state))
-
-    def shared(values: np.ndarray) -> np.ndarray:
-        return over_pairs(values, values)
-
-    mean = _mean(over_pairs, i, j, np.where(inside, width, 0.0), np.where(liquefied, area, 0.0), scale)
-    of_discs, degree = wet[:, bond.PRESSURE_TERM], wet[:, bond.SHARE]
+    near = Neighbourhood.of(state, wet[:, bond.AT_X], wet[:, bond.AT_Z])
+    nx, nz, apart, share = near.nx, near.nz, near.apart, near.share
+    wet_area = np.where(liquefied, area, 0.0)
     most = np.maximum(np.maximum(degree[i], degree[j]), SMALLEST_DISTANCE)
     pressure = (2.0 - degree[j] / most) * of_discs[i] + (2.0 - degree[i] / most) * of_discs[j]
-    pressure_force = -pressure * area[i] * area[j] * slope
-    half, voids = 0.5 * pressure_force * apart, np.where(area > 0.0, area, 1.0)
-    along_axes = mean(-shared(0.5 * half * (nx * nx - nz * nz)) / voids)  # (s_xx - s_zz) / 2
-    across_axes = mean(-shared(half * nx * nz) / voids)  # s_xz
-    lever = shared(share * apart)
+    half = -0.5 * pressure * area[i] * area[j] * near.slope * apart
+    voids = np.where(area > 0.0, area, 1.0)
+    borne_along, borne_across = 0.5 * half * (nx * nx - nz * nz), half * nx * nz
+    along_axes = near.mean(-near.sums(borne_along, borne_along) / voids, wet_area)  # (s_xx - s_zz) / 2
+    across_axes = near.mean(-near.sums(borne_across, borne_across) / voids, wet_area)  # s_xz
+    lever = near.sums(share * apart, share * apart)
     per_stress = np.where(soft, -2.0 * area / np.maximum(lever, SMALLEST_DISTANCE * state.reach), 0.0)
     first, second = per_stress * along_axes, per_stress * across_axes
+    twice = np.where(liquefied[i] & liquefied[j], 1.0, 2.0)
     a, b = twice * share * (first[i] + first[j]), twice * share * (second[i] + second[j])
     fx, fz = a * nx + b * nz, b * nx - a * nz
     state.bonds[:, bond.COUNTER_ALONG_AT] = fx * nx + fz * nz
     state.bonds[:, bond.COUNTER_ACROSS_AT] = fz * nx - fx * nz
-
-
-def _mean(
-    over_pairs: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    i: np.ndarray, j: np.ndarray, width: np.ndarray, area: np.ndarray, at_zero: float,
-) -> Callable[[np.ndarray], np.ndarray]:  # fmt: skip
-    """Return the mean of values (n,) of discs over their liquefied neighbours, weighted by the kernel and the areas of
-    the neighbours.
-
-    over_pairs: function that adds up two values of every pair, for its disc i and its disc j, to a sum for every disc;
-    i, j (pairs,): discs of each pair; width (pairs,): W, 0 but for two
-    liquefied discs (1/m2); area (n,): areas of liquefied discs, 0 for others (m2); at_zero: W at no distance (1/m2).
-    """
-    weight = at_zero * area + over_pairs(width * area[j], width * area[i])
-    whole = np.where(weight > 0.0, weight, 1.0)
-
-    def mean(values: np.ndarray) -> np.ndarray:
-        near = over_pairs(width * area[j] * values[j], width * area[i] * values[i])
-        return np.asarray((at_zero * area * values + near) / whole)
-
-    return mean

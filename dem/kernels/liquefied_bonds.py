@@ -5,6 +5,7 @@ discs (kernel); the laws are described in `liquefied_pairs`.
 import math
 
 import numpy as np
+from numba import njit
 
 from dem.kernels import liquefied_pairs as bond
 from dem.kernels.device_function import device_function
@@ -26,7 +27,9 @@ from dem.kernels.prefetch import wide_vectors
 # 20 rad/s.
 MAXWELL_TIME = 0.1
 MAXWELL_STIFFNESS_RATIO = 0.5  # stiffness of this spring over that of the bond
-EXTRA_STRENGTH = 0.4  # of the strength, of a bond that has not slipped yet; at least 1/0.77 - 1
+# Of the strength, of a bond that has not slipped yet: until slip has aligned the bonds, ground at its limit has 0.8 to
+# 0.95 of its strength.
+EXTRA_STRENGTH = 0.175
 EXTRA_STRENGTH_STRAIN = 0.03  # shear strain beyond the limit in which the extra strength falls to 1/e
 FITTED_STRENGTH = 1.0 / 0.97  # discs slip along surfaces whose strength is below the mean of all directions
 BOND_LIMIT = 2.0 * FITTED_STRENGTH  # of a bond, over the sum of the bond terms of its discs and the kernel
@@ -52,6 +55,34 @@ def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
     return soft, steep, soft_to
 
 
+@device_function(forceinline=True)
+def limiting_strain(discs: np.ndarray, i: int, j: int) -> float:
+    """Return twice the strain at which the bond of two discs reaches its limit."""
+    a, b = bond_weights(*bond.strength_weights(discs, i, j))
+    soft = a * discs[i, bond.KNEE_STRAIN] + b * discs[j, bond.KNEE_STRAIN] > 0.0
+    straining = STRAINING_SHARE if a != b and soft else 1.0
+    return straining * (a * discs[i, bond.STRAIN] + b * discs[j, bond.STRAIN])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def limiting_strains(discs: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    """Return the `limiting_strain` of the bonds of all pairs.
+
+    Parameters
+    ----------
+    discs : (n, FIELDS) Fields of liquefied discs
+    pairs : (2, pairs) Numbers of the discs of each pair
+
+    Returns
+    -------
+    Twice the strain (pairs,) at which each bond reaches its limit.
+    """
+    strains = np.empty(pairs.shape[1])
+    for c in range(pairs.shape[1]):
+        strains[c] = limiting_strain(discs, pairs[0, c], pairs[1, c])
+    return strains
+
+
 @device_function(nogil=True, _nrt=False)
 def fetch_strength(block: int, wet: bond.Liquefied) -> None:
     """Compute pressure and strength of the pairs of a block as sums over both discs; the sums for bonds are
@@ -69,8 +100,7 @@ def fetch_strength(block: int, wet: bond.Liquefied) -> None:
         w[q + bond.BOND_SUM] = a * discs[i, bond.BOND] + b * discs[j, bond.BOND]
         a, b = bond_weights(a, b)
         ends = a * discs[i, bond.KNEE_STRAIN] + b * discs[j, bond.KNEE_STRAIN]
-        straining = STRAINING_SHARE if a != b and ends > 0.0 else 1.0
-        w[q + bond.STRAIN_SUM] = straining * (a * discs[i, bond.STRAIN] + b * discs[j, bond.STRAIN])
+        w[q + bond.STRAIN_SUM] = limiting_strain(discs, i, j)
         w[q + bond.KNEE_STRENGTH_SUM] = a * discs[i, bond.KNEE_STRENGTH] + b * discs[j, bond.KNEE_STRENGTH]
         w[q + bond.KNEE_STRAIN_SUM] = ends
         first, second = w[q + bond.PART_1], w[q + bond.PART_2]

@@ -28,8 +28,7 @@ area: a slope of clay on a weak seam moved 1.0 m instead of 1.7 m, since the wed
    with a dashpot in parallel, and a steep one from there to the limit (`kernels.liquefied_laws`). A part of a bond
    between liquefied and other ground lies in the other ground, which does not strain: the displacements of such a bond
    are multiplied by `STRAINING_SHARE`. Bonds that exist from the onset have 1 + `EXTRA_STRENGTH` times this limit until
-   they have slipped: discs that lose their contacts rearrange, and until slip has aligned all bonds, those at their
-   limit give only 0.77 s.
+   they have slipped: until slip has aligned all bonds, ground at its limit has only 0.8 to 0.95 s.
 
 Pressure and strength of a pair are sums of two terms, one for each disc. A partner that is fixed or has not liquefied
 has no term; the term of the liquefied disc then has the weight 2. If the partner has liquefied to a smaller degree, the
@@ -75,6 +74,7 @@ RECORD_Z, RECORD_VX, RECORD_VZ = (np.uint64(k) for k in (1, 2, 3))  # fields of 
 # (N), see `pressure_shear`.
 LANES = 64
 MEMORY = 10
+ALONG_AT, ACROSS_AT, LIMIT_ENERGY_AT = 0, 1, 4
 EXTRA_SHARE_AT, COUNTER_ALONG_AT, COUNTER_ACROSS_AT = 7, 8, 9
 (
     ALONG, ACROSS, MAXWELL_ALONG, MAXWELL_ACROSS, LIMIT_ENERGY, DASH_ALONG, DASH_ACROSS, EXTRA_SHARE, COUNTER_ALONG,

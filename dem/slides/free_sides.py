@@ -9,12 +9,12 @@ and takes waves away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-
 
     Δv = `RELIEF` ((N - N_0) / (ρ V_p h) - v),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν).
 
-Here h is the height of a strip and V_p the velocity of P-waves. As a stratum liquefies, its K_0 becomes 1, and the
-ground settles by the water that drains. The stress σ'_v is the vertical effective stress of the section at the side,
-times the ratio of the weight of all discs to the weight of the section. Both sides of level ground therefore carry the
-same force. The discs nearest to each side are heavier or lighter by a few per cent; under such a difference liquefied
-ground would drift without end. Walls move by `WALL_DISTANCE` diameters at most, since the floor ends there. Positive
-velocities are outwards.
+Here h is the height of a strip and V_p the velocity of P-waves. In strata that liquefy K_0 is 1 from the beginning
+(`before_liquefaction`), and the ground settles by the water that drains. The stress σ'_v is the vertical effective
+stress of the section at the side, times the ratio of the weight of all discs to the weight of the section. Both sides
+of level ground therefore carry the same force. The discs nearest to each side are heavier or lighter by a few per cent;
+under such a difference liquefied ground would drift without end. Walls move by `WALL_DISTANCE` diameters at most, since
+the floor ends there. Positive velocities are outwards.
 """
 
 from collections.abc import Sequence
@@ -23,21 +23,17 @@ from functools import partial
 
 import numpy as np
 
-from dem.engine.engine import Engine
-from dem.engine.time_step import largest_step
+from dem.case import Case
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
+from dem.slides.before_liquefaction import come_to_rest, replace_contacts_of_sand
 from dem.springs import wave_speeds
 from meshes.section.section import Section, Stratum
 
-UPDATE_INTERVAL = 0.04  # s between two updates of the velocities of the walls
-STEP_SHARE = 0.8  # of the stable one, while they settle
 RELIEF = 0.5
 STRIP_WIDTH, WALL_DISTANCE = 2.0, 2.5  # mean diameters
 POINTS = 20  # of a strip, over which stresses are averaged
-SETTLING_TIME = 4.0  # s in which the sides are released before a slide
-DAMPING_FACTOR = 0.9  # of the velocities, left after each UPDATE_INTERVAL of that
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,10 +65,10 @@ class FreeSides:
     start : discs at rest in a box
     ground : packing of the discs, and its place in a section
     strata : numbers of the strata that liquefy; a side at which none of them lies remains a wall that does not move
-    drained : volumetric strain of these strata by drainage
+    drained : volumetric strain of these strata by drainage; None if they do not liquefy after all
     """
 
-    def __init__(self, start: DiscModel, ground: Ground, strata: Sequence[int], drained: float = 0.0) -> None:
+    def __init__(self, start: DiscModel, ground: Ground, strata: Sequence[int], drained: float | None = 0.0) -> None:
         self.drained = drained
         self.ground, self.places = ground, start.x.copy()
         self.diameter = 2.0 * ground.radius
@@ -116,8 +112,8 @@ class FreeSides:
     def _pressures(
         self, outwards: int, levels: np.ndarray, wet: Sequence[int], z: np.ndarray, soils: np.ndarray
     ) -> np.ndarray:
-        """Return the pressure at rest at a side, and the pressure after its strata ``wet`` have liquefied and settled
-        (2, n), in Pa.
+        """Return the pressure at a side before its strata ``wet`` liquefy, and the pressure after they have liquefied
+        and settled (2, n), in Pa.
 
         outwards, levels: as in `_strips`; z (n,): elevations (m); soils (n,): strata at these elevations.
         """
@@ -125,25 +121,37 @@ class FreeSides:
         assert section is not None
         at_side = np.full(len(z), section.extent[1 if outwards > 0 else 0])
         ratio = np.array([soil.poissons_ratio / (1.0 - soil.poissons_ratio) for soil in section.strata])[soils]
-        at_rest = ratio * _vertical_stress(section, at_side, z, soils)
-        ratio[np.isin(soils, wet)] = 1.0
+        if self.drained is not None:  # the pressure of liquefied ground is the same in all directions
+            ratio[np.isin(soils, wet)] = 1.0
+        at_rest, drained = ratio * _vertical_stress(section, at_side, z, soils), self.drained or 0.0
         # what lies at z after settlement was higher by the settlement of all that has liquefied below it
         thick = sum(np.clip(z - levels[k + 1], 0.0, levels[k] - levels[k + 1]) for k in wet)
         return self.heavier * np.array(
-            [at_rest, ratio * _vertical_stress(section, at_side, z + self.drained * thick, soils)]
+            [at_rest, ratio * _vertical_stress(section, at_side, z + drained * thick, soils)]
         )
+
+    def before_shaking(self, start: DiscModel, strata: Sequence[int], case: Case | None) -> DiscModel:
+        """Return the discs at rest before the shaking.
+
+        Sand that liquefies has the laws of liquefied ground then (`before_liquefaction`), and the walls bear the
+        pressure of the ground. start: discs at rest in a box; strata: numbers of the strata that liquefy; case: what
+        remains after liquefaction, None if nothing liquefies.
+        """
+        ready = start
+        if case is not None and start.law == "soil":
+            ready = replace_contacts_of_sand(start, self.ground, strata, case)
+        if self.strips:
+            return self.release(ready)
+        if ready is not start:
+            come_to_rest(ready)
+        return ready
 
     def release(self, model: DiscModel) -> DiscModel:
         """Release the walls, so that they bear the earth pressure at rest, and return the discs when they are at rest
         again. Against walls that do not move, the discs of a packing press with more than the pressure at rest."""
         out = model.copy()
         self.open(out)
-        out.set_velocity(0.0, 0.0)
-        for _ in range(round(SETTLING_TIME / UPDATE_INTERVAL)):
-            engine = Engine(dt=STEP_SHARE * largest_step(out).seconds, energies=False)
-            engine.run(out, UPDATE_INTERVAL, on_interval=partial(self.follow, 0.0))
-            out.set_velocity(DAMPING_FACTOR * out.vx, DAMPING_FACTOR * out.vz)
-        out.set_velocity(0.0, 0.0)
+        come_to_rest(out, partial(self.follow, 0.0))
         self.places = out.x.copy()
         return out
 

@@ -1,9 +1,9 @@
 """Computes slides of ground whose layers liquefy under a seismic coefficient or a record (Sec. 4(3) of the paper). In
 discs with the law "paper", pore springs of the liquefied layers are cut at the onset; contact springs, dashpots and
-strength are multiplied by the factors of the case, in steps over the duration of the onset. Contacts of soil discs fade
-out instead, while pore water carries their overburden, and bonds provide their residual strength
-(`dem.liquefied_ground`). In both models discs shrink by the volume that drains. The paper applies Kh at the onset; on
-soil discs Kh acts before liquefaction, since shaking causes it.
+strength are multiplied by the factors of the case, in steps over the duration of the onset. Soil discs have the laws of
+liquefied ground from the beginning (`before_liquefaction`): pore water carries their overburden, and the strength of
+their bonds falls to the residual strength. In both models discs shrink by the volume that drains. The paper applies Kh
+at the onset; on soil discs Kh acts before liquefaction, since shaking causes it.
 """
 
 import json
@@ -19,7 +19,6 @@ from dem.engine.engine import Engine
 from dem.engine.time_step import largest_step
 from dem.errors import DemError, EnergyBalanceError, StepTooLargeError
 from dem.ground import Ground
-from dem.liquefied_ground import is_liquefying, liquefy, set_share
 from dem.model import DiscModel
 from dem.settings import SlideSettings
 from dem.slides.balance import (
@@ -38,9 +37,10 @@ from dem.slides.balance import (
     thin_layers,
     within_scatter,
 )
+from dem.slides.before_liquefaction import UPDATE_INTERVAL
 from dem.slides.drive import TIME_TOLERANCE, Shaking, constant_kh, cycles, recorded_motion
-from dem.slides.free_sides import UPDATE_INTERVAL, FreeSides
-from dem.slides.liquefied_strength import degrees_of_discs, liquefied, onset, weaken_clay
+from dem.slides.free_sides import FreeSides
+from dem.slides.liquefied_strength import Weakening, liquefied
 from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.runout import loose_share, on_loose_mass
 from dem.slides.slide import WEIGHT_ALONE_TIME, Row, Slide, stopped_at
@@ -94,16 +94,17 @@ class Slider:
         free_sides: bool = False,
         by_weight: bool = True,
     ) -> None:
-        drained = 0.0 if case is None else case.volumetric_strain
+        drained = None if case is None else case.volumetric_strain
         self.sides = FreeSides(start, ground, strata if free_sides and start.law == "soil" else [], drained)
-        if self.sides.strips:
-            start = self.sides.release(start)
+        self.buoyed = ground.buoyancy(start) if start.law == "soil" else None
+        start = self.sides.before_shaking(start, strata, case)
         self.ground, self.settings, self.case, self.strata, self.by_weight = ground, settings, case, strata, by_weight
         self.start, self.folder = start, folder
         self.surface = Surface.of(start, ground)
         self.step = settings.step_of(start.law)
         self.slide = Slide(surface_before=self.surface.points(start, ground).tolist(), step_share=self.step)
         self.layers = list(start.springs.layers)
+        self.weakening = Weakening(start, ground, strata, case) if case is not None and start.law == "soil" else None
         setting = start, ground, strata, settings
         shaking = shaking or cycles(settings, strata, start.law)
         self.motion = constant_kh(*setting) if shaking is None else recorded_motion(*setting, shaking)
@@ -114,7 +115,6 @@ class Slider:
         self.saved_at = -np.inf  # when the last checkpoint was left (s)
         self.undrained = undrained_strata(start, strata if case is not None else [])
         self.area_per_disc = area_per_disc(start, start) if self.undrained else np.zeros(0)
-        self.buoyed = ground.buoyancy(start) if start.law == "soil" else None
         self.swelling: list[list[float]] = []  # before every look, of the discs of each undrained stratum
         self.model = self._resumed() or self._initial_model()
 
@@ -200,23 +200,18 @@ class Slider:
         since = self.model.time - self.start.time
         if since < self.motion.first_onset - TIME_TOLERANCE:
             return
-        model, law, case = self.model, self.model.law, self.case
+        model, case = self.model, self.case
         shares = {k: share for k in self.strata if (share := self.motion.share(k, since)) > 0.0}
         self._cut(model, list(shares))
-        if case is not None and law == "soil":  # the springs of clay do not change
-            weaken_clay(model, self.start, self.ground, shares, case)
-        wanted = liquefied(self.layers, [], case, law=law)
-        for share in sorted(set(shares.values())):
-            wanted = liquefied(wanted, [k for k in shares if shares[k] == share], case, share, law)
-        if list(model.springs.layers) == wanted:
+        if self.weakening is not None:
+            self.weakening.apply(model, shares)
+        if model.law == "soil":
             return
-        model.set_springs(wanted)
-        if case is not None and law == "soil":
-            liquefying = is_liquefying(model)
-            new = [k for k in shares if not liquefying[model.layer == k].any()]
-            if new:
-                liquefy(model, onset(model, self.ground, new, case))
-            set_share(model, degrees_of_discs(self.start, shares))
+        wanted = liquefied(self.layers, [], case)
+        for share in sorted(set(shares.values())):
+            wanted = liquefied(wanted, [k for k in shares if shares[k] == share], case, share)
+        if list(model.springs.layers) != wanted:
+            model.set_springs(wanted)
 
     def _drained(self) -> dict[int, float]:
         """Return the share of the volume of strata lost by drainage so far."""

@@ -15,9 +15,9 @@ from dem.liquefied_ground import (
     LARGEST_STRAIN,
     SMALLEST_STRAIN,
     Onset,
-    change_strength,
     elastic_strain,
     is_liquefying,
+    set_bonds,
 )
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
@@ -28,27 +28,24 @@ from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potentia
 
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NO_STRENGTH = 1e-6  # Pa
-ROUNDING = 1e-12  # smallest relative change of a strength
+NO_STRAIN = 1e-9
+WHOLE = Case(friction=1.0, cohesion=1.0)  # ground before liquefaction
 
 
 def liquefied(
-    layers: list[LayerSprings], which: list[int], case: Case | None, share: float = 1.0, law: Law = "paper"
+    layers: list[LayerSprings], which: list[int], case: Case | None, share: float = 1.0
 ) -> list[LayerSprings]:
-    """Return the springs of all layers when some have liquefied to the degree ``share``.
+    """Return the springs of all layers of discs with the law "paper" when some have liquefied to the degree ``share``.
 
-    Springs of discs with the law "paper" are multiplied by the factors of the case to the power of the share, and their
-    overlap is not limited. Contacts of soil discs fade out, since pore water then carries the load
-    (`dem.liquefied_ground`). which: numbers of the layers that liquefy; law: contact law.
+    Springs are multiplied by the factors of the case to the power of the share, and their overlap is not limited.
+    which: numbers of the layers that liquefy.
     """
     out = []
     for k, layer in enumerate(layers):
         if case is not None and k in which:
-            if law == "soil":
-                layer = replace(layer, faded=max(share, layer.faded))
-            else:
-                factors = (case.stiffness, case.damping_left, case.friction)
-                layer = layer.liquefied(*(float(max(f, 1e-12) ** share) if share < 1.0 else f for f in factors))
-        out.append(layer if law == "soil" else replace(layer, allowed_overlap=NO_LIMIT))
+            factors = (case.stiffness, case.damping_left, case.friction)
+            layer = layer.liquefied(*(float(max(f, 1e-12) ** share) if share < 1.0 else f for f in factors))
+        out.append(replace(layer, allowed_overlap=NO_LIMIT))
     return out
 
 
@@ -118,8 +115,8 @@ def _strength_by_case(model: DiscModel, ground: Ground, strata: Sequence[int], c
     return _StrengthByCase(pressure, strength, increase, remains)
 
 
-def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
-    """Return the state of soil discs at the onset of liquefaction: overburden, and residual strength by the case.
+def residual(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
+    """Return the state of soil discs after liquefaction: overburden, and residual strength by the case.
 
     Near the lower edge of a layer the strength is reduced, so that the layer slips at this edge (`edge_shares`). The
     strength s is reached at a shear strain s/G, with the shear modulus G by the case, but at most at a strain
@@ -143,33 +140,72 @@ def onset(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -
     return Onset(discs, area, pressure, strength, strain, knee, soft_to)
 
 
-def weaken_clay(model: DiscModel, start: DiscModel, ground: Ground, shares: Mapping[int, float], case: Case) -> None:
-    """Lower the strength of clay in strata that liquefy from s_u to the residual strength of the case, by their degree
-    of liquefaction. Clay has the laws of liquefied ground already (`dem.search.undrained_clay`).
+def before_liquefaction(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> Onset:
+    """Return the state of sand before liquefaction, whose strength is p tan phi + c, with the effective overburden p,
+    and at least the residual strength; without a section, which has phi and c, the strength is p.
 
-    model: discs, which are changed; start: discs at the start; ground: the ground in which the discs lie; shares:
-    degree of liquefaction by stratum; case: strength after liquefaction.
+    The stiffness of its bonds is that after liquefaction, as far as the strain `LARGEST_STRAIN` allows; ground with a
+    strain potential has the shear modulus of its stratum.
+
+    Parameters
+    ----------
+    model : the discs at rest
+    ground : the ground in which the discs lie
+    strata : numbers of the strata that liquefy
+    case : stiffness and strength after liquefaction
+
+    Returns
+    -------
+    The state of all discs; strength in Pa.
     """
-    clay = is_liquefying(start) & np.isin(start.layer, list(shares))
-    if not clay.any():
-        return
-    before = start.liquefied[clay, bond.STRENGTH] / start.strength_factor[clay]
-    after = _strength_by_case(start, ground, list(shares), case).strength[clay]
-    share = np.array([shares[k] for k in start.layer[clay]])
-    factor = np.ones(len(model))
-    wanted = (before + share * (after - before)) * model.strength_factor[clay]
-    change = wanted / model.liquefied[clay, bond.STRENGTH]
-    factor[clay] = np.where(np.abs(change - 1.0) > ROUNDING, change, 1.0)  # the same bits if it is repeated
-    change_strength(model, factor)
+    after = residual(model, ground, strata, case)
+    known = ground.section is not None
+    strength = _strength_by_case(model, ground, strata, WHOLE).strength if known else after.pressure
+    strength = np.maximum(strength, after.strength)
+    soft = np.broadcast_to(after.soft_to, len(model)) > 0.0
+    same_stiffness = after.strain * strength / np.maximum(after.strength, NO_STRENGTH)
+    strain = np.where(soft, elastic_strain(model, np.maximum(strength, NO_STRENGTH)), same_stiffness)
+    strain = np.clip(strain, SMALLEST_STRAIN, LARGEST_STRAIN)
+    return after._replace(strength=strength, strain=strain, knee=0.0, soft_to=0.0)
 
 
-def degrees_of_discs(start: DiscModel, shares: Mapping[int, float]) -> np.ndarray:
-    """Return the degree of liquefaction (n,) of all discs from those of the strata: fixed discs have none, and clay,
-    whose contacts are replaced from the ``start``, has all of it."""
-    degree = np.ones(len(start))
-    for k, share in shares.items():
-        degree[(start.layer == k) & ~is_liquefying(start)] = share
-    return np.where(start.fixed, 0.0, degree)
+class Weakening:
+    """Lowers the strength of strata that liquefy, from that of the discs at the start to the residual strength.
+
+    Parameters
+    ----------
+    start : discs at rest, whose strata that liquefy have the laws of liquefied ground already: clay by
+        `dem.search.undrained_clay`, sand by `dem.slides.before_liquefaction`
+    ground : the ground in which the discs lie
+    strata : numbers of the strata that liquefy
+    case : stiffness and strength after liquefaction
+    """
+
+    def __init__(self, start: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> None:
+        wet, factor = start.liquefied, start.strength_factor
+        self.layer, self.discs = start.layer, is_liquefying(start) & np.isin(start.layer, strata)
+        self.strength, self.strain = wet[:, bond.STRENGTH] / factor, wet[:, bond.STRAIN] / factor
+        after = residual(start, ground, strata, case)
+        clay = np.array([*(layer.undrained_strength > 0.0 for layer in start.springs.layers), False])[start.layer]
+        self.residual = np.where(clay, _strength_by_case(start, ground, strata, case).strength, after.strength)
+        same_stiffness = self.strain * self.residual / np.maximum(self.strength, NO_STRENGTH)
+        # of the strain after liquefaction, the strain potential and the rest; stress at the strain potential
+        self.potential = np.where(clay, 0.0, after.strain * after.soft_to)
+        self.regaining = np.where(clay, same_stiffness, after.strain) - self.potential
+        self.at_potential = np.where(clay, 0.0, after.strength * after.knee)
+
+    def apply(self, model: DiscModel, shares: Mapping[int, float]) -> None:
+        """Set the strength of the strata by their degree of liquefaction, from 0 to 1; bonds keep their displacement.
+
+        model: discs, which are changed; shares: degree of liquefaction by stratum.
+        """
+        degree = np.array([shares.get(k, 0.0) for k in range(len(model.springs.layers))] + [0.0])[self.layer]
+        strength = self.strength + degree * (self.residual - self.strength)
+        potential = degree * self.potential
+        strain = np.maximum((1.0 - degree) * self.strain + degree * self.regaining, NO_STRAIN) + potential
+        at_potential = degree * self.at_potential
+        knee = at_potential / np.maximum(strength, NO_STRENGTH)
+        set_bonds(model, self.discs, strength, strain, knee, potential / strain)
 
 
 def _not_consolidated(model: DiscModel, ground: Ground) -> np.ndarray:

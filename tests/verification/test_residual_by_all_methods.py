@@ -14,7 +14,7 @@ from dem.model import DiscModel
 from dem.packing import lattice_box
 from dem.settings import DemSettings
 from dem.slides.edge_strength import BAND
-from dem.slides.liquefied_strength import onset
+from dem.slides.liquefied_strength import residual
 from fem.continuum.liquefied_ground import liquefied_section
 from fem.mpm.changes import changes_of
 from fem.mpm.ground import ground_of
@@ -72,7 +72,7 @@ def of_discs(ground: Section, case: Case) -> tuple[DiscModel, np.ndarray]:
     packing.layer[packing.free & (packing.z < 6.0)] = 1
     laid = Ground(packing, "lattice", RADIUS, 0, 0.0, (0.0, 0.0), 1, ground)
     model = laid.model([sand(3e7, 0.5), sand(3e7, 0.5)], DemSettings())
-    return model, onset(model, laid, [1], case).strength / 1e3
+    return model, residual(model, laid, [1], case).strength / 1e3
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])

@@ -45,7 +45,7 @@ from dem.packing import lattice_box
 from dem.pair_table import pair_table
 from dem.pressure_shear import take_back_shear
 from dem.slides.edge_strength import BAND
-from dem.slides.liquefied_strength import liquefied, onset
+from dem.slides.liquefied_strength import residual
 from tests.support.dem_cases import BARE_SPRINGS, RADIUS
 from tests.support.liquefied import GRAVITY, ShearedBox, sand, with_voids
 
@@ -348,12 +348,12 @@ def test_residual_strength_of_a_case(level: tuple[DiscModel, Ground]) -> None:
     model, ground = level
     loose = model.layer == 1
     away = loose & (model.z > model.z[loose].min() + (2.0 * BAND - 1.0) * RADIUS)
-    ratio = onset(model, ground, [1], Case(residual=0.1))
+    ratio = residual(model, ground, [1], Case(residual=0.1))
     assert (ratio.discs == loose).all()
     assert ratio.strength[loose] == pytest.approx(0.1 * effective_overburden(model)[loose])
     assert (ratio.strength[~loose] == 0.0).all()
     assert (ratio.strain[loose] == SMALLEST_STRAIN).all()
-    firm = onset(model, ground, [1], Case(residual_strength="8 kPa", stiffness=0.05))
+    firm = residual(model, ground, [1], Case(residual_strength="8 kPa", stiffness=0.05))
     assert firm.strength[away] == pytest.approx(8e3)
     modulus = 0.05 * SHEAR_MODULUS * LOOSE.kn
     by_modulus = BOND_STRAIN_RATIO * firm.strength[loose] / modulus
@@ -362,9 +362,3 @@ def test_residual_strength_of_a_case(level: tuple[DiscModel, Ground]) -> None:
     liquefy(model, ratio)
     assert model.liquefied[loose, STRENGTH] == pytest.approx(ratio.strength[loose])
     assert model.liquefied[loose, STRAIN] == pytest.approx(SMALLEST_STRAIN)
-
-
-def test_contacts_fade_in_soil_discs_alone() -> None:
-    soft, firm = liquefied([LOOSE, LOOSE], [1], Case(), 0.25, "soil")[1], liquefied([LOOSE], [], Case(), law="soil")[0]
-    assert soft == replace(LOOSE, faded=0.25)
-    assert firm == LOOSE

@@ -12,7 +12,7 @@ from dem.search.pushover import Continuum, pushover_critical_kh
 from dem.search.undrained_clay import set_strengths, undrained_strength
 from dem.settings import DemSettings, SlideSettings
 from dem.slides.liquefaction import Slider
-from dem.slides.liquefied_strength import weaken_clay
+from dem.slides.liquefied_strength import Weakening
 from fem import BoundsSettings, FemSettings, kh_bounds
 from meshes import Section
 
@@ -75,7 +75,7 @@ def test_clay_that_liquefies_falls_to_what_the_case_leaves(growing: Deposit) -> 
     free = ~start.fixed
     for share, expected in ((0.5, 0.5), (1.0, 1.0)):
         model = start.copy()
-        weaken_clay(model, start, growing.ground, {0: share}, case)
+        Weakening(start, growing.ground, [0], case).apply(model, {0: share})
         before = (start.liquefied[:, STRENGTH] / start.strength_factor)[free]
         now = (model.liquefied[:, STRENGTH] / model.strength_factor)[free]
         assert now == pytest.approx(before + expected * (5e3 - before))

@@ -106,15 +106,15 @@ def level() -> tuple[DiscModel, Ground]:
 def test_sides_carry_the_pressure_at_rest_down_to_the_lowest_stratum_that_liquefies(
     level: tuple[DiscModel, Ground],
 ) -> None:
-    """K_0 γ z²/2, K_0 = ν / (1 - ν), and γ z²/2 once the ground has liquefied."""
-    sides = FreeSides(*level, [0])
+    """γ z²/2 of ground that liquefies, before and after, and K_0 γ z²/2, K_0 = ν / (1 - ν), of ground that does not."""
+    sides, dry = FreeSides(*level, [0]), FreeSides(*level, [0], None)
     weight = sides.heavier * DENSITY * GRAVITY * 4.0**2 / 2.0
     assert sides.heavier == pytest.approx(1.0, abs=0.06)
     for name in ("left", "right"):
-        strips = [strip for strip in sides.strips if strip.side == name]
-        at_rest = sum(strip.at_rest for strip in strips)
-        assert at_rest == pytest.approx(0.3 / 0.7 * weight, rel=1e-6)
-        assert sum(strip.liquefied for strip in strips) == pytest.approx(weight, rel=1e-6)
+        wet, strips = ([strip for strip in s.strips if strip.side == name] for s in (sides, dry))
+        assert sum(strip.at_rest for strip in strips) == pytest.approx(0.3 / 0.7 * weight, rel=1e-6)
+        assert sum(strip.at_rest for strip in wet) == pytest.approx(weight, rel=1e-6)
+        assert sum(strip.liquefied for strip in wet) == pytest.approx(weight, rel=1e-6)
     left, right = ([strip.liquefied for strip in sides.strips if strip.side == name] for name in ("left", "right"))
     assert left == pytest.approx(right, rel=1e-6)  # whatever discs lie there: under a difference level ground drifts
 
