@@ -104,7 +104,9 @@ class Slider:
         self.step = settings.step_of(start.law)
         self.slide = Slide(surface_before=self.surface.points(start, ground).tolist(), step_share=self.step)
         self.layers = list(start.springs.layers)
-        self.weakening = Weakening(start, ground, strata, case) if case is not None and start.law == "soil" else None
+        self.weakening = None
+        if case is not None and len(start.liquefied):  # a thin stratum may have no discs
+            self.weakening = Weakening(start, ground, strata, case)
         setting = start, ground, strata, settings
         shaking = shaking or cycles(settings, strata, start.law)
         self.motion = constant_kh(*setting) if shaking is None else recorded_motion(*setting, shaking)

@@ -11,8 +11,9 @@ from dem.liquefied_ground import is_liquefying, set_bonds
 from dem.neighbourhood import Neighbourhood
 from dem.pressure_balance import balance_pressures
 from dem.search.deposit import Deposit, deposit
-from dem.settings import DemSettings
+from dem.settings import DemSettings, SlideSettings
 from dem.slides.before_liquefaction import come_to_rest, replace_contacts_of_sand
+from dem.slides.liquefaction import Slider
 from dem.slides.liquefied_strength import Weakening, before_liquefaction, residual
 from tests.support.liquefied import ShearedBox
 from tests.support.water import section, soil
@@ -97,6 +98,14 @@ def test_strength_falls_from_before_to_after_liquefaction(level: Deposit) -> Non
         assert np.array_equal(again.liquefied, model.liquefied)
         assert np.array_equal(again.bonds, model.bonds)
     assert model.liquefied[sand, bond.STRAIN] / model.strength_factor[sand] == pytest.approx(after.strain[sand])
+
+
+def test_strata_without_discs_do_not_liquefy(level: Deposit) -> None:
+    """A stratum thinner than a disc may have none."""
+    slider = Slider(level.settled, level.ground, [], CASE, SlideSettings(kh=0.0, duration=0.5, onset=0.5))
+    assert slider.weakening is None
+    assert slider.start is level.settled
+    assert abs(slider.run().rows[-1].slide_max_m) < 0.01
 
 
 def test_a_strain_potential_appears_as_ground_liquefies(level: Deposit) -> None:
