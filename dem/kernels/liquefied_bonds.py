@@ -56,9 +56,8 @@ def bond_lines(discs: np.ndarray, i: int, j: int) -> tuple[float, float, float]:
 
 
 @device_function(forceinline=True)
-def limiting_strain(discs: np.ndarray, i: int, j: int) -> float:
-    """Return twice the strain at which the bond of two discs reaches its limit."""
-    a, b = bond_weights(*bond.strength_weights(discs, i, j))
+def limiting_strain(discs: np.ndarray, i: int, j: int, a: float, b: float) -> float:
+    """Return twice the strain at which the bond of the discs i and j reaches its limit; a, b: their `bond_weights`."""
     soft = a * discs[i, bond.KNEE_STRAIN] + b * discs[j, bond.KNEE_STRAIN] > 0.0
     straining = STRAINING_SHARE if a != b and soft else 1.0
     return straining * (a * discs[i, bond.STRAIN] + b * discs[j, bond.STRAIN])
@@ -79,7 +78,9 @@ def limiting_strains(discs: np.ndarray, pairs: np.ndarray) -> np.ndarray:
     """
     strains = np.empty(pairs.shape[1])
     for c in range(pairs.shape[1]):
-        strains[c] = limiting_strain(discs, pairs[0, c], pairs[1, c])
+        i, j = pairs[0, c], pairs[1, c]
+        a, b = bond_weights(*bond.strength_weights(discs, i, j))
+        strains[c] = limiting_strain(discs, i, j, a, b)
     return strains
 
 
@@ -99,10 +100,9 @@ def fetch_strength(block: int, wet: bond.Liquefied) -> None:
         a, b = bond.strength_weights(discs, i, j)
         w[q + bond.BOND_SUM] = a * discs[i, bond.BOND] + b * discs[j, bond.BOND]
         a, b = bond_weights(a, b)
-        ends = a * discs[i, bond.KNEE_STRAIN] + b * discs[j, bond.KNEE_STRAIN]
-        w[q + bond.STRAIN_SUM] = limiting_strain(discs, i, j)
+        w[q + bond.STRAIN_SUM] = limiting_strain(discs, i, j, a, b)
         w[q + bond.KNEE_STRENGTH_SUM] = a * discs[i, bond.KNEE_STRENGTH] + b * discs[j, bond.KNEE_STRENGTH]
-        w[q + bond.KNEE_STRAIN_SUM] = ends
+        w[q + bond.KNEE_STRAIN_SUM] = a * discs[i, bond.KNEE_STRAIN] + b * discs[j, bond.KNEE_STRAIN]
         first, second = w[q + bond.PART_1], w[q + bond.PART_2]
         w[q + bond.PAIR_SPIN] = first * discs[i, bond.SPIN] + second * discs[j, bond.SPIN]
         couple_i = discs[i, bond.APPLIED_COUPLE] if first > 0.0 else 0.0

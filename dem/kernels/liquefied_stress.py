@@ -17,9 +17,6 @@ from dem.kernels.liquefied_bonds import BOND_LIMIT, EXTRA_STRENGTH, bond_lines
 from dem.kernels.liquefied_laws import bond_kernel, density_kernel, force_share, stand_in_shares
 from dem.kernels.period import Period, image
 
-ALONG_AT, ACROSS_AT, DASH_ALONG_AT, DASH_ACROSS_AT = (
-    int(k) // bond.LANES for k in (bond.ALONG, bond.ACROSS, bond.DASH_ALONG, bond.DASH_ACROSS)
-)
 # sums over the pairs of a disc: stress, gradient and moment of its neighbours, mobilised strength
 S_XX, S_XZ, S_ZZ, G_XX, G_XZ, G_ZX, G_ZZ, M_XX, M_XZ, M_ZZ, MOBILISED, WEIGHT = range(12)
 SMALLEST_MOMENT_RATIO = 1e-6  # determinant over the square of a moment: neighbours on a line have no gradient
@@ -80,12 +77,12 @@ def _sums(
         limit = BOND_LIMIT * (a * discs[i, bond.BOND] + b * discs[j, bond.BOND])
         limit *= bond_kernel(apart, reach)
         limit *= 1.0 + EXTRA_STRENGTH * memory[c, bond.EXTRA_SHARE_AT]
-        along, across = memory[c, ALONG_AT], memory[c, ACROSS_AT]
+        along, across = memory[c, bond.ALONG_AT], memory[c, bond.ACROSS_AT]
         soft, steep, _ = bond_lines(discs, i, j)
         share = force_share(along, across, soft, steep)
         along, across = share * along, share * across
-        normal = pressure_force - limit * along - memory[c, DASH_ALONG_AT] - memory[c, bond.COUNTER_ALONG_AT]
-        drag = limit * across + memory[c, DASH_ACROSS_AT] + memory[c, bond.COUNTER_ACROSS_AT]
+        normal = pressure_force - limit * along - memory[c, bond.DASH_ALONG_AT] - memory[c, bond.COUNTER_ALONG_AT]
+        drag = limit * across + memory[c, bond.DASH_ACROSS_AT] + memory[c, bond.COUNTER_ACROSS_AT]
         fx, fz = normal * nx + drag * nz, normal * nz - drag * nx
         near = width[c] / (apart * apart)
         ux, uz = near * (way[0, j] - way[0, i]), near * (way[1, j] - way[1, i])

@@ -8,24 +8,17 @@ strength (`liquefied_strength.Weakening`). Saturated sand is undrained before li
 and its strength p tan phi + c, with the effective overburden p. Stresses are in Pa.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from dem.case import Case
-from dem.engine.engine import Engine
-from dem.engine.time_step import largest_step
 from dem.ground import Ground
 from dem.liquefied_ground import is_liquefying, liquefy, set_reference_density, set_share
 from dem.model import DiscModel
 from dem.pressure_balance import balance_pressures
 from dem.slides.liquefied_strength import before_liquefaction
-
-SETTLING_TIME = 4.0  # s in which the ground comes to rest again
-UPDATE_INTERVAL = 0.04  # s between two updates of the velocities
-DAMPING_FACTOR = 0.9  # of the velocities, left after each UPDATE_INTERVAL of that
-STEP_SHARE = 0.8  # of the stable step
 
 
 def replace_contacts_of_sand(start: DiscModel, ground: Ground, strata: Sequence[int], case: Case) -> DiscModel:
@@ -40,8 +33,8 @@ def replace_contacts_of_sand(start: DiscModel, ground: Ground, strata: Sequence[
 
     Returns
     -------
-    A copy of the discs, not yet at rest (`come_to_rest`), or ``start`` itself if all that liquefies is clay, which has
-    these laws already.
+    A copy of the discs, not yet at rest (`until_rest.come_to_rest`), or ``start`` itself if all that liquefies is clay,
+    which has these laws already.
     """
     sand = np.isin(start.layer, strata) & ~start.fixed & ~is_liquefying(start)
     if not sand.any():
@@ -55,19 +48,3 @@ def replace_contacts_of_sand(start: DiscModel, ground: Ground, strata: Sequence[
     model.make_list()
     set_reference_density(model, sand)
     return model
-
-
-def come_to_rest(model: DiscModel, on_interval: Callable[[DiscModel, np.ndarray], None] | None = None) -> None:
-    """Let discs come to rest under their weight, with damped velocities.
-
-    Parameters
-    ----------
-    model : discs, which are changed
-    on_interval : function that moves walls every `UPDATE_INTERVAL`, as in `Engine.run`
-    """
-    model.set_velocity(0.0, 0.0)
-    for _ in range(round(SETTLING_TIME / UPDATE_INTERVAL)):
-        engine = Engine(dt=STEP_SHARE * largest_step(model).seconds, energies=False)
-        engine.run(model, UPDATE_INTERVAL, on_interval=on_interval)
-        model.set_velocity(DAMPING_FACTOR * model.vx, DAMPING_FACTOR * model.vz)
-    model.set_velocity(0.0, 0.0)

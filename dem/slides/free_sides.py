@@ -27,7 +27,8 @@ from dem.case import Case
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
-from dem.slides.before_liquefaction import come_to_rest, replace_contacts_of_sand
+from dem.slides.before_liquefaction import replace_contacts_of_sand
+from dem.slides.until_rest import come_to_rest
 from dem.springs import wave_speeds
 from meshes.section.section import Section, Stratum
 

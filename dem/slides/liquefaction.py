@@ -37,7 +37,6 @@ from dem.slides.balance import (
     thin_layers,
     within_scatter,
 )
-from dem.slides.before_liquefaction import UPDATE_INTERVAL
 from dem.slides.drive import TIME_TOLERANCE, Shaking, constant_kh, cycles, recorded_motion
 from dem.slides.free_sides import FreeSides
 from dem.slides.liquefied_strength import Weakening, liquefied
@@ -45,6 +44,7 @@ from dem.slides.rest import at_rest, residual_motion_source
 from dem.slides.runout import loose_share, on_loose_mass
 from dem.slides.slide import WEIGHT_ALONE_TIME, Row, Slide, stopped_at
 from dem.slides.surface import Surface, crack_opening, escaped
+from dem.slides.until_rest import UPDATE_INTERVAL
 from dem.slides.volume import required_areas, undrained_strata, volume_change
 from meshes.files import whole_file
 from meshes.section.sentences import counted

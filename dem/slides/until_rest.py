@@ -11,6 +11,10 @@ from dem.errors import StepTooLargeError
 from dem.model import DiscModel
 
 STEP_SHARE = 0.5  # of the stable step
+DAMPED_STEP_SHARE = 0.8  # of the stable step, while velocities are damped
+SETTLING_TIME = 4.0  # s in which the ground comes to rest by damping
+UPDATE_INTERVAL = 0.04  # s between two updates of the velocities of discs that are damped, and of the walls of slides
+DAMPING_FACTOR = 0.9  # of the velocities, left after each UPDATE_INTERVAL of that
 STEP_REDUCTION = 0.8  # factor on a time step that has become too long
 CHECKS_AT_REST = 3  # consecutive checks without movement
 MASS_AT_REST = 0.98  # share of the mass that must be at rest; single discs may roll on
@@ -112,3 +116,19 @@ def _advance(model: DiscModel, seconds: float, share: float) -> None:
             if end - model.time < 1e-9:
                 return
     engine.run(model, end - model.time)
+
+
+def come_to_rest(model: DiscModel, on_interval: Callable[[DiscModel, np.ndarray], None] | None = None) -> None:
+    """Let discs come to rest under their weight, with damped velocities.
+
+    Parameters
+    ----------
+    model : discs, which are changed
+    on_interval : function that moves walls every `UPDATE_INTERVAL`, as in `Engine.run`
+    """
+    model.set_velocity(0.0, 0.0)
+    for _ in range(round(SETTLING_TIME / UPDATE_INTERVAL)):
+        engine = Engine(dt=DAMPED_STEP_SHARE * largest_step(model).seconds, energies=False)
+        engine.run(model, UPDATE_INTERVAL, on_interval=on_interval)
+        model.set_velocity(DAMPING_FACTOR * model.vx, DAMPING_FACTOR * model.vz)
+    model.set_velocity(0.0, 0.0)

@@ -12,9 +12,10 @@ from dem.neighbourhood import Neighbourhood
 from dem.pressure_balance import balance_pressures
 from dem.search.deposit import Deposit, deposit
 from dem.settings import DemSettings, SlideSettings
-from dem.slides.before_liquefaction import come_to_rest, replace_contacts_of_sand
+from dem.slides.before_liquefaction import replace_contacts_of_sand
 from dem.slides.liquefaction import Slider
 from dem.slides.liquefied_strength import Weakening, before_liquefaction, residual
+from dem.slides.until_rest import come_to_rest
 from tests.support.liquefied import ShearedBox
 from tests.support.water import section, soil
 
