@@ -15,10 +15,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fem.continuum.shallow_failure import ShallowFailure
 from fem.kernels import grid_motion
 from fem.kernels import point_stress as law
 from fem.mpm.grid import BackgroundGrid
 from fem.mpm.points import MaterialPoints, PointSoil
+from fem.mpm.pore_water import between_sides, uplift
 from fem.settings import Sides
 from meshes.section.alike_sides import has_alike_sides
 from meshes.section.layering import middles
@@ -63,6 +65,7 @@ class PointGround:
     sides : boundary condition of the sides
     room : length (m) of floor beyond each free-field or smooth side, over which ground that leaves the section can
         slide; 0 for other sides
+    firm_faces : cohesionless faces that have an apparent cohesion (`fem.mpm.faces`)
     """
 
     section: Section
@@ -75,6 +78,7 @@ class PointGround:
     softened: tuple[str, ...]
     sides: Sides
     room: float = 0.0
+    firm_faces: tuple[ShallowFailure, ...] = ()
 
     @property
     def crust(self) -> float:
@@ -162,8 +166,9 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
     points.stress[(points.stratum < 0) & ((places[:, 0] < left) | (places[:, 0] > right))] = 0.0  # nothing weighs on it
     height = points.state[:, law.VOLUME] / (0.5 * cell)
     for inwards, distance in ((1.0, places[:, 0] - left), (-1.0, right - places[:, 0])):
-        at_side = (points.stratum >= 0) & (distance < 0.5 * cell)
-        points.side[at_side] = inwards * np.maximum(-points.stress[at_side, 0] * height[at_side], SMALLEST_FORCE)
+        at_side = np.flatnonzero((points.stratum >= 0) & (distance < 0.5 * cell))
+        pressure = _side_pressure(points, at_side, ground.effective[at_side])
+        points.side[at_side] = inwards * np.maximum(pressure * height[at_side], SMALLEST_FORCE)
     free = np.minimum(places[:, 0] - left, right - places[:, 0])[ground.surface] > FIXED_STRIP * cell
     return replace(
         ground,
@@ -173,6 +178,18 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
         effective=ground.effective[remaining],
         consolidated=ground.consolidated[remaining],
     )
+
+
+def _side_pressure(points: MaterialPoints, at_side: np.ndarray, effective: np.ndarray) -> np.ndarray:
+    """Return the effective horizontal pressure (k,) in Pa of the ground beyond a side on the points ``at_side``.
+
+    It is that of the ground at rest, and at least the active pressure (Rankine 1857), σ_h = (σ_v (1 - sin φ) - 2 c cos
+    φ) / (1 + sin φ): stresses of single points next to the surface may be zero, and cohesionless ground without
+    pressure from the side would flow out. ``effective`` (k,): vertical effective stress σ_v of the points (Pa).
+    """
+    sine, strength = points.properties[at_side, law.SIN_PHI], points.properties[at_side, law.STRENGTH]
+    active = (effective * (1.0 - sine) - 2.0 * strength) / (1.0 + sine)
+    return np.maximum(-points.stress[at_side, 0], active)
 
 
 def _row_of_nodes(section: Section, slope: float, cell: float) -> float:
@@ -259,7 +276,7 @@ def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> tupl
     """Return the vertical effective stress (n,) of the column above each point (Pa): with all of the surcharges, and
     with the share to which the ground has consolidated. Points below the base have the stresses at the base.
     """
-    points_inside = _between_sides(section, places)
+    points_inside = between_sides(section, places)
     points_inside[:, 1] = np.maximum(points_inside[:, 1], section.layering.interface(-1, points_inside[:, 0]))
     water, stratum = section.water_pressure, np.maximum(owners, 0)
     stratum = np.where(owners < 0, section.layering.strata - 1, stratum)
@@ -333,58 +350,4 @@ def _grid(
         reach = (BORDER - 1 - ROUNDING) * cell
         support[(x < left - reach) | (x > right + reach)] = grid_motion.FIXED
     support[:, -2:] = grid_motion.FIXED
-    return BackgroundGrid(cell, support, _uplift(section, cell, x, z, sides == "periodic"), sides == "periodic", slope)
-
-
-def _uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray, periodic: bool) -> np.ndarray:
-    """Return the force of the water pressure per volume (nx, nz, 2) at the nodes of the grid (N/m³).
-
-    The force is minus the gradient of the water pressure, by central differences between half a cell before and half a
-    cell behind the node. Above the ground the gradient is that of free water, so that ground that has slid into the
-    water is buoyant. ``x`` (nx,) and ``z`` (nx, nz): coordinates of the nodes (m); ``cell``: width of a cell (m);
-    ``periodic``: whether the water continues across the sides, as the ground does.
-    """
-    shape = z.shape
-    if not section.water_pressure.present:
-        return np.zeros((*shape, 2))
-    grid = np.column_stack([np.repeat(x, shape[1]), z.ravel()]) + ROUNDING * cell  # not on the lines of the section
-    out = np.zeros((*shape, 2))
-    for axis in (0, 1):
-        step = np.zeros(2)
-        step[axis] = 0.5 * cell
-        before, behind = (_across_sides(section, grid + way) if periodic else grid + way for way in (-step, step))
-        drop = _pressure(section, before) - _pressure(section, behind)
-        out[..., axis] = (drop / cell).reshape(shape)
-    return out
-
-
-def _across_sides(section: Section, points: np.ndarray) -> np.ndarray:
-    """Return points (n, 2) in m; those beyond a periodic side are moved by a period to the other side."""
-    (left, right), layering = section.extent, section.layering
-    periods = np.floor((points[:, 0] - left) / (right - left))
-    return np.asarray(points - np.outer(periods, [right - left, layering.right[-1, -1] - layering.left[0, -1]]))
-
-
-def _between_sides(section: Section, points: np.ndarray) -> np.ndarray:
-    """Return points (n, 2) in m; those beyond a side are moved to it, at their height."""
-    left, right = section.extent
-    tiny = 1e-9 * (right - left)
-    return np.column_stack([np.clip(points[:, 0], left + tiny, right - tiny), points[:, 1]])
-
-
-def _pressure(section: Section, points: np.ndarray) -> np.ndarray:
-    """Return the water pressure (n,) in the ground and above it (Pa). Beyond the sides and the base, the pressure is
-    that at the side or the base."""
-    water, points_inside = section.water_pressure, _between_sides(section, points)
-    levels = section.layering.interfaces(points_inside[:, 0])
-    drop = np.maximum(levels[:, -1] - points_inside[:, 1], 0.0)  # hydrostatic below the base
-    points_inside[:, 1] += drop
-    stratum = section.layering.stratum_at(points_inside[:, 0], np.minimum(points_inside[:, 1], levels[:, 0]))
-    inside = (points_inside[:, 1] <= levels[:, 0]) & (stratum >= 0)
-    pressure = water.on_ground(points_inside, points_inside)
-    if inside.any():
-        places_inside = points_inside[inside]
-        pressure[inside] = water.at_rest(places_inside, places_inside, stratum[inside]) + water.excess(
-            places_inside, places_inside, stratum[inside]
-        )
-    return pressure + np.where(pressure > 0.0, drop * water.unit_weight, 0.0)
+    return BackgroundGrid(cell, support, uplift(section, cell, x, z, sides == "periodic"), sides == "periodic", slope)

@@ -108,6 +108,11 @@ def _of_cases(results: Results) -> Iterator[str]:
     for text in merged_notes(warned):
         yield f"in the slide by material points {text}: compare this slide with that of the discs"
     yield from _unresolved(results)
+    if cases and results.mpm is not None and results.mpm.not_possible:
+        yield (
+            "the material point method cannot compute the slides, so that those of the discs have no second opinion: "
+            "compare them with the rigid block, and with the stability after liquefaction"
+        )
 
 
 def _unresolved(results: Results) -> Iterator[str]:

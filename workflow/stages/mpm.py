@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from meshes.executor import Tell
+from meshes.section.cutting import shown_name
 from meshes.section.polyline import downhill
 from workflow.config import Config
 from workflow.results.answer import SectionLabel, line
@@ -142,11 +143,12 @@ def at_rest(config: Config, fewer: int = 1) -> "tuple[PointSlider, float]":
     The number of cells is the number in the settings divided by ``fewer``. Raises FloatingPointError if the ground has
     no equilibrium.
     """
+    from fem.mpm.faces import with_firm_faces
     from fem.mpm.ground import ground_of
     from fem.mpm.slide import PointSlider
 
     ground = ground_of(config.section, config.slide.mpm_cells // fewer, config.sides_of_slides)
-    slider = PointSlider(ground, downhill(config.section.ground))
+    slider = PointSlider(with_firm_faces(ground, config.fem), downhill(config.section.ground))
     return slider, slider.settle()
 
 
@@ -282,6 +284,11 @@ def _notes(slide: "PointSlide", ground: "PointGround") -> Iterator[str]:
             f"{listed} {'has' if single else 'have'} a reduced stiffness, so that longer time steps are stable; "
             f"{'its strength is' if single else 'their strengths are'} unchanged"
         )
+    for face in ground.firm_faces:
+        yield (
+            f'the cohesionless face of "{shown_name(face.stratum)}" from x = {face.start:.0f} to {face.end:.0f} m has '
+            "an apparent cohesion, since without it the points on it do not come to rest before the slide"
+        )
 
 
 STAGE = Stage(
@@ -294,7 +301,7 @@ STAGE = Stage(
         "slide.kh", "slide.kh_seconds", "slide.kh_towards", "slide.kh_cycles", "slide.kh_period", "slide.unit",
         "slide.component",
         "slide.scale", "slide.frames", "slide.liquefies_at", "slide.onset", "slide.still", "slide.duration",
-        "slide.mpm_cells", "slide.mpm_sides", "fem.sides", "site_response",
+        "slide.mpm_cells", "slide.mpm_sides", "fem.sides", "fem.least_depth", "fem.vertical", "site_response",
     ),
     ignores=of_the_record,
     takes=resolved_inputs,

@@ -11,7 +11,7 @@ import pytest
 from dem.ground import ground_of
 from dem.laboratory.soil_contacts import soil_layers
 from dem.settings import DemSettings
-from fem.mpm.ground import _pressure as pressure_of_points
+from fem.mpm.pore_water import _pressure as pressure_of_points
 from meshes.errors import InputError
 from meshes.section.overburden import overburden
 from meshes.section.section import Section

@@ -10,7 +10,7 @@ from tests.support.answers import fem, liquefying_config, report_text, results, 
 from tests.support.sections import analysed, assessment, slope
 from workflow.config import Config
 from workflow.earthquake.site_response import warning as strain_warning
-from workflow.report.warnings import _unresolved, merged_notes
+from workflow.report.warnings import _of_cases, _unresolved, merged_notes
 from workflow.results.cases import CasesAnswer
 from workflow.results.continuum import PathStep
 from workflow.results.dem_counterpart import DemCounterpart
@@ -121,6 +121,19 @@ def test_a_slide_of_material_points_that_its_cells_leave_open_is_told(run: Confi
     assert warned_of(0.6, 0.96, 0.96) == []
     assert len(warned_of(0.9, 0.96, 2.1)) == 1
     assert warned_of(0.0, 0.05, 0.05) == []
+
+
+def test_slides_of_discs_without_a_second_opinion_by_points_are_warned_of() -> None:
+    """Gravel at its angle of repose had slides by discs alone, of which only a section of the report told."""
+    case = SimpleNamespace(escaped=False, notes=())
+
+    def warned_of(reason: str) -> list[str]:
+        points = SimpleNamespace(cases={}, not_possible=reason)
+        return list(_of_cases(cast(Any, SimpleNamespace(case_set=lambda: ("", {1: case}), mpm=points))))
+
+    assert warned_of("") == []
+    [warning] = warned_of("the ground does not come to rest")
+    assert warning.startswith("the material point method cannot compute the slides, so that those of the discs")
 
 
 def test_a_large_strain_in_the_response_is_observed_before_the_colon(run: Config) -> None:
