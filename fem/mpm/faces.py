@@ -21,8 +21,10 @@ LEAST_KH = 0.1
 
 
 def with_firm_faces(ground: PointGround, settings: FemSettings) -> PointGround:
-    """Return the ground with an apparent cohesion below all faces on which points do not come to rest, in either
-    direction, down to the least depth of failures (`fem.continuum.face_reinforcement.apparent_cohesion`).
+    """Return the ground with an apparent cohesion below all faces on which points do not come to rest.
+
+    These are faces in either direction, down to the least depth of failures; the cohesion is that of
+    `fem.continuum.face_reinforcement.apparent_cohesion`.
 
     Parameters
     ----------

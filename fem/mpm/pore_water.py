@@ -11,12 +11,22 @@ ROUNDING = 1e-6  # of a cell: a difference that the place of the section on its 
 
 
 def uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray, periodic: bool) -> np.ndarray:
-    """Return the force of the water pressure per volume (nx, nz, 2) at the nodes of the grid (N/m³).
+    """Return the force of the water pressure per volume at the nodes of the grid.
 
     The force is minus the gradient of the water pressure, by central differences between half a cell before and half a
     cell behind the node. Above the ground the gradient is that of free water, so that ground that has slid into the
-    water is buoyant. ``x`` (nx,) and ``z`` (nx, nz): coordinates of the nodes (m); ``cell``: width of a cell (m);
-    ``periodic``: whether the water continues across the sides, as the ground does.
+    water is buoyant.
+
+    Parameters
+    ----------
+    section : the ground with its water
+    cell : width of a cell (m)
+    x (nx,), z (nx, nz) : coordinates of the nodes (m)
+    periodic : whether the water continues across the sides, as the ground does
+
+    Returns
+    -------
+    Forces (nx, nz, 2) in N/m³.
     """
     shape = z.shape
     if not section.water_pressure.present:
