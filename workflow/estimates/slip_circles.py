@@ -180,22 +180,31 @@ class _CircleSearch:
 
     def run(self) -> SlipCircle | None:
         """Return the circle with the smallest critical Kh or factor of safety; None if no circle has one."""
+        # On few slices a circle may be none that is too steep, or above a corner of the ground, on many: if no circle
+        # is left, many slices are taken from the beginning.
+        searches = map(self._refined, (SLICES, FINE_SLICES))  # the second only if the first leaves none
+        results = (self._result(best[k : k + 1]) for best in searches for k in range(len(best)))
+        return next((circle for circle in results if circle is not None), None)
+
+    def _refined(self, coarse_slices: int) -> np.ndarray:
+        """Return the circles with the smallest values that are left on many slices, the first grids on so many
+        slices."""
         many = len(self.section.ground) > MOST_CORNERS
         most_coarse = COARSE_CIRCLES_OF_MANY_CORNERS if many else COARSE_CIRCLES
-        best = self._best(self._grid(), SLICES, most_coarse)
+        best = self._best(self._grid(), coarse_slices, most_coarse)
         left, right = self.section.extent
         step = np.array(
             [(right - left) / (GROUND_POINTS - 1), (right - left) / (GROUND_POINTS - 1), 1.0 / CIRCLES_PER_PAIR]
         )
         offsets = np.stack(np.meshgrid(*[[-1.0, -0.5, 0.0, 0.5, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-        coarse, fine = (SLICES, most_coarse), (FINE_SLICES, FINE_CIRCLES)
+        coarse, fine = (coarse_slices, most_coarse), (FINE_SLICES, FINE_CIRCLES)
         for number, most in [coarse] * COARSE_ROUNDS + [fine] * FINE_ROUNDS:
             if not len(best):
-                return None
+                break
             around = (best[:most, None, :] + offsets * step).reshape(-1, 3)
             best = self._best(np.concatenate([best, around]), number, most)
             step *= STEP_REDUCTION
-        return next((circle for k in range(len(best)) if (circle := self._result(best[k : k + 1])) is not None), None)
+        return best
 
     def _grid(self) -> np.ndarray:
         ends = np.linspace(*self.section.extent, GROUND_POINTS)

@@ -73,7 +73,7 @@ def _factor_sentences(answer: SlicesAnswer, rises_by_shaking: bool) -> Iterator[
         if factors.kh == 0.0 and not rises_by_shaking and (sides := _sides_without_strength(answer)):
             yield (
                 f"Towards the {listed(sides)} no slip circle has a factor of safety at Kh = 0 by Bishop's method: the "
-                "pore pressure leaves next to no strength."
+                "ground has next to no strength, or the circles leave it too steeply."
             )
 
 
