@@ -10,6 +10,7 @@ and is at least σ'v. Points are (n, 2), x and elevation in m. Each has its stra
 it, which decides on which side of a step of the ground or of a surcharge the point lies. Cohesions are in Pa.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -118,7 +119,20 @@ class CohesionField:
     def notices(self) -> list[tuple[int, str]]:
         """Return notices on strengths that vary, as pairs of the number of the stratum and a sentence."""
         varying = [(int(k), "the cohesion varies; discs have its mean throughout") for k in np.flatnonzero(self.varies)]
-        return varying + [(k, words) for k, _ in varying if (words := self._without_strength(k))]
+        of_strata = (self._without_strength, self._with_friction)
+        return varying + [(k, words) for k, _ in varying for phrase in of_strata if (words := phrase(k))]
+
+    def _with_friction(self, stratum: int) -> str:
+        """Return a phrase on undrained strength by stress in ground that has a friction angle as well; empty without
+        one of them."""
+        soil = self.water.strata[stratum]
+        if not soil.by_stress or not soil.friction_angle:
+            return ""
+        key = "strength_ratio" if soil.strength_ratio else "strength_table"
+        return (
+            f"its friction angle of {math.degrees(soil.friction_angle):.3g} deg adds drained strength to the undrained "
+            f'strength of its {key}; expected friction_angle = "0 deg" unless both are meant'
+        )
 
     def _without_strength(self, stratum: int) -> str:
         """Return a phrase on ground without friction whose strength is zero at its top; empty if it has some strength

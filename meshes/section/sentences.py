@@ -95,7 +95,18 @@ RESIDUAL = ("residual_strength", ' as a stress ("4 kPa"), or residual as a ratio
 WEIGHT = ("density", ', which may be a unit weight such as "18 kN/m^3"')
 SATURATED = ("density_saturated", WEIGHT[1])
 HOEK_BROWN = ("cohesion", " and friction_angle, fitted to the Hoek-Brown envelope: see docs/how-to/section.md, Rock")
+SEISMIC = ("fem", ", whose safety_factor_at = [0, 0.15] are the Kh at which factors of safety are computed")
+STRUCTURAL = ("zones", ": forces of anchors, nails, piles and geotextiles are not computed; a wall is a zone")
 OTHER_WORDS = {
+    **dict.fromkeys(("kh", "k_h", "seismic", "seismic_coefficient"), SEISMIC),
+    **dict.fromkeys(
+        (
+            "anchor", "anchors", "tiebacks", "nails", "soil_nails", "piles", "wall", "walls", "retaining_wall",
+            "sheet_pile", "sheet_piles", "geotextile", "geotextiles", "geogrid", "geogrids", "reinforcement",
+            "reinforcements", "supports",
+        ),
+        STRUCTURAL,
+    ),
     "gsi": HOEK_BROWN, "mi": HOEK_BROWN, "m_i": HOEK_BROWN, "mb": HOEK_BROWN, "ucs": HOEK_BROWN, "sigma_ci": HOEK_BROWN,
     "sigci": HOEK_BROWN, "disturbance": HOEK_BROWN, "hoek_brown": HOEK_BROWN,
     "unit_weight": WEIGHT, "gamma": WEIGHT, "γ": WEIGHT, "gamma_sat": SATURATED,
@@ -137,7 +148,9 @@ def _sentences_of(error: ErrorDetails, data: Any, model: type[BaseModel], other_
         close = difflib.get_close_matches(str(error["loc"][-1]), known, n=1)
         listed = f"; expected one of {', '.join(known)}" if known else ""
         hint = f'; did you mean "{close[0]}"?' if close else listed
-        if (other := OTHER_WORDS.get(str(error["loc"][-1]).lower())) and other[0] in known:
+        at_head = len(error["loc"]) == 1
+        other = OTHER_WORDS.get(str(error["loc"][-1]).lower())
+        if other and (other[0] in known or (at_head and other is SEISMIC)):
             hint = f"; expected {other[0]}{other[1]}"
         elif not close and len(known) > FEW_KEYS and (place := _right_place(error["loc"], model)):
             hint = f" here; {place}"

@@ -75,6 +75,8 @@ REFUSED: dict[str, tuple[Change, str, str]] = {
     "missing bottom": (lambda data: data["strata"][0].pop("bottom"), "strata 1, bottom: missing", "only the lowest"),
     "missing name": (lambda data: data.pop("name"), "name: missing", "such as s13"),
     "a parameter of Hoek and Brown": (upper(gsi=50), "gsi: unknown key", "fitted to the Hoek-Brown envelope"),
+    "a seismic coefficient": (whole(kh=0.15), "kh: unknown key; expected fem", "safety_factor_at = [0, 0.15]"),
+    "walls": (whole(walls=[{"x": 20}]), "walls: unknown key; expected zones", "geotextiles are not computed"),
     "missing surface": (lambda data: data.pop("surface"), "surface: missing", "the ground surface"),
     "missing base": (lambda data: data.pop("base"), "base: missing", "expected lower boundary of the section"),
     "missing strata": (lambda data: data.pop("strata"), "strata: missing", "one [[strata]] table"),
@@ -355,3 +357,16 @@ def test_a_table_of_a_section_that_is_misspelt_is_refused() -> None:
     assert Section.parse({**slope(), "fem": {"sides": "fixed"}}).water is None
     with pytest.raises(InputError, match='watr: unknown key; did you mean "water"'):
         Section.parse({**slope(), "watr": {"table": {"elevation": 3.0}}})
+
+
+@pytest.mark.parametrize(
+    ("strength", "key"),
+    [({"strength_ratio": 0.25}, "strength_ratio"), ({"strength_table": [[0, 5e3], [4e4, 1.2e4]]}, "strength_table")],
+)
+def test_undrained_strength_by_stress_beside_a_friction_angle_is_reported(strength: dict[str, Any], key: str) -> None:
+    """Clay of φ = 25° and 0.25 σ'v had the strength of both, and nothing was reported."""
+    both = f"its friction angle of 25 deg adds drained strength to the undrained strength of its {key}"
+    for angle, count in (("25 deg", 1), ("0 deg", 0)):
+        data = slope()
+        data["strata"][0] |= {**strength, "friction_angle": angle}
+        assert sum(both in text for text in Section.parse(data).notices) == count
