@@ -37,9 +37,6 @@ AssessmentListener = Callable[[str, EquilibriumPath | None], None]
 # A factor of safety that is being computed, or the reason why there is none.
 Safety = Future[AdaptiveResult[SafetyFactor] | ResultWarning]
 
-# End of the reason where the ground fails on the meshes of its factor of safety, and not on those of Kh.
-ON_SOME_MESHES = " on some meshes"
-
 
 @dataclass(frozen=True)
 class Assessment:
@@ -134,7 +131,7 @@ def assess(
         of_kh = [assessment.after_shaking] if assessment.after_shaking else assessment.safety
         below_one = [factor for factor in of_kh if factor.result.kh == 0.0 and _is_unsafe(factor.result.factor)]
         if adapted is not None and below_one:  # what little Kh there is, is the error of its mesh
-            unstable = UnstableError(f"the section fails under its own weight{ON_SOME_MESHES}")
+            unstable = UnstableError("the section fails under its own weight")
             raise search.fails(settings, unstable, below_one[0])
         return replace(assessment, warnings=[*assessment.warnings, *of_uplift(section.uplift)])
 
@@ -341,10 +338,8 @@ class _Search:
         ground has excess pore pressure.
         """
         if self.section.uplift is not None:
-            reason = error.reason.removesuffix(ON_SOME_MESHES)
-            return (
-                error if self.section.uplift.description in error.reason else uplift_error(self.section.uplift, reason)
-            )
+            described = self.section.uplift.description in error.reason
+            return error if described else uplift_error(self.section.uplift, error.reason)
         rises = self.section.water_pressure.rises_by_shaking
         before = self.safety(settings, 0.0) if rises or known is None else known
         after = None

@@ -239,6 +239,20 @@ def test_ground_that_only_its_free_field_sides_push_over_is_told_so():
     assert assessed(cut, sides="smooth").critical.kc > 0.0
 
 
+def test_ground_with_a_factor_below_1_fails_whatever_kh_a_coarser_mesh_has(monkeypatch):
+    """A step of 1.5 m in moist sand with a factor of 0.84 was said to fail "on some meshes", as if others counted."""
+    computed = AdaptiveSearch.safety
+
+    def of_finer_meshes(search, *wish):
+        coarse = computed(search, *wish)
+        return replace(coarse, result=replace(coarse.result, factor=0.84))
+
+    monkeypatch.setattr(AdaptiveSearch, "safety", of_finer_meshes)
+    with pytest.raises(UnstableError) as error:
+        assessed(slope_with(cohesion="5 kPa", friction_angle="32 deg"))
+    assert error.value.reason.startswith("the section fails under its own weight; its factor of safety is 0.84")
+
+
 def test_ground_that_excess_pore_pressure_lets_flow_is_told_so():
     """Sand whose excess pore pressure ratio is 1 has next to no strength left in shaking. It was told that the ground
     fails under its own weight, and that its factor of safety is above 1: the one before shaking."""
