@@ -6,13 +6,14 @@ of a diameter. All bonds would then slip, each in a direction of its own, and th
 its strength in the first 5 % of shear strain. Discs are therefore moved before, without time or inertia, as in the
 particle packing algorithm of Colagrossi, Bouscasse, Antuono & Marrone (2012), Comput. Phys. Commun. 183, 1641-1653:
 each disc follows the force of its pressures, less the mean of this force over its neighbours, since the mean carries
-the weight of the ground.
+the weight of the ground. Discs of a free surface do not move: they have neighbours on one side only, whose force their
+weight carries, and which would lift them by up to a diameter.
 """
 
 import numpy as np
 
 from dem.kernels import liquefied_pairs as bond
-from dem.liquefied_ground import list_liquefied
+from dem.liquefied_ground import LOOSEST_DENSITY, list_liquefied
 from dem.neighbourhood import Neighbourhood
 from dem.state import DiscState
 
@@ -21,6 +22,9 @@ MOBILITY = 0.03  # displacement over the reach for a force u V/H, with the press
 LARGEST_MOVE = 0.01  # over the reach
 # Of the mean pressure: discs near a free surface do not follow the larger pressures of their neighbours further.
 LEAST_PRESSURE = 0.1
+# Slope of the density, times the reach, from which a loose disc is at a free surface and not beside a void: half of the
+# slope 14/(3 pi) at the edge of a half-plane of ground.
+SURFACE_SLOPE = 7.0 / (3.0 * np.pi)
 
 
 def balance_pressures(state: DiscState, discs: np.ndarray) -> None:
@@ -66,6 +70,14 @@ def _steps(state: DiscState, discs: np.ndarray, pressure: np.ndarray) -> tuple[n
     per_force = MOBILITY * reach**2 / np.where(discs, area * near.mean(pressure, wet_area), 1.0)
     steps = [per_force * near.sums(-force * n, force * n) for n in (near.nx, near.nz)]
     steps = [step - near.mean(step, wet_area) for step in steps]
-    length = np.hypot(*steps)
+    loose = density < LOOSEST_DENSITY * np.median(density[discs])
+    length = np.where(loose & _has_one_sided_neighbours(near, area, reach), np.inf, np.hypot(*steps))
     shorter = np.minimum(1.0, LARGEST_MOVE * reach / np.where(length > 0.0, length, 1.0))
     return shorter * steps[0], shorter * steps[1]
+
+
+def _has_one_sided_neighbours(near: Neighbourhood, area: np.ndarray, reach: float) -> np.ndarray:
+    """Return the mask (n,) of discs whose neighbours, with areas (n,) in m2, lie on one side; reach in m."""
+    i, j = near.i, near.j
+    slope = [near.sums(near.slope * area[j] * n, -near.slope * area[i] * n) for n in (near.nx, near.nz)]
+    return np.asarray(np.hypot(*slope) * reach > SURFACE_SLOPE)

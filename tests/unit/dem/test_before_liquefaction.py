@@ -15,6 +15,7 @@ from dem.settings import DemSettings, SlideSettings
 from dem.slides.before_liquefaction import replace_contacts_of_sand
 from dem.slides.liquefaction import Slider
 from dem.slides.liquefied_strength import Weakening, before_liquefaction, residual
+from dem.slides.surface import Surface
 from dem.slides.until_rest import come_to_rest
 from tests.support.liquefied import ShearedBox
 from tests.support.water import section, soil
@@ -81,6 +82,24 @@ def test_sand_before_liquefaction_has_its_strength_and_rests(level: Deposit) -> 
     come_to_rest(model)
     assert np.abs(model.z - start.z)[crust].mean() < 0.1 * 2.0 * ground.radius
     assert replace_contacts_of_sand(model, ground, [1], CASE) is model
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_surface_of_sand_stays_where_it_is(seed: int) -> None:
+    """Level sand that liquefies up to its surface: the neighbours of discs there are below them, and lifted the surface
+    by a third of a diameter on average, and single discs by a whole one."""
+    ground = section(
+        soil("Sand", bottom={"elevation": -5.0}, cohesion=0.0, friction_angle="33 deg"),
+        soil("Firm", cohesion="50 kPa", friction_angle="35 deg"),
+        surface=[[0.0, 0.0], [36.0, 0.0]], base={"elevation": -7.0},
+    )  # fmt: skip
+    bare = deposit(ground, DemSettings(elements=350, seed=seed), soil_layers(ground))
+    start, diameter = bare.settled, 2.0 * bare.ground.radius
+    model = replace_contacts_of_sand(start, bare.ground, [0], CASE)
+    come_to_rest(model)
+    rise = (model.z - start.z)[Surface.of(start, bare.ground).discs]
+    assert abs(rise.mean()) < 0.05 * diameter
+    assert rise.max() < 0.8 * diameter
 
 
 def test_strength_falls_from_before_to_after_liquefaction(level: Deposit) -> None:
