@@ -24,7 +24,7 @@ from dem.overburden import effective_overburden
 from dem.slides.edge_strength import edge_shares
 from dem.springs import Law, LayerSprings
 from meshes.section.section import Section
-from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potential
+from meshes.section.strain_potential import REGAINING_STRAIN, soft_range
 
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NO_STRENGTH = 1e-6  # Pa
@@ -134,9 +134,10 @@ def residual(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case
     for k, remaining in remains.items():
         if remaining.strain_potential > 0.0:
             in_layer = model.layer == k
-            strain[in_layer] = BOND_STRAIN_RATIO * (remaining.strain_potential + REGAINING_STRAIN)
-            knee[in_layer] = stress_at_potential(pressure[in_layer], wanted[in_layer]) / wanted[in_layer]
-            soft_to[in_layer] = remaining.strain_potential / (remaining.strain_potential + REGAINING_STRAIN)
+            soft = soft_range(remaining.strain_potential, pressure[in_layer], wanted[in_layer])
+            strain[in_layer] = BOND_STRAIN_RATIO * (soft.strain + REGAINING_STRAIN)
+            knee[in_layer] = soft.stress / wanted[in_layer]
+            soft_to[in_layer] = soft.strain / (soft.strain + REGAINING_STRAIN)
     return Onset(discs, area, pressure, strength, strain, knee, soft_to)
 
 

@@ -11,7 +11,7 @@ from fem.mpm.ground import PointGround
 from fem.mpm.points import UNLIMITED_TENSION
 from fem.mpm.weak_edges import STEEPEST_EDGE, EdgeStrength, edge_strength, thickness_over_width
 from meshes.section.liquefies import RemainingStrength
-from meshes.section.strain_potential import LARGEST_SHARE, REGAINING_STRAIN, stress_at_potential
+from meshes.section.strain_potential import LARGEST_SHARE, REGAINING_STRAIN, soft_range
 
 # s: viscosity over stiffness of liquefied ground below its strain potential. With this viscosity ground comes to rest
 # where it would if its stiffness were lost slowly, and does not oscillate for minutes; in sand hysteresis dissipates
@@ -81,8 +81,7 @@ class _Changes:
             after[in_stratum, STRENGTH], after[in_stratum, SINE] = cohesion * np.cos(friction), np.sin(friction)
             after[in_stratum, LIMIT] = UNLIMITED_TENSION if friction == 0.0 else cohesion / np.tan(friction)
             if friction == 0.0 and left.strain_potential > 0.0:
-                potential[in_stratum] = left.strain_potential
-                knee[in_stratum] = stress_at_potential(np.maximum(stress, 1.0), cohesion)
+                potential[in_stratum], knee[in_stratum] = soft_range(left.strain_potential, stress, cohesion)
         liquefies = np.where(np.isin(stratum, list(remains)), stratum, -1)
         self._weaken_edges(before, after, liquefies, potential, knee)
         self._soften(before, after, liquefies, potential, knee)
