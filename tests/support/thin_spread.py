@@ -21,7 +21,7 @@ import numpy as np
 
 from docs.verify.slides.case import Ground, SlideCase
 from meshes.section.quantity import GRAVITY
-from meshes.section.strain_potential import REGAINING_STRAIN, stress_at_potential
+from meshes.section.strain_potential import REGAINING_STRAIN, SoftRange, soft_range
 from workflow.stages.shaking import shaking_of
 
 ACTIVE_STRAIN, PASSIVE_STRAIN = 0.005, 0.04  # strains of the crust at its active and passive earth pressure
@@ -58,16 +58,22 @@ class ThinGround:
     potential: float
     friction_angle: float = field(default=np.radians(33.0))
 
+    @property
+    def soft(self) -> SoftRange:
+        """Return the strain and the stress (Pa) at which the ground of each column begins to regain its strength."""
+        if not self.potential:
+            return SoftRange(np.zeros(len(self.layer)), np.zeros(len(self.layer)))
+        return soft_range(self.potential, self.effective, np.full(len(self.layer), self.strength))
+
     def stress_of(self, way: np.ndarray, plastic: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return shear stress (Pa), its initial stiffness (Pa) and plastic strain for displacements of the crust
         (m)."""
-        knee = stress_at_potential(self.effective, np.full(len(way), self.strength))
-        first, last = (
-            (self.potential, self.potential + REGAINING_STRAIN)
-            if self.potential
-            else (0.5 * REGAINING_STRAIN, REGAINING_STRAIN)
-        )
-        knee = knee if self.potential else np.full(len(way), 0.5 * self.strength)
+        if self.potential:
+            first, knee = self.soft
+            last = first + REGAINING_STRAIN
+        else:
+            first, last = (np.full(len(way), share * REGAINING_STRAIN) for share in (0.5, 1.0))
+            knee = np.full(len(way), 0.5 * self.strength)
         strain = way / self.layer - plastic
         elastic = np.clip(strain, -last, last)
         size = np.abs(elastic)
@@ -84,7 +90,7 @@ class ThinGround:
         layer = self.layer / np.maximum(1.0 + 0.5 * stretch, LEAST_LENGTH_SHARE)
         crust = self.crust / np.maximum(1.0 + stretch, LEAST_LENGTH_SHARE)
         liquid = self.crust_weight * crust * layer + 0.5 * self.layer_weight * layer**2
-        slips = np.clip((np.hypot(way / self.layer, stretch) - self.potential) / REGAINING_STRAIN, 0.0, 1.0)
+        slips = np.clip((np.hypot(way / self.layer, stretch) - self.soft.strain) / REGAINING_STRAIN, 0.0, 1.0)
         lateral = 0.5 * np.pi * self.strength * layer * slips * np.clip(stretch / SLIP_STRAIN, -1.0, 1.0)
         return np.asarray(liquid - lateral + 0.5 * earth * self.crust_weight * crust**2)
 

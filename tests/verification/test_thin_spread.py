@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from docs.verify.slides.case import FOLDER, read_cases
-from meshes.section.strain_potential import stress_at_potential
+from meshes.section.strain_potential import soft_range
 from tests.support import TOP
 from tests.support.thin_spread import ThinGround, spread_of
 
@@ -34,8 +34,8 @@ def test_ground_follows_a_small_step_by_the_exponential_of_its_distance() -> Non
     step, drop, potential, strength = 2.0, 0.03, 0.45, 6e3
     x = np.arange(-200.0 + 0.5 * step, 200.0, step)
     way = liquid(np.where(x < 0.0, HEIGHT, HEIGHT - drop), step, strength, potential).spread(*QUIET, 90.0, 0.01)
-    [knee] = stress_at_potential(np.array([EFFECTIVE]), np.array([strength]))
-    length = np.sqrt(0.5 * WEIGHT * HEIGHT**2 / (knee / potential / HEIGHT))
+    [end], [knee] = soft_range(potential, np.array([EFFECTIVE]), np.array([strength]))
+    length = np.sqrt(0.5 * WEIGHT * HEIGHT**2 / (knee / end / HEIGHT))
     assert 30.0 < length < 36.0
     assert way.max() == pytest.approx(drop * length / HEIGHT, rel=0.03)
     assert np.interp(-length, x, way) == pytest.approx(way.max() / np.e, rel=0.05)
