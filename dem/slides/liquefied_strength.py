@@ -26,6 +26,9 @@ from dem.springs import Law, LayerSprings
 from meshes.section.section import Section
 from meshes.section.strain_potential import REGAINING_STRAIN, soft_range
 
+# Strain of bonds over that of soft ground, in which discs do not follow the mean motion: without it crusts move 1.2 to
+# 1.3 times as far as in closed form.
+SOFT_BOND_SHARE = 0.82
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NO_STRENGTH = 1e-6  # Pa
 NO_STRAIN = 1e-9
@@ -135,9 +138,10 @@ def residual(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case
         if remaining.strain_potential > 0.0:
             in_layer = model.layer == k
             soft = soft_range(remaining.strain_potential, pressure[in_layer], wanted[in_layer])
-            strain[in_layer] = BOND_STRAIN_RATIO * (soft.strain + REGAINING_STRAIN)
+            of_bonds = SOFT_BOND_SHARE * soft.strain
+            strain[in_layer] = BOND_STRAIN_RATIO * (of_bonds + REGAINING_STRAIN)
             knee[in_layer] = soft.stress / wanted[in_layer]
-            soft_to[in_layer] = soft.strain / (soft.strain + REGAINING_STRAIN)
+            soft_to[in_layer] = of_bonds / (of_bonds + REGAINING_STRAIN)
     return Onset(discs, area, pressure, strength, strain, knee, soft_to)
 
 
