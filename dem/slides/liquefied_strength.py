@@ -26,8 +26,8 @@ from dem.springs import Law, LayerSprings
 from meshes.section.section import Section
 from meshes.section.strain_potential import REGAINING_STRAIN, soft_range
 
-# Strain of bonds over that of soft ground, in which discs do not follow the mean motion: without it crusts move 1.2 to
-# 1.3 times as far as in closed form.
+# Strain of bonds over that of soft ground, in which discs do not follow the mean motion: with the strain of the ground
+# crusts move 1.2 to 1.3 times as far as in closed form.
 SOFT_BOND_SHARE = 0.82
 NO_LIMIT = 2.0  # overlap over radius: soft layers let the paper's discs go through each other
 NO_STRENGTH = 1e-6  # Pa
@@ -123,7 +123,7 @@ def residual(model: DiscModel, ground: Ground, strata: Sequence[int], case: Case
 
     Near the lower edge of a layer the strength is reduced, so that the layer slips at this edge (`edge_shares`). The
     strength s is reached at a shear strain s/G, with the shear modulus G by the case, but at most at a strain
-    `LARGEST_STRAIN` of bonds; ground with a strain potential reaches s only beyond this potential
+    `LARGEST_STRAIN` of bonds; ground with a strain potential reaches s only beyond its soft range
     (`meshes.section.strain_potential`). model: model of the discs; ground: the ground in which the discs lie; strata:
     numbers of those that liquefy; case: stiffness and strength after liquefaction.
     """

@@ -60,10 +60,10 @@ def test_liquid_stands_while_its_thickness_changes_by_less_than_its_strength(sha
 
 @pytest.mark.slow
 def test_banks_of_the_field_spread_as_it_is_told_beside_them() -> None:
-    """River Park at 25.6 m from its bank: 2.2 m, where material points move 1.1 m and 3.2 to 4.25 m were measured."""
+    """River Park at 25.6 m from its bank: 3.9 m, where material points move 1.5 m and 3.2 to 4.25 m were measured."""
     case = BANKS["imperial_valley_1979_w9"]
     moved = spread_of(case)
-    assert moved == pytest.approx(2.2, abs=0.1)
+    assert moved == pytest.approx(3.9, abs=0.1)
     assert spread_of(case, step=2.0) == pytest.approx(moved, rel=0.05)
 
 
