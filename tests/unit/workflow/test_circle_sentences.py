@@ -80,8 +80,8 @@ def test_a_circle_without_a_balance_by_spencers_method_is_said_to_have_none() ->
 
 
 def test_a_side_whose_circles_have_next_to_no_strength_is_told() -> None:
-    """Pore pressure of 0.9 of the weight: no factor above 0, which was left out, with a warning of NumPy."""
-    soil = layer("Sand", cohesion=0, friction_angle="30 deg", pore_pressure_ratio=0.9)
+    """Pore pressure of the whole weight: no factor above 0, which was left out, with a warning of NumPy."""
+    soil = layer("Sand", cohesion=0, friction_angle="30 deg", pore_pressure_ratio=1.0)
     sand = Section.parse(
         {"name": "ru", "surface": [[0, 10], [20, 10], [40, 20], [60, 20]], "base": {"elevation": 0}, "strata": [soil]}
     )

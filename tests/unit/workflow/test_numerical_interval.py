@@ -50,7 +50,7 @@ def test_thirds_of_a_dam_whose_ends_are_level_begin_at_the_left() -> None:
     counts = slide([-3.0, -2.0, 0.0, 0.0, 0.0, 0.0])
     counts.surface_before[0, 1] = -1e-6
     counts.surface_after, counts.settlement = counts.surface_before, [np.array([-0.5, -0.5, 0.0, 0.0, 0.0, 0.0])]
-    ground = SimpleNamespace(section=dam, sides="smooth", crust=9.0, softened=())
+    ground = SimpleNamespace(section=dam, sides="smooth", crust=9.0, softened=(), firm_faces=())
     case = _answer([counts, counts, counts], cast(Any, ground))
     assert (case.slide_uphill_m, case.slide_downhill_m) == (-2.5, 0.0)
     assert (case.settlement_uphill_m, case.settlement_downhill_m) == (-0.5, 0.0)
