@@ -138,7 +138,7 @@ CHECKS: tuple[tuple[str, Check], ...] = (
         lambda s: max(case["slide_max_m"] for case in s["cases"].values()) < 0.1,
     ),
     (
-        rf"^After liquefaction of .* the surface slides {NUMBER}(?: to {NUMBER})? m by discs",
+        rf"^After liquefaction of .* the surface slides (?:over )?{NUMBER}(?: to {NUMBER})? m by discs",
         _span_of_slides,
     ),
     (
