@@ -45,14 +45,33 @@ def strengthened(section: Section, faces: Sequence[ShallowFailure], settings: Fe
     The strengthened section; names of additional strata are those of their soils and `STRIP_SUFFIX` with the x of the
     face.
     """
-    names = [stratum.name for stratum in section.strata]
     strata: list[Stratum] = []
     for k, stratum in enumerate(section.strata):
         for face in faces:
-            if stratum.name in (face.stratum, face.stratum + BELOW_WATER):
-                strata += _strip(section, face, k, names.index(face.stratum), settings)
+            strata += _strip(section, face, k, settings)
         strata.append(stratum)
     return section.with_strata(strata)
+
+
+def cohesion_of_stratum(section: Section, face: ShallowFailure, k: int, depth: float) -> float | None:
+    """Return the apparent cohesion of a stratum below a face, above or below water.
+
+    Parameters
+    ----------
+    section : the ground
+    face : a cohesionless face
+    k : number of the stratum
+    depth : depth down to which the ground is strengthened (m)
+
+    Returns
+    -------
+    The cohesion (Pa) of `apparent_cohesion`; None for strata of another soil than that of the face.
+    """
+    soil = section.strata[k]
+    if soil.name not in (face.stratum, face.stratum + BELOW_WATER):
+        return None
+    of_face = next(stratum for stratum in section.strata if stratum.name == face.stratum)
+    return apparent_cohesion(face, of_face, soil.friction_angle, depth)
 
 
 def apparent_cohesion(face: ShallowFailure, soil: Stratum, friction: float, depth: float) -> float:
@@ -90,17 +109,20 @@ def without_strips(mesh: QuadMesh, section: Section) -> QuadMesh:
     return replace(mesh, stratum=np.array(stratum_of)[mesh.stratum], strata=tuple(names))
 
 
-def _strip(section: Section, face: ShallowFailure, k: int, of_face: int, settings: FemSettings) -> Iterator[Stratum]:
+def _strip(section: Section, face: ShallowFailure, k: int, settings: FemSettings) -> Iterator[Stratum]:
     """Yield the outlines of the ground of stratum k below a face, down to the least depth or to the bottom of the
-    stratum; nothing if there is no such ground."""
-    soil, face_soil = section.strata[k], section.strata[of_face]
+    stratum; nothing if there is no such ground, or if it is of another soil."""
+    cohesion = cohesion_of_stratum(section, face, k, settings.least_depth)
+    if cohesion is None:
+        return
     points = strip_bottom(section.layering, face.start, face.end, k, settings.least_depth)
     if points:
+        soil = section.strata[k]
         yield soil.model_copy(
             update={
                 "name": f"{soil.name}{STRIP_SUFFIX}{face.start:.10g} m",
                 "bottom": Line(elevation=points),
-                "cohesion": apparent_cohesion(face, face_soil, soil.friction_angle, settings.least_depth),
+                "cohesion": cohesion,
             }
         )
 

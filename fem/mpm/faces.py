@@ -9,11 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.continuum.face_reinforcement import apparent_cohesion
+from fem.continuum.face_reinforcement import cohesion_of_stratum
 from fem.continuum.shallow_failure import faces_at
 from fem.mpm.ground import PointGround
 from fem.settings import FemSettings
-from meshes.section.cutting import BELOW_WATER
 
 # Faces that fail at a Kh below this one are strengthened: at 45 degrees points creep down to 0.04 and come to rest from
 # 0.09 on, at 27 degrees from 0.02 on.
@@ -24,7 +23,7 @@ def with_firm_faces(ground: PointGround, settings: FemSettings) -> PointGround:
     """Return the ground with an apparent cohesion below all faces on which points do not come to rest.
 
     These are faces in either direction, down to the least depth of failures; the cohesion is that of
-    `fem.continuum.face_reinforcement.apparent_cohesion`.
+    `fem.continuum.face_reinforcement.cohesion_of_stratum`.
 
     Parameters
     ----------
@@ -41,8 +40,8 @@ def with_firm_faces(ground: PointGround, settings: FemSettings) -> PointGround:
     for face in faces:
         near = (places[:, 0] >= face.start) & (places[:, 0] <= face.end) & (depth <= settings.least_depth)
         for k, soil in enumerate(ground.section.strata):
-            if soil.name in (face.stratum, face.stratum + BELOW_WATER):
-                cohesion = apparent_cohesion(face, soil, soil.friction_angle, settings.least_depth)
+            cohesion = cohesion_of_stratum(ground.section, face, k, settings.least_depth)
+            if cohesion is not None:
                 tension = np.inf if soil.tension is None else soil.tension
                 points.set_strength(cohesion, soil.friction_angle, tension, near & (points.stratum == k))
     return replace(ground, firm_faces=tuple(faces))

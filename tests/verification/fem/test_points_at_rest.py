@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from fem.continuum.face_reinforcement import STRIP_SUFFIX, strengthened
 from fem.kernels import point_stress as law
 from fem.mpm.faces import LEAST_KH, with_firm_faces
 from fem.mpm.ground import PointGround, ground_of
@@ -77,3 +78,24 @@ def test_only_the_ground_next_to_a_face_that_creeps_is_strengthened() -> None:
         assert not with_firm_faces(ground, flat_or_cohesive.fem).firm_faces
         np.testing.assert_array_equal(strengths(ground), before)
     assert np.tan(np.radians(45.0) - np.arctan(0.5)) > LEAST_KH
+
+
+def test_ground_below_water_has_the_cohesion_of_the_limit_analysis() -> None:
+    """A face whose strengthened depth reaches below water: one cohesion, with the unit weight of the face."""
+    data = config(8.0, 45.0).section.model_dump(mode="python", exclude_none=True, by_alias=True)
+    [soil] = data["strata"]
+    data["strata"] = [soil | {"density_saturated": 2200.0}]
+    data["water"] = {"table": [[0.0, -0.2], [14.0, -0.2], [22.0, 7.8], [40.0, 8.8]]}
+    wet = Config.parse(data)
+    ground = with_firm_faces(ground_of(wet.section, 3200), wet.fem)
+    [face] = ground.firm_faces
+    expected = {
+        stratum.cohesion
+        for stratum in strengthened(wet.section, [face], wet.fem).strata
+        if STRIP_SUFFIX in stratum.name
+    }
+    number, friction = ground.points.stratum, np.radians(45.0)
+    at_face = (strengths(ground) > 0.0) & (number >= 0)
+    assert len(np.unique(number[at_face])) == 2, "above and below water"
+    assert len(expected) == 1
+    np.testing.assert_allclose(strengths(ground)[at_face], expected.pop() * np.cos(friction))
