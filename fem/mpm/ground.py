@@ -20,7 +20,7 @@ from fem.kernels import grid_motion
 from fem.kernels import point_stress as law
 from fem.mpm.grid import BackgroundGrid
 from fem.mpm.points import MaterialPoints, PointSoil
-from fem.mpm.pore_water import between_sides, uplift
+from fem.mpm.pore_water import ROUNDING, between_sides, uplift
 from fem.settings import Sides
 from meshes.section.alike_sides import has_alike_sides
 from meshes.section.layering import middles
@@ -28,7 +28,6 @@ from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 
 LENGTH_TOLERANCE = 1e-6  # m
-ROUNDING = 1e-6  # of a cell or a point: a difference that the place of the section on its axes may make
 # Width (cells) beside a free-field side in which the ground can hardly settle, and which is no part of the surface.
 FIXED_STRIP = 1.25
 SMALLEST_FORCE = 1e-3  # N/m: on unloaded points of free-field sides, which are identified by a force other than zero

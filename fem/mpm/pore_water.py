@@ -7,7 +7,7 @@ import numpy as np
 
 from meshes.section.section import Section
 
-ROUNDING = 1e-6  # of a cell: a difference that the place of the section on its axes may make
+ROUNDING = 1e-6  # of a cell or a point: a difference that the place of the section on its axes may make
 
 
 def uplift(section: Section, cell: float, x: np.ndarray, z: np.ndarray, periodic: bool) -> np.ndarray:

@@ -16,6 +16,7 @@ fixed. Quays, and the ground within a thickness of the layer from the face, are 
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -58,7 +59,7 @@ class ThinGround:
     potential: float
     friction_angle: float = field(default=np.radians(33.0))
 
-    @property
+    @cached_property
     def soft(self) -> SoftRange:
         """Return the strain and the stress (Pa) at which the ground of each column begins to regain its strength."""
         if not self.potential:
