@@ -4,17 +4,18 @@ rest acts on the sides.
 Walls that do not move would hold a slope that continues beyond the section. Therefore the wall discs of a side move
 horizontally, in strips two diameters high, above the lowest stratum that liquefies there. Each strip is a plate between
 the ground in the section, which pushes with a force N, and the ground beyond, which pushes with its force at rest N_0
-and takes waves away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877). In each time interval
-`UPDATE_INTERVAL` the velocity v of a strip increases by
+and takes waves away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877), relative to the motion v_f that it
+has without the section (`dem.slides.free_field`). In each time interval `UPDATE_INTERVAL` the velocity v of a strip
+increases by
 
-    Δv = `RELIEF` ((N - N_0) / (ρ V_p h) - v),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν).
+    Δv = `RELIEF` ((N - N_0) / (ρ V_p h) - (v - v_f)),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν).
 
 Here h is the height of a strip and V_p the velocity of P-waves. In strata that liquefy K_0 is 1 from the beginning
 (`before_liquefaction`), and the ground settles by the water that drains. The stress σ'_v is the vertical effective
 stress of the section at the side, times the ratio of the weight of all discs to the weight of the section. Both sides
 of level ground therefore carry the same force. The discs nearest to each side are heavier or lighter by a few per cent;
 under such a difference liquefied ground would drift without end. Walls move by `WALL_DISTANCE` diameters at most, since
-the floor ends there. Positive velocities are outwards.
+walls and floor end there (`dem.slides.thick_walls`). Positive velocities are outwards.
 """
 
 from collections.abc import Sequence
@@ -27,17 +28,22 @@ from dem.case import Case
 from dem.ground import Ground
 from dem.model import DiscModel
 from dem.overburden import effective_overburden
+from dem.search.deposit import RIM
 from dem.slides.before_liquefaction import replace_contacts_of_sand
+from dem.slides.drive import BaseMotion
+from dem.slides.free_field import FreeField
+from dem.slides.thick_walls import with_copies
 from dem.slides.until_rest import come_to_rest
 from dem.springs import wave_speeds
 from meshes.section.section import Section, Stratum
 
 RELIEF = 0.5
-STRIP_WIDTH, WALL_DISTANCE = 2.0, 2.5  # mean diameters
+STRIP_WIDTH, WALL_DISTANCE = 2.0, 9.0  # mean diameters
+COPIES = 8  # of the walls, beyond them
 POINTS = 20  # of a strip, over which stresses are averaged
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _Strip:
     """Holds a part of a wall that has one velocity.
 
@@ -48,6 +54,7 @@ class _Strip:
     at_rest, liquefied : force at rest, and force after all strata that liquefy have liquefied (N per metre out of
         plane)
     impedance : ρ V_p times height (N s/m per metre out of plane)
+    points (n,) : elevations over which quantities of the strip are averaged (m)
     """
 
     side: str
@@ -56,6 +63,7 @@ class _Strip:
     at_rest: float
     liquefied: float
     impedance: float
+    points: np.ndarray
 
 
 class FreeSides:
@@ -74,6 +82,8 @@ class FreeSides:
         self.ground, self.places = ground, start.x.copy()
         self.diameter = 2.0 * ground.radius
         self.strips: list[_Strip] = []
+        self.feet: dict[str, float] = {}  # elevation of the lowest bottom of a stratum that liquefies, by side
+        self.beyond: list[tuple[np.ndarray, np.ndarray]] = []  # time and outward velocity of the ground beyond strips
         section = ground.section
         if section is None or start.period is not None or ground.tilt != 0.0:
             return
@@ -84,6 +94,7 @@ class FreeSides:
         ):
             wet = [k for k in strata if levels[k] - levels[k + 1] > section.layering.tolerance]
             if wet:
+                self.feet[side] = min(levels[k + 1] for k in wet)
                 self.strips += self._strips(start, side, outwards, levels, wet)
 
     def _strips(
@@ -91,11 +102,10 @@ class FreeSides:
     ) -> list[_Strip]:
         """Return the strips of a side; levels: elevations of the interfaces at the side (m); wet: strata at the side
         that liquefy."""
-        section, diameter = self.ground.section, self.diameter
+        section, diameter, foot = self.ground.section, self.diameter, self.feet[side]
         assert section is not None
         x, z = self.ground.to_local(start.x, start.z)
         beyond = outwards * (x - section.extent[1 if outwards > 0 else 0])
-        foot = min(levels[k + 1] for k in wet)
         count = max(1, round((levels[0] - foot) / (STRIP_WIDTH * diameter)))
         height, strips = (levels[0] - foot) / count, []
         for number in range(count):
@@ -107,7 +117,7 @@ class FreeSides:
                 soils = np.clip(np.searchsorted(-levels, -middles) - 1, 0, len(section.strata) - 1)
                 impedance = float(np.mean([_p_wave_impedance(section.strata[k]) for k in soils]))
                 at_rest, after = height * self._pressures(outwards, levels, wet, middles, soils).mean(axis=1)
-                strips.append(_Strip(side, outwards, wall, float(at_rest), float(after), height * impedance))
+                strips.append(_Strip(side, outwards, wall, float(at_rest), float(after), height * impedance, middles))
         return strips
 
     def _pressures(
@@ -130,6 +140,40 @@ class FreeSides:
         return self.heavier * np.array(
             [at_rest, ratio * _vertical_stress(section, at_side, z + drained * thick, soils)]
         )
+
+    def with_thick_walls(self, start: DiscModel) -> DiscModel:
+        """Return the discs of the start with thicker walls, which belong to the strips of these walls. Discs that have
+        thick walls are returned unchanged."""
+        section, radius = self.ground.section, self.ground.radius
+        x = self.ground.to_local(start.x, start.z)[0]
+        for side, strips in self._by_side().items():
+            assert section is not None
+            outwards = strips[0].outwards
+            beyond = outwards * (x - section.extent[1 if outwards > 0 else 0])
+            walls, count = np.flatnonzero(start.fixed[: len(x)] & (beyond > 0.0)), len(start)
+            if beyond[walls].max() > 2.0 * RIM * radius:
+                continue
+            start, source = with_copies(start, walls, outwards * RIM * radius, COPIES)
+            for strip in strips:
+                strip.wall = np.concatenate([strip.wall, count + np.flatnonzero(np.isin(source, strip.wall))])
+        self.places = start.x.copy()
+        return start
+
+    def follow_free_field(self, motion: BaseMotion, began: float, strata: Sequence[int], case: Case | None) -> None:
+        """Compute the motion of the ground beyond the walls during a slide.
+
+        motion: loading of the slide; began: time of the discs at its beginning (s); strata: numbers of the strata that
+        liquefy; case: what remains after liquefaction, None if nothing liquefies.
+        """
+        self.beyond = []
+        for side, strips in self._by_side().items():
+            assert self.ground.section is not None
+            field = FreeField(self.ground.section, side == "right", self.feet[side], tuple(strata), case)
+            moves = field.velocities(motion, began)
+            self.beyond += [(moves.times, strip.outwards * moves.mean(strip.points)) for strip in strips]
+
+    def _by_side(self) -> dict[str, list[_Strip]]:
+        return {side: [strip for strip in self.strips if strip.side == side] for side in self.feet}
 
     def before_shaking(self, start: DiscModel, strata: Sequence[int], case: Case | None) -> DiscModel:
         """Return the discs at rest before the shaking.
@@ -171,11 +215,12 @@ class FreeSides:
         contacts, rigid lines and liquefied ground (N per metre).
         """
         vx = model.vx.copy()
-        for strip in self.strips:
+        beyond = [float(np.interp(model.time, *series)) for series in self.beyond] or [0.0] * len(self.strips)
+        for strip, free in zip(self.strips, beyond, strict=True):
             wanted = strip.at_rest + share * (strip.liquefied - strip.at_rest)
             excess = strip.outwards * float(force_x[strip.wall].sum()) - wanted
             speed = strip.outwards * float(model.vx[strip.wall].mean())
-            speed += RELIEF * (excess / strip.impedance - speed)
+            speed += RELIEF * (excess / strip.impedance - (speed - free))
             moved = self._moved(model, strip)
             if abs(moved) >= WALL_DISTANCE * self.diameter and speed * moved > 0.0:
                 speed = 0.0

@@ -96,6 +96,7 @@ class Slider:
     ) -> None:
         drained = None if case is None else case.volumetric_strain
         self.sides = FreeSides(start, ground, strata if free_sides and start.law == "soil" else [], drained)
+        start = self.sides.with_thick_walls(start)
         self.buoyed = ground.buoyancy(start) if start.law == "soil" else None
         start = self.sides.before_shaking(start, strata, case)
         self.ground, self.settings, self.case, self.strata, self.by_weight = ground, settings, case, strata, by_weight
@@ -110,6 +111,7 @@ class Slider:
         setting = start, ground, strata, settings
         shaking = shaking or cycles(settings, strata, start.law)
         self.motion = constant_kh(*setting) if shaking is None else recorded_motion(*setting, shaking)
+        self.sides.follow_free_field(self.motion, start.time, strata, case)
         gives_way = shaking is not None and not shaking.of_the_base and start.law == "soil"
         self.impedance = ground.base_impedance() if gives_way else 0.0
         self.cut: set[int] = set()

@@ -1,0 +1,183 @@
+"""Computes the motion of the ground beyond a free-field side of a slide: an endless slope with the strata of the side.
+
+Ground that continues beyond a side slides, too, where its own slope and Kh make it slide. A side that waited for it
+would hold the ground in the section back. The free field is a column of the strata at the side that shears on the
+lowest stratum that liquefies, under Kh and under its weight on the slope of the surface beside the side (coupled
+analysis of sliding, Rathje & Bray 1999, Earthquake Eng. Struct. Dyn. 28, 1303-1332). Below the water that stands on the
+ground the weight is the buoyant one. Strengths are c + σ'_v tan φ, and the residual strength after liquefaction;
+stiffness and strain potential are those of the discs (`dem.slides.liquefied_strength`). Ground that stands before the
+shaking has at least the strength for it. Velocities are positive to the right.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from dem.case import Case
+from dem.kernels import shear_column as column
+from dem.kernels.liquefied_laws import SOFT_CREEP_TIME
+from dem.slides.drive import BaseMotion
+from dem.slides.until_rest import UPDATE_INTERVAL
+from meshes.section.section import Section
+from meshes.section.strain_potential import REGAINING_STRAIN, soft_range
+
+LAYERS = 30  # of the column
+TIME_STEP = 5e-4  # s
+STABLE_SHARE = 0.4  # of the time in which a shear wave crosses a layer: largest time step
+DAMPING_RATIO = 0.1  # of ground that does not slip, at the natural period of the column
+LARGEST_ELASTIC_STRAIN = 0.02  # at which liquefied ground without a strain potential reaches its strength
+LEAST_STRENGTH = 1.0  # Pa
+
+
+@dataclass(frozen=True, eq=False)
+class FreeField:
+    """Holds the column of ground beyond a side.
+
+    Attributes
+    ----------
+    section : the ground
+    right : whether the side is the right one
+    foot : elevation of the base of the column (m): the lowest bottom of a stratum that liquefies there
+    strata : numbers of the strata that liquefy
+    case : stiffness and strength after liquefaction; None if nothing liquefies
+    """
+
+    section: Section
+    right: bool
+    foot: float
+    strata: tuple[int, ...]
+    case: Case | None
+
+    @cached_property
+    def slope(self) -> float:
+        """Return the angle (rad) by which the surface beside the side falls to the right, over a distance of the height
+        of the column."""
+        x, z = self.section.ground.T
+        left, right = self.section.extent
+        side = right if self.right else left
+        top = float(z[-1] if self.right else z[0])
+        reach = min(top - self.foot, right - left)
+        inside = side - reach if self.right else side + reach
+        return float(np.arctan2(top - np.interp(inside, x, z), inside - side))
+
+    @cached_property
+    def levels(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the elevations (n + 1,) of the boundaries of the layers of the column from the base up (m), and the
+        stratum (n,) of each layer."""
+        layering = self.section.layering
+        bounds = layering.right[-1] if self.right else layering.left[0]
+        step = (bounds[0] - self.foot) / LAYERS
+        levels, strata = [np.array([self.foot])], list[int]()
+        for k in range(len(bounds) - 2, -1, -1):
+            low, high = max(bounds[k + 1], self.foot), bounds[k]
+            if high - low > layering.tolerance:
+                count = max(1, round((high - low) / step))
+                levels.append(np.linspace(low, high, count + 1)[1:])
+                strata += [k] * count
+        return np.concatenate(levels), np.array(strata, int)
+
+    def velocities(self, motion: BaseMotion, began: float) -> "FreeFieldMotion":
+        """Return the motion of the column from the beginning to the end of a slide; began: time of the discs at the
+        beginning (s)."""
+        levels, strata = self.levels
+        steps = int(np.ceil(motion.end / TIME_STEP))
+        time = began + TIME_STEP * np.arange(steps)
+        acceleration = np.interp(time, motion.acceleration.times, motion.acceleration.x)
+        thickness = np.diff(levels)
+        density = np.array([soil.density_seismic for soil in self.section.strata])[strata]
+        mass = _at_tops(density * thickness)
+        every = round(UPDATE_INTERVAL / TIME_STEP)
+        begin = np.array([motion.starts.get(int(k), np.inf) if k in self.strata else np.inf for k in strata])
+        speeds = column.shear_column(
+            mass, thickness, self._pull(), self._laws(density, thickness), begin, motion.onset, TIME_STEP, acceleration,
+            every,
+        )  # fmt: skip
+        times = began + UPDATE_INTERVAL * np.arange(len(speeds) + 1)
+        speeds = np.vstack([np.zeros(len(strata)), speeds])
+        return FreeFieldMotion(levels, times, np.column_stack([np.zeros(len(speeds)), speeds]))
+
+    def _points(self, z: np.ndarray) -> np.ndarray:
+        left, right = self.section.extent
+        tiny = 1e-9 * (right - left)
+        return np.column_stack([np.full(len(z), right - tiny if self.right else left + tiny), z])
+
+    def _pull(self) -> np.ndarray:
+        """Return the force by weight (n,) on each mass of the column (N/m²)."""
+        levels, strata = self.levels
+        water, points = self.section.water_pressure, self._points(levels[:-1])
+        weight = water.overburden(points, points)
+        if water.on_ground(top := self._points(levels[-1:]), top)[0] > 0.0:
+            weight = water.vertical_effective(points, points, strata)
+        of_layers = weight - np.append(weight[1:], 0.0)
+        return _at_tops(of_layers) * np.sin(self.slope) * np.cos(self.slope)
+
+    def _laws(self, density: np.ndarray, thickness: np.ndarray) -> np.ndarray:
+        """Return the laws of shear (2, n, 6) of the layers before and after liquefaction."""
+        levels, numbers = self.levels
+        section = self.section
+        middle = self._points(0.5 * (levels[1:] + levels[:-1]))
+        load = section.surface_loads.pressure(middle[:, 0], middle[:, 0])
+        stress = section.water_pressure.vertical_effective(middle, middle, numbers, load=load)
+        soils = section.cohesion_field.means()
+        tangent, cohesion, modulus = np.array([
+            (np.tan(soil.friction_angle), soil.cohesion, soil.youngs_modulus / (2.0 * (1.0 + soil.poissons_ratio)))
+            for soil in soils
+        ])[numbers].T  # fmt: skip
+        modulus = np.minimum(modulus, density * (STABLE_SHARE * thickness / TIME_STEP) ** 2)
+        at_rest = np.abs(np.cumsum(self._pull()[::-1])[::-1])
+        before = np.maximum(np.maximum(cohesion + stress * tangent, at_rest), LEAST_STRENGTH)
+        crossing = np.sum(thickness / np.sqrt(modulus / density))
+        viscosity = DAMPING_RATIO * modulus * 4.0 * crossing / np.pi
+        viscosity = np.minimum(viscosity, 0.25 * density * thickness**2 / TIME_STEP)
+        laws = np.zeros((2, len(numbers), 6))
+        laws[:, :, column.STRENGTH], laws[:, :, column.REGAINING] = before, before / modulus
+        laws[:, :, column.VISCOSITY] = laws[:, :, column.SOFT_VISCOSITY] = viscosity
+        if self.case is not None:
+            for k in set(self.strata) & set(numbers.tolist()):
+                self._liquefy(laws[1], k, numbers == k, stress, soils[k].cohesion, modulus)
+        return laws
+
+    def _liquefy(
+        self, laws: np.ndarray, stratum: int, inside: np.ndarray, stress: np.ndarray, cohesion: float, modulus: np.ndarray
+    ) -> None:
+        """Set the laws (n, 6) of the layers ``inside`` a stratum to those after liquefaction."""
+        assert self.case is not None
+        remains, soil = self.case.remains_of(self.section, stratum), self.section.strata[stratum]
+        by_stress = remains.residual + remains.friction * np.tan(soil.friction_angle)
+        strength = by_stress * stress[inside] + remains.strength + remains.cohesion * cohesion
+        strength = np.maximum(strength, LEAST_STRENGTH)
+        elastic = np.minimum(strength / (modulus[inside] * self.case.stiffness), LARGEST_ELASTIC_STRAIN)
+        laws[inside, column.STRENGTH], laws[inside, column.REGAINING] = strength, elastic
+        laws[inside, column.VISCOSITY] *= self.case.stiffness
+        if remains.strain_potential > 0.0:
+            soft = soft_range(remains.strain_potential, stress[inside], strength)
+            laws[inside, column.POTENTIAL], laws[inside, column.KNEE] = soft.strain, soft.stress
+            laws[inside, column.REGAINING] = REGAINING_STRAIN
+            laws[inside, column.SOFT_VISCOSITY] = SOFT_CREEP_TIME * soft.stress / soft.strain
+
+
+@dataclass(frozen=True, eq=False)
+class FreeFieldMotion:
+    """Holds the velocity of the ground beyond a side in time.
+
+    Attributes
+    ----------
+    levels (n + 1,) : elevations, from the base of the column up (m)
+    times (k,) : times of the discs (s)
+    speeds (k, n + 1) : velocity at each elevation, positive to the right (m/s)
+    """
+
+    levels: np.ndarray
+    times: np.ndarray
+    speeds: np.ndarray
+
+    def mean(self, z: np.ndarray) -> np.ndarray:
+        """Return the mean velocity (k,) over elevations z (m), in m/s."""
+        weights = np.mean([np.interp(z, self.levels, unit) for unit in np.eye(len(self.levels))], axis=1)
+        return np.asarray(self.speeds @ weights)
+
+
+def _at_tops(of_layers: np.ndarray) -> np.ndarray:
+    """Return quantities of layers from the lowest up, divided in half between top and bottom of each, at the tops."""
+    return 0.5 * (of_layers + np.append(of_layers[1:], 0.0))
