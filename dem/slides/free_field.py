@@ -139,7 +139,13 @@ class FreeField:
         return laws
 
     def _liquefy(
-        self, laws: np.ndarray, stratum: int, inside: np.ndarray, stress: np.ndarray, cohesion: float, modulus: np.ndarray
+        self,
+        laws: np.ndarray,
+        stratum: int,
+        inside: np.ndarray,
+        stress: np.ndarray,
+        cohesion: float,
+        modulus: np.ndarray,
     ) -> None:
         """Set the laws (n, 6) of the layers ``inside`` a stratum to those after liquefaction."""
         assert self.case is not None
@@ -179,5 +185,8 @@ class FreeFieldMotion:
 
 
 def _at_tops(of_layers: np.ndarray) -> np.ndarray:
-    """Return quantities of layers from the lowest up, divided in half between top and bottom of each, at the tops."""
-    return 0.5 * (of_layers + np.append(of_layers[1:], 0.0))
+    """Return quantities of layers from the lowest up, divided in half between top and bottom of each, at the tops. The
+    whole lowest layer counts at its top, so that ground that slips at the foot has all its mass."""
+    at_tops = 0.5 * (of_layers + np.append(of_layers[1:], 0.0))
+    at_tops[0] += 0.5 * of_layers[0]
+    return np.asarray(at_tops)

@@ -146,7 +146,7 @@ class FreeSides:
         thick walls are returned unchanged."""
         section, radius = self.ground.section, self.ground.radius
         x = self.ground.to_local(start.x, start.z)[0]
-        for side, strips in self._by_side().items():
+        for strips in self._by_side().values():
             assert section is not None
             outwards = strips[0].outwards
             beyond = outwards * (x - section.extent[1 if outwards > 0 else 0])

@@ -1,7 +1,7 @@
 """Makes the walls of a box of discs thicker, so that they can move with the ground.
 
-Walls of free-field sides are strips of fixed discs that move past each other (`dem.slides.free_sides`). Beyond the walls
-of a deposit there is nothing: ground that moves out over a strip would fall down behind it.
+Walls of free-field sides are strips of fixed discs that move past each other (`dem.slides.free_sides`). Beyond the
+walls of a deposit there is nothing: ground that moves out over a strip would fall down behind it.
 """
 
 import numpy as np

@@ -47,6 +47,43 @@ def crust_slide(sides: str, elements: int, seed: int = 0) -> float:
     return float((slider.model.x - slider.start.x)[crust].mean())
 
 
+def slide_at_a_step(width: float) -> np.ndarray:
+    """Slides (m) at the crest and at the toe of a step 2 m high in ground that falls by 1 % for ``width`` metres on
+    both sides of it, under Kh = 0.08 for 3 s."""
+    soil = {
+        "density": "1.9 t/m^3", "youngs_modulus": "30 MPa", "poissons_ratio": 0.33, "cohesion": "3 kPa",
+        "friction_angle": "35 deg",
+    }  # fmt: skip
+    left, right, fall = -width, 4.0 + width, 0.01 * width
+    config = Config.parse({
+        "name": "step",
+        "surface": [[left, fall], [0.0, 0.0], [4.0, -2.0], [right, -2.0 - fall]],
+        "base": {"elevation": [[left, fall - 8.0], [right, -8.0 - fall]]},
+        "strata": [
+            soil | {"name": "crust", "bottom": {"elevation": [[left, fall - 3.5], [right, -4.5 - fall]]}},
+            soil
+            | {
+                "name": "loose", "bottom": {"elevation": [[left, fall - 6.0], [right, -6.0 - fall]]},
+                "liquefies_in": [1],
+            },
+            soil | {"name": "firm"},
+        ],
+        "fem": {"sides": "free-field"},
+        "dem": {"elements": round(7.0 * (right - left))},
+        "slide": {"kh": 0.08, "kh_seconds": 3.0, "duration": 60.0, "cases": [{"residual_strength": "6 kPa"}]},
+    })  # fmt: skip
+    at_rest = deposit(config.section, config.dem, soil_layers(config.section))
+    slider = Slider(at_rest.settled, at_rest.ground, [1], config.cases[0], config.slide, free_sides=True)
+    along = np.array(slider.run().slide_along)
+    return np.interp([-3.0, 7.0], *along.T)
+
+
+def test_a_slide_does_not_depend_on_how_far_the_section_reaches() -> None:
+    """3.23 and 3.05 m with 15 m of ground on both sides of a step, 3.10 and 2.95 m with 90 m; with walls that hold all
+    motion back 1.18 and 0.99 m with 15 m."""
+    assert slide_at_a_step(15.0) == pytest.approx(slide_at_a_step(90.0), rel=0.15)
+
+
 @pytest.mark.slow
 def test_ground_between_free_sides_slides_as_an_endless_slope() -> None:
     """0.91, 0.74 m in two packings, and 0.91, 0.95 m of an endless slope; 0.32, 0.54 m in a box."""
