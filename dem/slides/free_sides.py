@@ -5,7 +5,7 @@ Walls that do not move would hold a slope that continues beyond the section. The
 horizontally, in strips two diameters high, above the lowest stratum that liquefies there. Each strip is a plate between
 the ground in the section, which pushes with a force N, and the ground beyond, which pushes with its force at rest N_0
 and takes waves away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877), relative to the motion v_f that it
-has without the section (`dem.slides.free_field`). In each time interval `UPDATE_INTERVAL` the velocity v of a strip
+has without the section (`meshes.section.free_field`). In each time interval `UPDATE_INTERVAL` the velocity v of a strip
 increases by
 
     Δv = `RELIEF` ((N - N_0) / (ρ V_p h) - (v - v_f)),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν).
@@ -31,10 +31,10 @@ from dem.overburden import effective_overburden
 from dem.search.deposit import RIM
 from dem.slides.before_liquefaction import replace_contacts_of_sand
 from dem.slides.drive import BaseMotion
-from dem.slides.free_field import FreeField
 from dem.slides.thick_walls import with_copies
 from dem.slides.until_rest import come_to_rest
 from dem.springs import wave_speeds
+from meshes.section.free_field import FreeField
 from meshes.section.section import Section, Stratum
 
 RELIEF = 0.5
@@ -83,6 +83,7 @@ class FreeSides:
         self.diameter = 2.0 * ground.radius
         self.strips: list[_Strip] = []
         self.feet: dict[str, float] = {}  # elevation of the lowest bottom of a stratum that liquefies, by side
+        self.began = start.time
         self.beyond: list[tuple[np.ndarray, np.ndarray]] = []  # time and outward velocity of the ground beyond strips
         section = ground.section
         if section is None or start.period is not None or ground.tilt != 0.0:
@@ -165,11 +166,18 @@ class FreeSides:
         motion: loading of the slide; began: time of the discs at its beginning (s); strata: numbers of the strata that
         liquefy; case: what remains after liquefaction, None if nothing liquefies.
         """
-        self.beyond = []
+        section, felt = self.ground.section, motion.acceleration
+
+        def shaking(time: np.ndarray) -> np.ndarray:
+            return np.interp(began + time, felt.times, felt.x)
+
+        self.began, self.beyond = began, []
         for side, strips in self._by_side().items():
-            assert self.ground.section is not None
-            field = FreeField(self.ground.section, side == "right", self.feet[side], tuple(strata), case)
-            moves = field.velocities(motion, began)
+            assert section is not None
+            remains = {} if case is None else {k: case.remains_of(section, k) for k in strata}
+            starts, stiffness = {k: motion.starts[k] for k in strata}, 1.0 if case is None else case.stiffness
+            field = FreeField(section, side == "right", starts, remains, motion.onset, stiffness)
+            moves = field.velocities(shaking, motion.end)
             self.beyond += [(moves.times, strip.outwards * moves.mean(strip.points)) for strip in strips]
 
     def _by_side(self) -> dict[str, list[_Strip]]:
@@ -215,7 +223,9 @@ class FreeSides:
         contacts, rigid lines and liquefied ground (N per metre).
         """
         vx = model.vx.copy()
-        beyond = [float(np.interp(model.time, *series)) for series in self.beyond] or [0.0] * len(self.strips)
+        beyond = [float(np.interp(model.time - self.began, *series)) for series in self.beyond] or [0.0] * len(
+            self.strips
+        )
         for strip, free in zip(self.strips, beyond, strict=True):
             wanted = strip.at_rest + share * (strip.liquefied - strip.at_rest)
             excess = strip.outwards * float(force_x[strip.wall].sum()) - wanted

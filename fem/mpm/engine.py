@@ -124,15 +124,24 @@ class MaterialPointEngine:
         dissipated += self.base[grid_motion.RADIATED]
         return MaterialPointEnergy(float(external + buoyed), float(dissipated), float(gained), *energies, *self._began)
 
-    def run(self, seconds: float, shaking: ShakingHistory | None = None, damping: float = 0.0) -> None:
+    def run(
+        self,
+        seconds: float,
+        shaking: ShakingHistory | None = None,
+        damping: float = 0.0,
+        before_batch: Callable[[], None] | None = None,
+    ) -> None:
         """Continue the motion for some seconds; ``shaking`` returns the acceleration by shaking (m/s²) at times (s).
 
-        ``damping`` is the local non-viscous damping of Cundall (1987), 0 to 1, which brings the ground to rest. Raises
-        FloatingPointError if the motion is no longer finite.
+        ``before_batch`` is called before every batch of steps, at most `BATCH_TIME` long. ``damping`` is the local
+        non-viscous damping of Cundall (1987), 0 to 1, which brings the ground to rest. Raises FloatingPointError if the
+        motion is no longer finite.
         """
         end = self.time + seconds
         while self.time < end - 1e-9:
             batch = min(BATCH_TIME, end - self.time)
+            if before_batch is not None:
+                before_batch()
             fastest = float(np.sqrt((self.points.v**2).sum(axis=1).max(initial=0.0)))
             if not np.isfinite(fastest):
                 raise FloatingPointError(f"the material points have no finite velocity at {self.time:.2f} s")

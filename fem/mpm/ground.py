@@ -4,13 +4,15 @@ A few cells of rigid ground surround the section: below its base, so that the ba
 the rigid box of the discs. Beyond smooth sides the rigid ground is as high as the surface at the end of the section,
 and ground that slides over the end moves on it. Where the sides are free-field, the rigid ground beyond them is removed
 once the ground is at rest: its pressure continues to act as a force on the points next to the side, which are held
-vertically. Coordinates of points and grid are those of the section less an `offset`. Rows of nodes are parallel to
-layers that liquefy: a shear band across the cells of a horizontal grid has 1 to 3 % more strength, which halves slides
-near yield. The grid is laid by the section, not by the axes of coordinates: columns of nodes begin at its left end, and
-the lowest edge of its liquefying layers lies between two rows, where knot spans end, in cells of any size. If no layer
-liquefies, the base is at a row.
+vertically. Below the lowest layer that liquefies at such a side the rigid ground remains, so that ground that slides
+out does not fall off an edge. Coordinates of points and grid are those of the section less an `offset`. Rows of nodes
+are parallel to layers that liquefy: a shear band across the cells of a horizontal grid has 1 to 3 % more strength,
+which halves slides near yield. The grid is laid by the section, not by the axes of coordinates: columns of nodes begin
+at its left end, and the lowest edge of its liquefying layers lies between two rows, where knot spans end, in cells of
+any size. If no layer liquefies, the base is at a row.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +25,7 @@ from fem.mpm.points import MaterialPoints, PointSoil
 from fem.mpm.pore_water import ROUNDING, between_sides, uplift
 from fem.settings import Sides
 from meshes.section.alike_sides import has_alike_sides
+from meshes.section.free_field import interfaces_at, lowest_liquefied
 from meshes.section.layering import middles
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -126,7 +129,8 @@ def ground_of(section: Section, cells: int, sides: Sides = "fixed") -> PointGrou
     spacing = 0.5 * cell
     room = round(ROOM_BEYOND_SIDES * width / cell) if sides in ("free-field", "smooth") else 0
     ends_there = periodic or sides == "smooth"
-    x, top, bottom, stratum = _columns(section, spacing, 0 if ends_there else BORDER + room)
+    floor_at = _lowest_slip if sides == "free-field" else _base
+    x, top, bottom, stratum = _columns(section, spacing, 0 if ends_there else BORDER + room, floor_at)
     places, volumes, owners, is_top = _fill(x, top, bottom, stratum, spacing)
     inside = (places[:, 0] > left) & (places[:, 0] < right) & (owners >= 0)
     margin = 0 if periodic else BORDER + room + 2
@@ -160,12 +164,14 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
     section, cell = ground.section, ground.grid.cell
     points, (left, right) = ground.points.subset(np.argsort(order)), section.extent
     places = points.x + ground.offset
-    base = section.layering.interface(-1, np.clip(places[:, 0], left + LENGTH_TOLERANCE, right - LENGTH_TOLERANCE))
-    remaining = (points.stratum >= 0) | (places[:, 1] < base)
+    base = _base(section, places[:, 0])
+    floor = np.where((places[:, 0] < left) | (places[:, 0] > right), _lowest_slip(section, places[:, 0]), base)
+    remaining = (points.stratum >= 0) | (places[:, 1] < floor)
     points.stress[(points.stratum < 0) & ((places[:, 0] < left) | (places[:, 0] > right))] = 0.0  # nothing weighs on it
     height = points.state[:, law.VOLUME] / (0.5 * cell)
     for inwards, distance in ((1.0, places[:, 0] - left), (-1.0, right - places[:, 0])):
-        at_side = np.flatnonzero((points.stratum >= 0) & (distance < 0.5 * cell))
+        above = places[:, 1] > _lowest_slip(section, places[:, 0])
+        at_side = np.flatnonzero((points.stratum >= 0) & (distance < 0.5 * cell) & above)
         pressure = _side_pressure(points, at_side, ground.effective[at_side])
         points.side[at_side] = inwards * np.maximum(pressure * height[at_side], SMALLEST_FORCE)
     free = np.minimum(places[:, 0] - left, right - places[:, 0])[ground.surface] > FIXED_STRIP * cell
@@ -222,12 +228,36 @@ def _dip(section: Section) -> float:
     return float(np.clip(np.interp(0.5 * length.sum(), reached, slopes[order]), -STEEPEST_ROW, STEEPEST_ROW))
 
 
-def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _base(section: Section, x: np.ndarray) -> np.ndarray:
+    """Return the elevation (n,) of the base at x (m); beyond a side, that at the side."""
+    left, right = section.extent
+    return section.layering.interface(-1, np.clip(x, left + LENGTH_TOLERANCE, right - LENGTH_TOLERANCE))
+
+
+def _lowest_slip(section: Section, x: np.ndarray) -> np.ndarray:
+    """Return the elevation (n,) at x (m) of the surface on which the ground beyond the nearest side slides, which
+    continues the lower edge of the lowest stratum that liquefies at this side. It is the base if none liquefies."""
+    (left, right), base = section.extent, _base(section, x)
+    out, wet = base.copy(), [k for k, stratum in enumerate(section.strata) if stratum.liquefies_in]
+    for at_right, side, interval in ((False, left, 0), (True, right, -1)):
+        foot, nearest = lowest_liquefied(section, at_right, wet), (x > 0.5 * (left + right)) == at_right
+        if foot is not None:
+            layering = section.layering
+            interface = int(np.flatnonzero(interfaces_at(section, at_right) == foot)[0])
+            rise = layering.right[interval, interface] - layering.left[interval, interface]
+            line = foot + rise / layering.width[interval] * (x - side)
+            out[nearest] = np.maximum(line, base)[nearest]
+    return out
+
+
+def _columns(
+    section: Section, spacing: float, margin: int, floor_at: Callable[[Section, np.ndarray], np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return the columns of points: x (m), and for the layers of each column their tops (m), bottoms (m) and strata
     (columns, layers).
 
     The last layer is the rigid ground below the base (stratum -1). The rigid ground continues for ``margin`` cells
-    beyond the sides, the layers above for ``BORDER`` cells.
+    beyond the sides, where ``floor_at`` gives its surface, the layers above for ``BORDER`` cells.
     """
     left, right = section.extent
     extra = 2 * margin
@@ -235,8 +265,8 @@ def _columns(section: Section, spacing: float, margin: int) -> tuple[np.ndarray,
     at = np.clip(x, left + 0.5 * spacing, right - 0.5 * spacing)
     levels = _levels(section, at, spacing)
     beyond = np.maximum(left - x, x - right) > 2 * BORDER * spacing
-    levels[beyond] = levels[beyond, -1:]
     floor = levels[:, -1:] - 2 * BORDER * spacing
+    levels[beyond] = floor_at(section, x[beyond])[:, None]
     top, bottom = levels, np.hstack([levels[:, 1:], floor])
     owner = np.append(np.arange(levels.shape[1] - 1), -1)
     return x, top, bottom, np.broadcast_to(owner, top.shape)

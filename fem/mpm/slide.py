@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from fem.kernels import point_stress as law
 from fem.mpm.changes import CHANGED_COLUMNS, KNEE, SIDE, changes_of, properties_at
 from fem.mpm.engine import MaterialPointEngine, ShakingHistory
 from fem.mpm.ground import ROOM_BEYOND_SIDES, PointGround, with_free_sides
+from fem.mpm.side_pressure import SidePressure
 from fem.mpm.slide_record import PointSlide
 from fem.mpm.weak_edges import in_columns
 from meshes.files import read_checkpoint, write_checkpoint
@@ -136,16 +138,16 @@ class PointSlider:
         slide = PointSlide(surface_before=self._surface(), cell=self.ground.grid.cell)
         self.engine.decay = decay
         self.engine.base[grid_motion.IMPEDANCE] = programme.base_impedance
-        self.began = changes_of(self.ground, self.engine, programme.remains)
+        pressure = self.begin(programme)
         shares: dict[int, float] = dict.fromkeys(programme.starts, 0.0)
         if checkpoint is not None:
-            self._resume(checkpoint, slide, shares)
+            self._resume(checkpoint, slide, shares, pressure)
         saved_at = time.monotonic()
         while not slide.reason:
-            self._liquefy(programme, shares)
+            self._liquefy(programme, shares, pressure)
             under_way = any(-1e-9 <= self.engine.time - start < programme.onset for start in programme.starts.values())
             seconds = min(CHECK_INTERVAL, programme.onset / ONSET_STEPS) if under_way else CHECK_INTERVAL
-            self.engine.run(seconds, lambda times: self.sign * programme.shaking(times))
+            self.engine.run(seconds, partial(self._felt, programme), before_batch=pressure.follow)
             self._look(slide)
             if on_look is not None:
                 on_look(self.engine.time, slide.slide[-1])
@@ -165,6 +167,18 @@ class PointSlider:
         slide.transfer_loss_share, slide.energy_lost_share = energy.transfer_loss_share, energy.imbalance_share
         return slide
 
+    def begin(self, programme: SlideProgramme) -> SidePressure:
+        """Compute how the ground at rest changes in a slide, and the pressure of the ground beyond its sides."""
+        self.began = changes_of(self.ground, self.engine, programme.remains)
+        return SidePressure(
+            self.ground, self.engine, programme.starts, programme.remains, programme.onset, programme.duration,
+            partial(self._felt, programme),
+        )  # fmt: skip
+
+    def _felt(self, programme: SlideProgramme, times: np.ndarray) -> np.ndarray:
+        """Return the acceleration (m/s²) of the ground at times (n,), positive to the right."""
+        return self.sign * programme.shaking(times)
+
     def _keep(self, path: Path, slide: PointSlide, shares: Mapping[int, float]) -> None:
         """Write a checkpoint: the engine, the slide so far, and the ``shares`` of strength that the strata have
         lost."""
@@ -176,7 +190,7 @@ class PointSlider:
         }
         write_checkpoint(path, arrays | {START_PREFIX + name: array for name, array in self.began.items()}, plain)
 
-    def _resume(self, path: Path, slide: PointSlide, shares: dict[int, float]) -> None:
+    def _resume(self, path: Path, slide: PointSlide, shares: dict[int, float], pressure: SidePressure) -> None:
         """If there is a checkpoint, restore engine, slide and shares from it, so that the computation continues with
         the same bits.
         """
@@ -187,6 +201,10 @@ class PointSlider:
         self.engine.restore(_unprefixed(arrays, ENGINE_PREFIX))
         self.began |= _unprefixed(arrays, START_PREFIX)
         shares.update(zip(list(shares), plain["shares"], strict=True))
+        for k, share in shares.items():
+            in_stratum = self.began["liquefies"] == k
+            now = properties_at(self.began["before"][in_stratum], self.began["after"][in_stratum], share)
+            pressure.at_rest[in_stratum] = now[:, SIDE]
         slide.times = [float(time) for time in arrays["times"]]
         slide.slide, slide.settlement, slide.surface_before = (
             list(arrays["slide"]),
@@ -196,7 +214,7 @@ class PointSlider:
         for name in END_FIELDS:
             setattr(slide, name, plain[name])
 
-    def _liquefy(self, programme: SlideProgramme, shares: dict[int, float]) -> None:
+    def _liquefy(self, programme: SlideProgramme, shares: dict[int, float], pressure: SidePressure) -> None:
         """Set strength, stiffness and the drained volume of the current time."""
         points, order = self.ground.points, self.engine.order
         now_at = {
@@ -214,8 +232,7 @@ class PointSlider:
             if strains.any():
                 points.scale_shear(np.flatnonzero(in_stratum)[strains], (1.0 - share) / (1.0 - shares[k]))
             points.properties[np.ix_(in_stratum, CHANGED_COLUMNS)] = values[:, :SIDE]
-            pressed = points.side[in_stratum] != 0.0  # ground that has come apart is pressed no more
-            points.side[in_stratum] = np.where(pressed, values[:, SIDE], 0.0)
+            pressure.change(np.flatnonzero(in_stratum), values[:, SIDE])
             draining = programme.drained / programme.onset if 0.0 < share < 1.0 else 0.0
             points.properties[points.stratum == k, law.DRAINAGE_RATE] = draining
             shares[k] = share

@@ -69,9 +69,9 @@ def test_ground_that_has_come_apart_is_not_pressed_again_while_it_liquefies(slid
     points = slider.ground.points
     loose = np.flatnonzero((points.side != 0.0) & (points.stratum == 1))[0]
     points.side[loose] = 0.0
-    slider.began = changes_of(slider.ground, slider.engine, LIQUEFIES)
-    slider.began["before"][slider.engine.order[loose], SIDE] = 1e3  # as it was when it began
     programme = SlideProgramme(np.zeros_like, {1: 0.0}, LIQUEFIES, 1.0, 2.0, 2.0)
-    slider._liquefy(programme, {1: 0.0})
+    pressure = slider.begin(programme)
+    slider.began["before"][slider.engine.order[loose], SIDE] = 1e3  # as it was when it began
+    slider._liquefy(programme, {1: 0.0}, pressure)
     assert points.side[loose] == 0.0
     assert (points.side[points.stratum == 1] != 0.0).any()

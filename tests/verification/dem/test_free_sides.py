@@ -13,6 +13,7 @@ from dem.slides.free_sides import FreeSides
 from dem.slides.liquefaction import Slider
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
+from tests.support.ground_with_a_step import ground_with_a_step
 from workflow.config import Config
 
 WIDTH, FALL = 60.0, 0.03  # m, -
@@ -48,30 +49,8 @@ def crust_slide(sides: str, elements: int, seed: int = 0) -> float:
 
 
 def slide_at_a_step(width: float) -> np.ndarray:
-    """Slides (m) at the crest and at the toe of a step 2 m high in ground that falls by 1 % for ``width`` metres on
-    both sides of it, under Kh = 0.08 for 3 s."""
-    soil = {
-        "density": "1.9 t/m^3", "youngs_modulus": "30 MPa", "poissons_ratio": 0.33, "cohesion": "3 kPa",
-        "friction_angle": "35 deg",
-    }  # fmt: skip
-    left, right, fall = -width, 4.0 + width, 0.01 * width
-    config = Config.parse({
-        "name": "step",
-        "surface": [[left, fall], [0.0, 0.0], [4.0, -2.0], [right, -2.0 - fall]],
-        "base": {"elevation": [[left, fall - 8.0], [right, -8.0 - fall]]},
-        "strata": [
-            soil | {"name": "crust", "bottom": {"elevation": [[left, fall - 3.5], [right, -4.5 - fall]]}},
-            soil
-            | {
-                "name": "loose", "bottom": {"elevation": [[left, fall - 6.0], [right, -6.0 - fall]]},
-                "liquefies_in": [1],
-            },
-            soil | {"name": "firm"},
-        ],
-        "fem": {"sides": "free-field"},
-        "dem": {"elements": round(7.0 * (right - left))},
-        "slide": {"kh": 0.08, "kh_seconds": 3.0, "duration": 60.0, "cases": [{"residual_strength": "6 kPa"}]},
-    })  # fmt: skip
+    """Slides (m) at the crest and at the toe of a step in gentle ground of some width (m) on both sides of it."""
+    config = ground_with_a_step(width, dem={"elements": round(7.0 * (2.0 * width + 4.0))})
     at_rest = deposit(config.section, config.dem, soil_layers(config.section))
     slider = Slider(at_rest.settled, at_rest.ground, [1], config.cases[0], config.slide, free_sides=True)
     along = np.array(slider.run().slide_along)

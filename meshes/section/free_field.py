@@ -2,32 +2,31 @@
 
 Ground that continues beyond a side slides, too, where its own slope and Kh make it slide. A side that waited for it
 would hold the ground in the section back. The free field is a column of the strata at the side that shears on the
-lowest stratum that liquefies, under Kh and under its weight on the slope of the surface beside the side (coupled
+lowest stratum that liquefies, under Kh and under its weight on the slope of the surface next to the side (coupled
 analysis of sliding, Rathje & Bray 1999, Earthquake Eng. Struct. Dyn. 28, 1303-1332). Below the water that stands on the
-ground the weight is the buoyant one. Strengths are c + σ'_v tan φ, and the residual strength after liquefaction;
-stiffness and strain potential are those of the discs (`dem.slides.liquefied_strength`). Ground that stands before the
+ground the weight is the buoyant one. Strengths are c + σ'_v tan φ, and the residual strength after liquefaction; ground
+with a strain potential has its two straight lines (`meshes.section.strain_potential`). Ground that stands before the
 shaking has at least the strength for it. Velocities are positive to the right.
 """
 
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from dem.case import Case
-from dem.kernels import shear_column as column
-from dem.kernels.liquefied_laws import SOFT_CREEP_TIME
-from dem.slides.drive import BaseMotion
-from dem.slides.until_rest import UPDATE_INTERVAL
+from meshes.section import shear_column as column
+from meshes.section.liquefies import RemainingStrength
 from meshes.section.section import Section
 from meshes.section.strain_potential import REGAINING_STRAIN, soft_range
 
 LAYERS = 30  # of the column
-TIME_STEP = 5e-4  # s
+TIME_STEP, RECORD_INTERVAL = 5e-4, 0.04  # s
 STABLE_SHARE = 0.4  # of the time in which a shear wave crosses a layer: largest time step
 DAMPING_RATIO = 0.1  # of ground that does not slip, at the natural period of the column
 LARGEST_ELASTIC_STRAIN = 0.02  # at which liquefied ground without a strain potential reaches its strength
 LEAST_STRENGTH = 1.0  # Pa
+CREEP_TIME = 5.0  # s: viscosity over stiffness of ground short of its strain potential, as in discs and points
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,16 +37,26 @@ class FreeField:
     ----------
     section : the ground
     right : whether the side is the right one
-    foot : elevation of the base of the column (m): the lowest bottom of a stratum that liquefies there
-    strata : numbers of the strata that liquefy
-    case : stiffness and strength after liquefaction; None if nothing liquefies
+    starts : time at which each stratum begins to liquefy (s since the beginning of the slide), by its number
+    remains : strength that strata retain after liquefaction, by their numbers; others keep their strength
+    onset : time in which a stratum liquefies (s)
+    stiffness : factor on the shear modulus of liquefied ground
     """
 
     section: Section
     right: bool
-    foot: float
-    strata: tuple[int, ...]
-    case: Case | None
+    starts: Mapping[int, float]
+    remains: Mapping[int, RemainingStrength]
+    onset: float
+    stiffness: float = 1.0
+
+    @cached_property
+    def foot(self) -> float:
+        """Return the elevation of the base of the column (m). Raises ValueError if no stratum liquefies at the side."""
+        foot = lowest_liquefied(self.section, self.right, self.starts)
+        if foot is None:
+            raise ValueError("no stratum liquefies at this side")
+        return foot
 
     @cached_property
     def slope(self) -> float:
@@ -65,36 +74,41 @@ class FreeField:
     def levels(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the elevations (n + 1,) of the boundaries of the layers of the column from the base up (m), and the
         stratum (n,) of each layer."""
-        layering = self.section.layering
-        bounds = layering.right[-1] if self.right else layering.left[0]
+        bounds, tolerance = interfaces_at(self.section, self.right), self.section.layering.tolerance
         step = (bounds[0] - self.foot) / LAYERS
         levels, strata = [np.array([self.foot])], list[int]()
         for k in range(len(bounds) - 2, -1, -1):
             low, high = max(bounds[k + 1], self.foot), bounds[k]
-            if high - low > layering.tolerance:
+            if high - low > tolerance:
                 count = max(1, round((high - low) / step))
                 levels.append(np.linspace(low, high, count + 1)[1:])
                 strata += [k] * count
         return np.concatenate(levels), np.array(strata, int)
 
-    def velocities(self, motion: BaseMotion, began: float) -> "FreeFieldMotion":
-        """Return the motion of the column from the beginning to the end of a slide; began: time of the discs at the
-        beginning (s)."""
+    def velocities(self, shaking: Callable[[np.ndarray], np.ndarray], end: float) -> "FreeFieldMotion":
+        """Return the motion of the column.
+
+        Parameters
+        ----------
+        shaking : horizontal acceleration of the ground (m/s²) at times (n,) in s, positive to the right
+        end : time to which the motion is computed (s since the beginning of the slide)
+
+        Returns
+        -------
+        Velocities of the ground from the base of the column to the surface.
+        """
         levels, strata = self.levels
-        steps = int(np.ceil(motion.end / TIME_STEP))
-        time = began + TIME_STEP * np.arange(steps)
-        acceleration = np.interp(time, motion.acceleration.times, motion.acceleration.x)
+        time = TIME_STEP * np.arange(int(np.ceil(end / TIME_STEP)))
         thickness = np.diff(levels)
         density = np.array([soil.density_seismic for soil in self.section.strata])[strata]
-        mass = _at_tops(density * thickness)
-        every = round(UPDATE_INTERVAL / TIME_STEP)
-        begin = np.array([motion.starts.get(int(k), np.inf) if k in self.strata else np.inf for k in strata])
+        begin = np.array([self.starts.get(k, np.inf) for k in strata.tolist()])
         speeds = column.shear_column(
-            mass, thickness, self._pull(), self._laws(density, thickness), begin, motion.onset, TIME_STEP, acceleration,
-            every,
+            _at_tops(density * thickness), thickness, self._pull(), self._laws(density, thickness), begin, self.onset,
+            TIME_STEP, np.asarray(shaking(time), float), round(RECORD_INTERVAL / TIME_STEP),
         )  # fmt: skip
-        times = began + UPDATE_INTERVAL * np.arange(len(speeds) + 1)
-        speeds = np.vstack([np.zeros(len(strata)), speeds])
+        at_rest = np.zeros((1, len(strata)))
+        speeds = np.vstack([at_rest, speeds])
+        times = RECORD_INTERVAL * np.arange(len(speeds))
         return FreeFieldMotion(levels, times, np.column_stack([np.zeros(len(speeds)), speeds]))
 
     def _points(self, z: np.ndarray) -> np.ndarray:
@@ -133,9 +147,8 @@ class FreeField:
         laws = np.zeros((2, len(numbers), 6))
         laws[:, :, column.STRENGTH], laws[:, :, column.REGAINING] = before, before / modulus
         laws[:, :, column.VISCOSITY] = laws[:, :, column.SOFT_VISCOSITY] = viscosity
-        if self.case is not None:
-            for k in set(self.strata) & set(numbers.tolist()):
-                self._liquefy(laws[1], k, numbers == k, stress, soils[k].cohesion, modulus)
+        for k in self.remains:
+            self._liquefy(laws[1], k, numbers == k, stress, soils[k].cohesion, modulus)
         return laws
 
     def _liquefy(
@@ -148,19 +161,18 @@ class FreeField:
         modulus: np.ndarray,
     ) -> None:
         """Set the laws (n, 6) of the layers ``inside`` a stratum to those after liquefaction."""
-        assert self.case is not None
-        remains, soil = self.case.remains_of(self.section, stratum), self.section.strata[stratum]
+        remains, soil = self.remains[stratum], self.section.strata[stratum]
         by_stress = remains.residual + remains.friction * np.tan(soil.friction_angle)
         strength = by_stress * stress[inside] + remains.strength + remains.cohesion * cohesion
         strength = np.maximum(strength, LEAST_STRENGTH)
-        elastic = np.minimum(strength / (modulus[inside] * self.case.stiffness), LARGEST_ELASTIC_STRAIN)
+        elastic = np.minimum(strength / (modulus[inside] * self.stiffness), LARGEST_ELASTIC_STRAIN)
         laws[inside, column.STRENGTH], laws[inside, column.REGAINING] = strength, elastic
-        laws[inside, column.VISCOSITY] *= self.case.stiffness
+        laws[inside, column.VISCOSITY] *= self.stiffness
         if remains.strain_potential > 0.0:
             soft = soft_range(remains.strain_potential, stress[inside], strength)
             laws[inside, column.POTENTIAL], laws[inside, column.KNEE] = soft.strain, soft.stress
             laws[inside, column.REGAINING] = REGAINING_STRAIN
-            laws[inside, column.SOFT_VISCOSITY] = SOFT_CREEP_TIME * soft.stress / soft.strain
+            laws[inside, column.SOFT_VISCOSITY] = CREEP_TIME * soft.stress / soft.strain
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +182,7 @@ class FreeFieldMotion:
     Attributes
     ----------
     levels (n + 1,) : elevations, from the base of the column up (m)
-    times (k,) : times of the discs (s)
+    times (k,) : times (s since the beginning of the slide)
     speeds (k, n + 1) : velocity at each elevation, positive to the right (m/s)
     """
 
@@ -182,6 +194,39 @@ class FreeFieldMotion:
         """Return the mean velocity (k,) over elevations z (m), in m/s."""
         weights = np.mean([np.interp(z, self.levels, unit) for unit in np.eye(len(self.levels))], axis=1)
         return np.asarray(self.speeds @ weights)
+
+
+def interfaces_at(section: Section, right: bool) -> np.ndarray:
+    """Return the elevations of all interfaces of a section at one of its sides.
+
+    Parameters
+    ----------
+    section : the ground
+    right : whether the side is the right one
+
+    Returns
+    -------
+    Elevations (n,) from the surface down (m).
+    """
+    layering = section.layering
+    return layering.right[-1] if right else layering.left[0]
+
+
+def lowest_liquefied(section: Section, right: bool, strata: Iterable[int]) -> float | None:
+    """Return the elevation at which the ground beyond a side can slide.
+
+    Parameters
+    ----------
+    section : the ground
+    right : whether the side is the right one
+    strata : numbers of the strata that liquefy
+
+    Returns
+    -------
+    The lowest bottom of these strata at the side (m); None if none of them lies there.
+    """
+    levels, tolerance = interfaces_at(section, right), section.layering.tolerance
+    return min((float(levels[k + 1]) for k in strata if levels[k] - levels[k + 1] > tolerance), default=None)
 
 
 def _at_tops(of_layers: np.ndarray) -> np.ndarray:

@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from dem.acceleration import Acceleration
 from dem.case import Case
-from dem.slides.drive import BaseMotion, cyclic_acceleration
-from dem.slides.free_field import FreeField, FreeFieldMotion
+from dem.slides.drive import cyclic_acceleration
+from meshes.section.free_field import FreeField, FreeFieldMotion
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
 from meshes.section.strain_potential import soft_range
@@ -36,15 +35,12 @@ def field(slope: float, case: Case, right: bool = True, water: float | None = No
     if water is not None:
         data["water"] = {"table": water}
     section = Section.parse(data)
-    foot = (-60.0 * slope if right else 0.0) - CRUST - LOOSE
-    return FreeField(section.cut_at_water(), right, foot, (1,), case)
+    return FreeField(section, right, {1: 0.0}, {1: case.remains_of(section, 1)}, ONSET)
 
 
 def moved(of: FreeField, time: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
     """Displacement (m) of the elevations of the column, from the base to the surface."""
-    zero = np.zeros(len(time))
-    motion = BaseMotion(Acceleration(time, acceleration, zero), {1: 0.0}, 0.0, ONSET, 0.0, 90.0)
-    moves = of.velocities(motion, 0.0)
+    moves = of.velocities(lambda at: np.interp(at, time, acceleration), 90.0)
     return np.asarray(np.sum(0.5 * (moves.speeds[1:] + moves.speeds[:-1]) * np.diff(moves.times)[:, None], axis=0))
 
 
@@ -102,3 +98,9 @@ def test_mean_velocity_of_a_strip_is_that_of_its_elevations() -> None:
     speeds = np.array([[0.0, 0.0, 0.0], [0.0, 2.0, 4.0]])
     motion = FreeFieldMotion(np.array([0.0, 1.0, 3.0]), np.array([0.0, 1.0]), speeds)
     assert motion.mean(np.array([0.5, 1.0, 2.0])) == pytest.approx([0.0, 2.0])
+
+
+def test_a_side_where_nothing_liquefies_has_no_free_field() -> None:
+    section = field(0.035, Case(residual_strength=6e3)).section
+    with pytest.raises(ValueError, match="no stratum liquefies"):
+        _ = FreeField(section, True, {}, {}, ONSET).foot
