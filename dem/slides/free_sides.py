@@ -238,11 +238,20 @@ class FreeSides:
         model.vx, model.vx_half = vx, np.where(model.fixed, vx, model.vx_half)
 
     def stopped(self, model: DiscModel) -> set[str]:
-        """Return the sides ("left", "right") that can move no further outwards, or that are walls which do not move."""
-        limit = (WALL_DISTANCE - 0.1) * self.diameter
+        """Return the sides ("left", "right") that can move no further, or that are walls which do not move."""
         free = {strip.side for strip in self.strips}
-        at_end = {strip.side for strip in self.strips if abs(self._moved(model, strip)) >= limit}
+        at_end = {strip.side for strip in self.strips if abs(self._moved(model, strip)) >= self._limit}
         return {"left", "right"} - free | at_end
+
+    def left_through(self, model: DiscModel) -> str | None:
+        """Return the side whose wall the ground has pushed outwards as far as it can move, None if there is none."""
+        at_end = (strip.side for strip in self.strips if self._moved(model, strip) >= self._limit)
+        return next(at_end, None)
+
+    @property
+    def _limit(self) -> float:
+        """Return the displacement (m) from which a wall counts as one that can move no further."""
+        return (WALL_DISTANCE - 0.1) * self.diameter
 
     def _moved(self, model: DiscModel, strip: _Strip) -> float:
         """Return the displacement (m) of the wall of a strip, outwards positive."""

@@ -143,7 +143,9 @@ class Slider:
                     self._look()  # no other state has been recorded
                 break
             row = self._look()
-            if self._at_rest():
+            if (side := self.sides.left_through(self.model)) is not None:
+                slide.reason = stopped_at(side)
+            elif self._at_rest():
                 slide.settled, slide.reason = True, "the surface has come to rest"
             elif self.model.time >= end - 1e-9:
                 slide.reason = f"still moving after {self.motion.end:.3g} s; {self._driven_by()}"
@@ -304,9 +306,8 @@ class Slider:
         far = max((row.slide_max_m for row in slide.rows), default=0.0)
         driven = self.by_weight and self.case is not None and self.settings.kh > 0.0 and far > LONG_SLIDE * height
         notes = self._flow() if driven else []
-        walls = self.sides.stopped(model)
-        sides = [side for side in both_sides(model, start, self.ground) if side.name in walls]
-        slide.stopped_by = stopped_by(sides)
+        sides = [side for side in both_sides(model, start, self.ground) if side.name in self.sides.stopped(model)]
+        slide.stopped_by = self.sides.left_through(model) or stopped_by(sides)
         notes += at_the_sides(sides)
         notes += on_pressed_through(model)
         notes += on_loose_mass(slide.loose_share)

@@ -63,6 +63,19 @@ def test_a_slide_does_not_depend_on_how_far_the_section_reaches() -> None:
     assert slide_at_a_step(15.0) == pytest.approx(slide_at_a_step(90.0), rel=0.15)
 
 
+def test_a_slide_that_moves_a_wall_as_far_as_it_can_ends_there() -> None:
+    """Under Kh = 0.5 the ground would pile up at the right side, and flow back."""
+    config = ground_with_a_step(15.0, dem={"elements": 240})
+    config = config.changed(slide=config.slide.changed(kh=0.5, kh_seconds=6.0))
+    at_rest = deposit(config.section, config.dem, soil_layers(config.section))
+    slide = Slider(at_rest.settled, at_rest.ground, [1], config.cases[0], config.slide, free_sides=True).run()
+    assert slide.stopped_by == "right"
+    assert "right side" in slide.reason
+    assert not slide.settled
+    assert slide.rows[-1].slide_max_m > 5.0
+    assert np.min(slide.slide) > -1.0
+
+
 @pytest.mark.slow
 def test_ground_between_free_sides_slides_as_an_endless_slope() -> None:
     """0.91, 0.74 m in two packings, and 0.91, 0.95 m of an endless slope; 0.32, 0.54 m in a box."""
