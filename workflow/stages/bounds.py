@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, assert_never
 
 from fem.errors import UnstableError
@@ -224,12 +224,28 @@ def _verdict(bracket: "Bracket", settings: BoundsSettings) -> tuple[BoundsVerdic
     why = (
         f"{_end_reason(bracket.end_reason, last.cells, settings)}; the gap is widest near x = {x:.1f} m, z = {z:.1f} m."
     )
-    why += "".join(f" {note[0].upper()}{note[1:]}." for note in last.notes)
     if math.isfinite(bracket.gap):
+        why += _notes_of_last_mesh(bracket)
         return "wide", f"{gap} is above the required {_required_gap(bracket, settings)}: {why}"
+    why += _sentences(last.notes)
     bounds = (("lower", bracket.stress), ("upper", bracket.mechanism))
     missing = " and no ".join(name for name, bound in bounds if bound is None)
     return "no bracket", f"There is no {missing} bound: {why}{''.join(_bracketed_directions(bracket))}"
+
+
+def _sentences(notes: Sequence[str]) -> str:
+    return "".join(f" {note[0].upper()}{note[1:]}." for note in notes)
+
+
+def _notes_of_last_mesh(bracket: "Bracket") -> str:
+    """Return the notes of the last mesh as sentences, after a blank; a bound that this mesh did not give is that of a
+    coarser mesh, and holds."""
+    last = bracket.meshes[-1]
+    missing = [side for side, bound in (("lower", last.lower), ("upper", last.upper)) if bound is None]
+    if not missing:
+        return _sentences(last.notes)
+    stated = f"The {missing[0]} bound is that" if len(missing) == 1 else "The bounds are those"
+    return f" {stated} of a coarser mesh. On the last mesh: {'; '.join(last.notes)}."
 
 
 def _bracketed_directions(bracket: "Bracket") -> Iterator[str]:

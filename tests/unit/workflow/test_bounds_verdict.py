@@ -71,6 +71,15 @@ def test_notes_of_the_last_mesh_are_sentences():
     assert reason.endswith(". Lower bound: the solver ended early (NumericalError).")
 
 
+def test_a_bound_that_failed_on_the_last_mesh_is_not_reported_of_the_stated_bound():
+    """A strict lower bound of a coarser mesh was stated beside "The lower bound does not hold"."""
+    part = result("time")
+    failed = ("lower bound: the solver ended early (NumericalError)", "the lower bound does not hold: beyond yield")
+    part.meshes.append(MeshBounds(1800, None, 0.0608, failed, 1.0, ("lower",)))
+    reason = bracket_part(part, BoundsSettings()).reason
+    assert reason.endswith(f". The lower bound is that of a coarser mesh. On the last mesh: {'; '.join(failed)}.")
+
+
 def test_ground_that_no_force_could_hold_has_no_kh():
     """An embankment of normally consolidated clay was told as "no lower bound <= Kh <= -9799.7651" on its way."""
 
