@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
 
-from meshes.section.quantity import COORDINATE
+from meshes.section.quantity import COORDINATE, NUMBER_AND_UNIT, Quantity
 
 Points = tuple[tuple[float, float], ...]
 SAME_PLACE = 1e-9  # m: points that are no farther apart along x lie at one place
@@ -42,9 +42,31 @@ def pairs_of(value: Sequence[Any]) -> list[tuple[float, float]]:
                 problems.append(f"point {number}, {name} = {entry!r}: {error}")
         if len(pair) == 2:
             points.append((pair[0], pair[1]))
-    if problems:
+    if problems or (problems := _unit_problems(value)):
         raise ValueError("\n".join(problems))
     return points
+
+
+def _unit_problems(value: Sequence[Any]) -> list[str]:
+    """Return the coordinates of a list in which some have a unit other than metres, and others no unit: a plain number
+    is in metres, and the person who wrote it probably meant the unit beside it."""
+    problems = []
+    for column, name in enumerate("xz"):
+        entries = [COORDINATE.read(pair[column]) for pair in value]
+        plain = [place for place, entry in enumerate(entries) if entry and not isinstance(entry.written, str)]
+        foreign = [entry.written for entry in entries if isinstance(entry.written, str) and _is_foreign(entry)]
+        if plain and foreign:
+            problems.append(
+                f"point {plain[0] + 1}, {name} = {entries[plain[0]]:g}: has no unit, beside {foreign[0]!r}; "
+                f'expected one unit for every {name} of the line (a plain number is in m; write "... m" to mix units)'
+            )
+    return problems
+
+
+def _is_foreign(entry: Quantity) -> bool:
+    """Return whether a coordinate was written in a unit other than metres; 0 is 0 in all units."""
+    parts = NUMBER_AND_UNIT.fullmatch(str(entry.written))
+    return bool(entry) and parts is not None and float(parts[1]) != float(entry)
 
 
 def _order_problems(points: Sequence[tuple[float, float]]) -> list[str]:

@@ -52,8 +52,18 @@ def test_every_problem_of_a_line_is_told() -> None:
 
 
 def test_points_in_feet_and_with_a_vertical_step() -> None:
-    points = read_points([["0 ft", "10 ft"], [5, 2], [5, 1], [9, 1]])
+    points = read_points([["0 ft", "10 ft"], [5, "2 m"], [5, "1 m"], [9, "1 m"]])
     np.testing.assert_allclose(points, [(0.0, 3.048), (5.0, 2.0), (5.0, 1.0), (9.0, 1.0)], rtol=1e-14)
+
+
+def test_one_unit_in_feet_does_not_make_the_others_metres() -> None:
+    """A crest of "40 ft" beside a crest of 40, meant in feet, made a slope of 28 m on the crest without a word."""
+    with pytest.raises(ValueError, match="expected one unit") as caught:
+        read_points([[0, "40 ft"], [60, 40], [120, 0], [180, 0]])
+    assert str(caught.value).startswith("point 2, z = 40: has no unit, beside '40 ft'; expected one unit for every z")
+    points = read_points([[0, "40 ft"], [60, "40 ft"], [120, 0]])
+    np.testing.assert_allclose(points, [(0, 12.192), (60, 12.192), (120, 0)], rtol=1e-14)
+    assert read_points(read_points([[0, "4 m"], [60, 4], ["61 m", 0]])) == ((0, 4), (60, 4), (61, 0))
 
 
 @pytest.mark.parametrize("inputs", [{}, {"depth": 1.0, "elevation": 2.0}])

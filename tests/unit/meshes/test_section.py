@@ -260,7 +260,7 @@ def assert_round_trip(section: Section, path: Path) -> None:
 
 
 def test_quantities_are_written_back_as_they_were_written() -> None:
-    data = {**slope(), "surface": [["0 ft", "66 ft"], ["100 m", 10.0]], "base": {"elevation": "-2 ft"}}
+    data = {**slope(), "surface": [["0 ft", "66 ft"], ["100 m", "10 m"]], "base": {"elevation": "-2 ft"}}
     text = Section.parse(data).to_toml()
     for written in ('"30 MPa"', '"1.9 t/m^3"', '"25 deg"', '"66 ft"', '"100 m"', 'elevation = "-2 ft"'):
         assert written in text
