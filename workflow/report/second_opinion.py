@@ -55,6 +55,10 @@ class SecondOpinion:
             farther = self.points > self.discs if self.limits[0] else self.discs > self.points
             link = "since" if farther else "although"
             return f"{slides}, and both agree, {link} a side of the model limits the slide of the {stopped}"
+        if self.agreed and any(self.at_rest) and not _alike(self.discs, self.points):
+            spans = (self.discs_span, self.points_span)
+            widest = rough_range(*max(spans, key=lambda span: span[1] - span[0]))
+            return f"{slides}, which differ by less than the width of the larger interval, {widest}"
         if self.agreed:
             return f"{slides}, and both agree" + ("" if any(self.at_rest) else " that the slide does not come to rest")
         if self.at_rest[0] != self.at_rest[1] and not any(self.limits):
@@ -96,9 +100,8 @@ def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinio
     discs = _with_error(min(packings[0], case.slide_max_m), max(packings[1], case.slide_max_m), case.flows, "discs")
     points = _with_error(other.slide_max_low_m, other.slide_max_high_m, case.flows, "mpm")
     rested = at_rest(case), at_rest(other)
-    apart = abs(case.slide_max_m - other.slide_max_m)
-    alike = max(ABSOLUTE_TOLERANCE, (1.0 - 1.0 / RATIO_TOLERANCE) * max(case.slide_max_m, other.slide_max_m))
-    near = apart <= max(discs[1] - discs[0], points[1] - points[0], alike)
+    widest = max(discs[1] - discs[0], points[1] - points[0])
+    near = abs(case.slide_max_m - other.slide_max_m) <= widest or _alike(case.slide_max_m, other.slide_max_m)
     limits = case.stopped_by is not None, other.stopped_by is not None
     if all(rested):
         agreed = near
@@ -108,6 +111,11 @@ def _opinion(case: CaseAnswer, packings: Span, other: PointCase) -> SecondOpinio
     else:
         agreed = not any(rested)
     return SecondOpinion(case.slide_max_m, other.slide_max_m, discs, points, agreed, case.flows, rested, limits)
+
+
+def _alike(first: float, second: float) -> bool:
+    """Return whether two slides (m) are nearly equal, whatever their intervals."""
+    return abs(first - second) <= max(ABSOLUTE_TOLERANCE, (1.0 - 1.0 / RATIO_TOLERANCE) * max(first, second))
 
 
 def _with_error(low: float, high: float, flows: bool | None, method: SlideMethod) -> Span:

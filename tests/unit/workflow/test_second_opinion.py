@@ -48,6 +48,15 @@ def test_they_agree_within_a_factor_of_1_5_and_within_centimetres(monkeypatch: p
     assert not opinion(0.09, 0.015).agreed
 
 
+def test_slides_that_differ_by_a_factor_of_two_do_not_agree_without_their_interval() -> None:
+    """An endless slope: 0.70 m by discs and 1.5 m by points were said to agree, and nothing else."""
+    assert opinion(1.0, 0.45).sentence() == (
+        "discs slide 1.0 m and material points 0.45 m, which differ by less than the width of the larger interval, "
+        "0.2 to 1 m"
+    )
+    assert opinion(1.0, 0.7).sentence() == "discs slide 1.0 m and material points 0.70 m, and both agree"
+
+
 def test_a_contradiction_names_the_model_that_was_nearer_to_known_slides() -> None:
     (warning,) = contradicting({1: opinion(3.0, 0.1)})
     assert warning.weight == 1
