@@ -10,8 +10,9 @@ from meshes.section.layering import middles
 from meshes.section.section import Section
 
 # A layer is thin below this share of the relief of the ground, and weak below this share of the strength of the weaker
-# of its neighbours; it counts where it is so over a length of the relief.
-THIN_LAYER, WEAK_STRENGTH = 0.1, 0.8
+# of its neighbours; it counts where it is so over a length of the relief. Circles give 4 to 160 % more than strict
+# bounds in published slopes with layers of 0.1 to 0.2 of the relief.
+THIN_LAYER, WEAK_STRENGTH = 0.2, 0.8
 # A mantle over stronger ground slips along its bottom. It is thin below this share of the relief, and counts where the
 # ground and its bottom both fall by more than this slope to the same side.
 THIN_MANTLE, MANTLE_SLOPE = 0.15, 0.1

@@ -1,5 +1,7 @@
 """Layers that slip circles cannot follow are told beside the circles."""
 
+from pathlib import Path
+
 import pytest
 
 from meshes.section.section import Section
@@ -38,11 +40,29 @@ def bank(thick: float, degrees: float, table: float = -9.0) -> Section:
         (bank(0.4, 12.0), ("Seam",)),
         (bank(0.4, 12.0, table=11.0), ("Seam",)),  # water cuts it in two
         (bank(0.4, 30.0), ()),  # no weaker than the silt
-        (bank(3.0, 12.0), ()),  # circles have room in it
+        (bank(3.0, 12.0), ("Seam",)),  # 1.02 by circles, 0.98 by elements
+        (bank(5.0, 12.0), ()),  # circles have room in it
     ],
 )
 def test_a_thin_and_weak_layer_is_found(section: Section, weak: tuple[str, ...]) -> None:
     assert thin_weak_layers(section) == weak
+
+
+PUBLISHED = Path(__file__).parents[2] / "verification" / "published"
+
+
+@pytest.mark.parametrize(
+    ("name", "weak"),
+    [
+        ("griffiths_lane_3_02", ("Weak layer",)),  # 1.27 by circles, strict bounds of 0.487 to 0.496
+        ("griffiths_lane_3_05", ("Weak layer",)),  # 1.36, and 1.147 to 1.169
+        ("greco_4", ("Layer 3",)),  # 1.45, and 1.381 to 1.408
+        ("zolfaghari_2", ("Layer 3",)),  # 1.45, and 1.359 to 1.385
+    ],
+)
+def test_a_layer_of_up_to_a_fifth_of_the_relief_is_thin(name: str, weak: tuple[str, ...]) -> None:
+    """Circles were given without a warning up to 2.6 times the factor of safety of published slopes."""
+    assert thin_weak_layers(Section.read(PUBLISHED / f"{name}.toml")) == weak
 
 
 def hillside(thick: float, degrees: float, fall: float = 30.0) -> Section:
