@@ -16,6 +16,7 @@ from meshes.section.stratum import Stratum
 # What is added to the name of a stratum for the part of it that lies below water, and for a pocket or a film of water
 # or of moist ground in it that meshes of elements leave out.
 BELOW_WATER, FILM_IN = ", below water", ", film"
+ABOVE_WATER = {"liquefies_in": Cases(), "excess_pore_pressure_ratio": 0.0}  # shaking adds no pore pressure there
 # What is added for the part of it that has the least of a cohesion that varies, which meshes of bounds know.
 LEAST_STRENGTH = ", least strength"
 # What is added for the part of it above the bottom of tension cracks.
@@ -309,11 +310,11 @@ def cut_strata(
     """Divide the strata that their water ``levels`` (n, 2) cross. Strata entirely below water get the saturated
     density.
 
-    New lines reach over the ``extent`` (x in m) of the given section. The upper part keeps the name, and does not
-    liquefy. If zones divide a soil into several strata, and one of them lies above water, a stratum entirely below
-    water gets the name of a part below water, and one entirely above water does not liquefy. Thin wedges smaller than
-    cells stay with the other part of the stratum (``cut_films`` makes them strata); the pore pressure in them is
-    unchanged. ``layers``: the ground layer by layer.
+    New lines reach over the ``extent`` (x in m) of the given section. The upper part keeps the name, and shaking adds
+    no pore pressure to it. If zones divide a soil into several strata, and one of them lies above water, a stratum
+    entirely below water gets the name of a part below water, and one entirely above water is like the upper part. Thin
+    wedges smaller than cells stay with the other part of the stratum (``cut_films`` makes them strata); the pore
+    pressure in them is unchanged. ``layers``: the ground layer by layer.
     """
     cut: list[Stratum] = []
     cell = _cell(layers)
@@ -328,9 +329,9 @@ def cut_strata(
             continue
         wet, dry = parts.has(1), parts.has(0)
         if wet and dry:
-            cut.append(stratum.model_copy(update={"bottom": parts.line(*extent), "liquefies_in": Cases()}))
+            cut.append(stratum.model_copy(update={"bottom": parts.line(*extent), **ABOVE_WATER}))
         elif dry and whole_soil(stratum.name) in wet_soils:
-            stratum = stratum.model_copy(update={"liquefies_in": Cases()})
+            stratum = stratum.model_copy(update=ABOVE_WATER)
         if wet:
             below = whole_soil(stratum.name) in dry_soils and not stratum.name.endswith(BELOW_WATER)
             name = stratum.name + BELOW_WATER if below else stratum.name

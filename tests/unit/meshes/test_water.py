@@ -123,6 +123,17 @@ def test_shaking_adds_its_share_of_the_vertical_effective_stress() -> None:
     np.testing.assert_allclose(pair.water_pressure.excess(at, at, np.zeros(1, int)), 0.4 * 5.0 * 1000.0 * GRAVITY)
 
 
+def test_shaking_adds_no_pore_pressure_above_the_water() -> None:
+    """Moist sand above the table had 0.4 of its weight as pore pressure after shaking."""
+    bank = section(soil(excess_pore_pressure_ratio=0.4), water={"table": 7.0})
+    assert [stratum.excess_pore_pressure_ratio for stratum in bank.strata] == [0.0, 0.4]
+    at = np.array([[10.0, 8.0], [10.0, 5.0]])
+    added = bank.water_pressure.excess(at, at, bank.stratum_at(*at.T))
+    top = float(np.interp(10.0, *bank.ground.T))
+    np.testing.assert_allclose(added, [0.0, 0.4 * ((top - 7.0) * 18e3 + 2.0 * (20e3 - WATER))])
+    assert section(soil(excess_pore_pressure_ratio=0.4)).strata[0].excess_pore_pressure_ratio == 0.4  # without a table
+
+
 def test_after_a_drawdown_ground_that_does_not_drain_keeps_its_pressure_less_the_water_taken_off() -> None:
     falls = {"table": 9.0, "after_drawdown": 3.0}
     bank = section(water=falls)

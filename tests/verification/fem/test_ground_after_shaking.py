@@ -108,7 +108,8 @@ def test_rising_pore_pressure_does_not_push_level_ground_off_its_free_field_side
 def test_excess_pressure_after_shaking_is_pressure_at_rest() -> None:
     section = random_slope(1)
     after = section.after_shaking()
-    at, stratum = np.array([[9.0, 0.5], [12.0, -1.0]]), np.zeros(2, dtype=int)
+    at = np.array([[9.0, 0.5], [12.0, -1.0]])
+    stratum = section.stratum_at(*at.T)
     before, water = section.water_pressure, after.water_pressure
     np.testing.assert_allclose(water.at_rest(at, at, stratum), before.inside(at, at, stratum, True), rtol=1e-14)
     assert (water.at_rest(at, at, stratum) > before.at_rest(at, at, stratum)).all()
