@@ -170,7 +170,7 @@ class Stratum(Model):
     )
     excess_pore_pressure_ratio: Annotated[Ratio, Field(le=1.0)] = Field(
         default=0.0,
-        description="pore pressure that shaking adds below water, over the vertical effective stress before, from 0 to 1",
+        description="pore pressure that shaking adds below water, over the vertical effective stress, from 0 to 1",
     )
     permeability: Permeability | None = Field(
         default=None,
