@@ -216,8 +216,8 @@ def sides_warning(fem: FemAnswer, section: Section, variants: Sequence[Variant] 
     remedy, at = f"move the sides away by {longer}", listed(fem.at_sides)
     if at and fem.settings.sides == "free-field":  # farther away it decides as much: level ground slides out there, too
         remedy = (
-            f'take fem.sides = "smooth" if ground continues beyond the {at} side, through which the failing ground '
-            "slides out"
+            f'take fem.sides = "smooth" if level ground continues beyond the {at} side, through which the failing '
+            "ground slides out"
         )
     change = next((variant for variant in variants if variant.name == "sides"), None)
     other = change.of(fem.kc) if change is not None else None

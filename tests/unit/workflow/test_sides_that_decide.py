@@ -7,7 +7,8 @@ from workflow.results.continuum import VariantsAnswer
 from workflow.texts.report_texts import Texts
 
 REMEDY = (
-    'Take fem.sides = "smooth" if ground continues beyond the right side, through which the failing ground slides out.'
+    'Take fem.sides = "smooth" if level ground continues beyond the right side, through which the failing ground slides '
+    "out."
 )
 
 
@@ -20,11 +21,12 @@ def warned_of_sides(kc_fixed: float | None) -> list[str]:
 
 
 def test_sides_are_held_where_level_ground_slides_out_at_one() -> None:
-    """Farther away the ground would slide out just so."""
+    """Farther away the ground would slide out just so. Smooth sides were advised beside an endless slope, too, which
+    they support."""
     [sides] = warned_of_sides(0.338)
     assert sides.startswith("With sides fixed")
     assert sides.endswith(REMEDY)
-    japanese = 'すべりが抜け出る右側の外に地盤が続く場合は、fem.sides = "smooth"とする。'
+    japanese = 'すべりが抜け出る右側の外に水平な地盤が続く場合は、fem.sides = "smooth"とする。'
     assert Texts("ja").sentence(REMEDY) == japanese
 
 
