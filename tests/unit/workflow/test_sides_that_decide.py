@@ -7,8 +7,8 @@ from workflow.results.continuum import VariantsAnswer
 from workflow.texts.report_texts import Texts
 
 REMEDY = (
-    'Take fem.sides = "smooth" if level ground continues beyond the right side, through which the failing ground slides '
-    "out."
+    'Take fem.sides = "smooth" if level ground continues beyond the right side, through which the failing ground '
+    "slides out."
 )
 
 
