@@ -188,13 +188,14 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
 def _side_pressure(points: MaterialPoints, at_side: np.ndarray, effective: np.ndarray) -> np.ndarray:
     """Return the effective horizontal pressure (k,) in Pa of the ground beyond a side on the points ``at_side``.
 
-    It is that of the ground at rest, and at least the active pressure (Rankine 1857), σ_h = (σ_v (1 - sin φ) - 2 c cos
-    φ) / (1 + sin φ): stresses of single points next to the surface may be zero, and cohesionless ground without
-    pressure from the side would flow out. ``effective`` (k,): vertical effective stress σ_v of the points (Pa).
+    It is K0 σ_v, with K0 = ν / (1 - ν), and at least the active pressure (Rankine 1857), σ_h = (σ_v (1 - sin φ) - 2 c
+    cos φ) / (1 + sin φ), without which cohesionless ground would flow out. The stress of the ground between rigid sides
+    is no such pressure: a slope leans on its lower side, which would support it for ever. ``effective`` (k,): vertical
+    effective stress σ_v of the points (Pa).
     """
-    sine, strength = points.properties[at_side, law.SIN_PHI], points.properties[at_side, law.STRENGTH]
+    bulk, shear, sine, strength = points.properties[at_side][:, [law.BULK, law.SHEAR, law.SIN_PHI, law.STRENGTH]].T
     active = (effective * (1.0 - sine) - 2.0 * strength) / (1.0 + sine)
-    return np.maximum(-points.stress[at_side, 0], active)
+    return np.maximum((bulk - shear) / (bulk + shear) * effective, active)
 
 
 def _row_of_nodes(section: Section, slope: float, cell: float) -> float:

@@ -56,7 +56,7 @@ class SidePressure:
             of_side = np.flatnonzero(self.at_rest < 0.0 if right else self.at_rest > 0.0)
             if not len(of_side) or lowest_liquefied(section, right, starts) is None:
                 continue
-            field = FreeField(section, right, starts, remains, onset).velocities(shaking, end)
+            field = FreeField(section, right, starts, remains, onset, by_stiffness=True).velocities(shaking, end)
             height = state[of_side, law.VOLUME] / (0.5 * ground.grid.cell)
             density = state[of_side, law.MASS] / state[of_side, law.VOLUME]
             waves = _compression_waves(engine, of_side, density)

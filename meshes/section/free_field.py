@@ -41,6 +41,8 @@ class FreeField:
     remains : strength that strata retain after liquefaction, by their numbers; others keep their strength
     onset : time in which a stratum liquefies (s)
     stiffness : factor on the shear modulus of liquefied ground
+    by_stiffness : how ground with a strain potential becomes soft, see `meshes.section.shear_column`: by its stiffness,
+        as material points, or by its strain potential, as discs
     """
 
     section: Section
@@ -49,6 +51,7 @@ class FreeField:
     remains: Mapping[int, RemainingStrength]
     onset: float
     stiffness: float = 1.0
+    by_stiffness: bool = False
 
     @cached_property
     def foot(self) -> float:
@@ -105,6 +108,7 @@ class FreeField:
         speeds = column.shear_column(
             _at_tops(density * thickness), thickness, self._pull(), self._laws(density, thickness), begin, self.onset,
             TIME_STEP, np.asarray(shaking(time), float), round(RECORD_INTERVAL / TIME_STEP),
+            self.by_stiffness,
         )  # fmt: skip
         at_rest = np.zeros((1, len(strata)))
         speeds = np.vstack([at_rest, speeds])

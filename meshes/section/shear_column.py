@@ -2,8 +2,9 @@
 
 Each layer has a shear stress τ(γ) that resists the motion of the ground above it: a straight line up to a strain
 potential, a second one up to the strength, then slip. A dashpot is in parallel, but ground never resists with more than
-its strength. While a layer liquefies, its law changes in proportion to the time of its onset. Quantities are positive
-to the right; a shear stress is positive if it holds the ground above it back from moving to the right.
+its strength. While a layer liquefies, its law changes in proportion to the time of its onset, or its stiffness by a
+power. Quantities are positive to the right; a shear stress is positive if it holds the ground above it back from moving
+to the right.
 """
 
 import math
@@ -27,6 +28,7 @@ def shear_column(
     dt: float,
     acceleration: np.ndarray,
     every: int,
+    by_stiffness: bool,
 ) -> np.ndarray:
     """Return the velocity of the top of each layer in time.
 
@@ -41,6 +43,8 @@ def shear_column(
     dt : time step (s)
     acceleration (steps,) : horizontal acceleration of all masses in each step (m/s²)
     every : steps between two records
+    by_stiffness : whether, while a layer liquefies, the stiffness below its strain potential falls as a power of the
+        stiffness after liquefaction over that before; otherwise the strain potential grows in proportion to time
 
     Returns
     -------
@@ -64,6 +68,11 @@ def shear_column(
             degree = min(max(degree, 0.0), 1.0)
             for part in range(6):
                 law[part] = laws[0, k, part] + degree * (laws[1, k, part] - laws[0, k, part])
+            if by_stiffness and 0.0 < degree < 1.0 and laws[1, k, POTENTIAL] > 0.0:
+                stiff = laws[0, k, STRENGTH] / laws[0, k, REGAINING]
+                soft = laws[1, k, KNEE] / laws[1, k, POTENTIAL]
+                law[KNEE] = laws[1, k, KNEE]
+                law[POTENTIAL] = law[KNEE] / (stiff * (soft / stiff) ** degree)
             rate = (speed[k] - (speed[k - 1] if k > 0 else 0.0)) / thickness[k]
             limit = law[POTENTIAL] + law[REGAINING]
             strain[k] = min(max(strain[k] + dt * rate, -limit), limit)

@@ -57,7 +57,9 @@ def test_a_slope_between_free_sides_slides_as_an_endless_one(kh: float) -> None:
     slide = slide_of(config, 500)
     angle, programme, time = np.arctan(slope), programme_of(config, 1), np.linspace(0.0, 60.0, 6001)
     ratio = 6e3 / (DENSITY * GRAVITY * (CRUST + LOOSE) * np.cos(angle) ** 2)
-    since = max(programme.starts.values()) + programme.onset  # until then its strength suffices
+    before, driving = np.tan(np.radians(33.0)) + 2e3 / 6e3 * ratio, slope + kh
+    fails_at = (before - driving) / (before - ratio)  # of the onset, in which the strength falls in proportion to time
+    since = max(programme.starts.values()) + 0.5 * (1.0 + fails_at) * programme.onset
     felt = np.where(time > since, programme.shaking(time), 0.0)
     assert np.median(slide.slide[-1]) == pytest.approx(newmark_slide_speed(angle, ratio, time, felt), rel=0.15)
 
