@@ -335,7 +335,8 @@ class SlideSettings(Model):
         description=(
             "sides of the section in slides, by default those of [fem]. Discs lie in a box with fixed "
             "sides unless the sides are free-field or periodic. If neither table gives sides, they are "
-            '"smooth" also where only the higher end of the ground is level'
+            '"free-field" where a stratum liquefies at both sides, and else "smooth" also where only the higher end of '
+            "the ground is level"
         ),
     )
     frames: int = Field(

@@ -9,6 +9,7 @@ from meshes.section.polyline import downhill
 from meshes.section.quantity import Length, Quantity
 from meshes.section.recorded_kh import LARGEST_KH, RecordedKh
 from meshes.section.section import Model, Section
+from meshes.section.sides import liquefies_at_both_sides
 
 Element = Literal["quadratic", "reduced", "bilinear"]
 Sides = Literal["free-field", "smooth", "fixed", "periodic"]
@@ -56,13 +57,14 @@ def usual_sides(section: Section) -> Sides:
     return "smooth" if all(_level_ends(section)) else "free-field"
 
 
-def usual_point_sides(section: Section) -> Sides | None:
-    """Return the default sides for material points of a section file, if they differ from those of the finite elements.
+def usual_sides_of_slides(section: Section) -> Sides | None:
+    """Return the default sides for slides of a section file, if they differ from those of the finite elements.
 
-    The sides are "smooth" if the ground is level at its higher end and slopes at the other end.
-
-    A free-field side keeps the pressure at rest however far the ground has moved, and pushes the level ground behind a
-    face downslope. Where the ground slopes at its higher end, the ground there may move with the slope.
+    The sides are free-field where a stratum liquefies at both: such a side slides with the endless slope beyond it, and
+    resists other motion, so that the slide hardly depends on where the section ends. Smooth sides would hold back
+    ground that slides on a gentle slope. A free-field side at which nothing liquefies keeps the pressure at rest, and
+    pushes the level ground behind a face downslope. The sides are then "smooth" if the ground is level at its higher
+    end and slopes at the other end.
 
     Parameters
     ----------
@@ -70,8 +72,10 @@ def usual_point_sides(section: Section) -> Sides | None:
 
     Returns
     -------
-    "smooth", or None for the sides of the elements.
+    "free-field", "smooth", or None for the sides of the elements.
     """
+    if liquefies_at_both_sides(section):
+        return "free-field"
     left, right = _level_ends(section)
     higher, lower = (left, right) if downhill(section.ground) > 0 else (right, left)
     return "smooth" if higher and not lower else None

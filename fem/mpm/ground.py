@@ -25,10 +25,10 @@ from fem.mpm.points import MaterialPoints, PointSoil
 from fem.mpm.pore_water import ROUNDING, between_sides, uplift
 from fem.settings import Sides
 from meshes.section.alike_sides import has_alike_sides
-from meshes.section.free_field import interfaces_at, lowest_liquefied
 from meshes.section.layering import middles
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
+from meshes.section.sides import interfaces_at, lowest_liquefied
 
 LENGTH_TOLERANCE = 1e-6  # m
 # Width (cells) beside a free-field side in which the ground can hardly settle, and which is no part of the surface.

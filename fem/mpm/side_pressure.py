@@ -7,8 +7,9 @@ waves away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877): the 
     F = F_0 - ρ V_p h (v - v_f),
 
 with the force at rest F_0, the height h of the side that belongs to the point, and the velocity V_p of compression
-waves. Ground does not pull. Sides at which no stratum liquefies keep F_0. The pressure is updated every batch of steps,
-by `RELIEF` of the difference. Forces are positive to the right, in N per metre out of plane.
+waves. Ground does not pull. Ground beyond a side at which no stratum liquefies does not move by itself. Where nothing
+liquefies at all, sides keep F_0. The pressure is updated every batch of steps, by `RELIEF` of the difference. Forces
+are positive to the right, in N per metre out of plane.
 """
 
 from collections.abc import Mapping
@@ -19,8 +20,9 @@ from fem.kernels import grid_motion
 from fem.kernels import point_stress as law
 from fem.mpm.engine import MaterialPointEngine, ShakingHistory
 from fem.mpm.ground import SMALLEST_FORCE, PointGround
-from meshes.section.free_field import FreeField, lowest_liquefied
+from meshes.section.free_field import FreeField
 from meshes.section.liquefies import RemainingStrength
+from meshes.section.sides import lowest_liquefied
 
 RELIEF = 0.5
 
@@ -54,18 +56,21 @@ class SidePressure:
         self.times = np.zeros(1)
         for right in (False, True):
             of_side = np.flatnonzero(self.at_rest < 0.0 if right else self.at_rest > 0.0)
-            if not len(of_side) or lowest_liquefied(section, right, starts) is None:
+            if not len(of_side) or not starts:
                 continue
-            field = FreeField(section, right, starts, remains, onset, by_stiffness=True).velocities(shaking, end)
             height = state[of_side, law.VOLUME] / (0.5 * ground.grid.cell)
             density = state[of_side, law.MASS] / state[of_side, law.VOLUME]
             waves = _compression_waves(engine, of_side, density)
-            self.times = field.times
             numbers.append(of_side)
             resistance.append(density * waves * height)
+            if lowest_liquefied(section, right, starts) is None:
+                speeds += [np.zeros(1)] * len(of_side)
+                continue
+            field = FreeField(section, right, starts, remains, onset, by_stiffness=True).velocities(shaking, end)
+            self.times = field.times
             speeds += [field.mean(places[number, 1:]) for number in of_side]
         self.numbers, self.resistance = np.concatenate(numbers), np.concatenate(resistance)
-        self.speeds = np.array(speeds).reshape(len(self.numbers), len(self.times))
+        self.speeds = [np.broadcast_to(series, len(self.times)) for series in speeds]
 
     def change(self, where: np.ndarray, at_rest: np.ndarray) -> None:
         """Change the forces at rest of points as they liquefy.

@@ -9,7 +9,7 @@ with a strain potential has its two straight lines (`meshes.section.strain_poten
 shaking has at least the strength for it. Velocities are positive to the right.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,6 +18,7 @@ import numpy as np
 from meshes.section import shear_column as column
 from meshes.section.liquefies import RemainingStrength
 from meshes.section.section import Section
+from meshes.section.sides import interfaces_at, lowest_liquefied
 from meshes.section.strain_potential import REGAINING_STRAIN, soft_range
 
 LAYERS = 30  # of the column
@@ -198,39 +199,6 @@ class FreeFieldMotion:
         """Return the mean velocity (k,) over elevations z (m), in m/s."""
         weights = np.mean([np.interp(z, self.levels, unit) for unit in np.eye(len(self.levels))], axis=1)
         return np.asarray(self.speeds @ weights)
-
-
-def interfaces_at(section: Section, right: bool) -> np.ndarray:
-    """Return the elevations of all interfaces of a section at one of its sides.
-
-    Parameters
-    ----------
-    section : the ground
-    right : whether the side is the right one
-
-    Returns
-    -------
-    Elevations (n,) from the surface down (m).
-    """
-    layering = section.layering
-    return layering.right[-1] if right else layering.left[0]
-
-
-def lowest_liquefied(section: Section, right: bool, strata: Iterable[int]) -> float | None:
-    """Return the elevation at which the ground beyond a side can slide.
-
-    Parameters
-    ----------
-    section : the ground
-    right : whether the side is the right one
-    strata : numbers of the strata that liquefy
-
-    Returns
-    -------
-    The lowest bottom of these strata at the side (m); None if none of them lies there.
-    """
-    levels, tolerance = interfaces_at(section, right), section.layering.tolerance
-    return min((float(levels[k + 1]) for k in strata if levels[k] - levels[k + 1] > tolerance), default=None)
 
 
 def _at_tops(of_layers: np.ndarray) -> np.ndarray:

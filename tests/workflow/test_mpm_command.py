@@ -141,8 +141,8 @@ def test_a_stopped_slide_goes_on_with_the_same_bits(
     assert times == []  # it had come to its end
 
 
-def test_points_have_the_sides_of_the_elements_unless_told_otherwise() -> None:
-    """Level ends are smooth where a file says nothing: level ground behind a face does not press on for ever."""
+def test_slides_have_free_field_sides_where_ground_liquefies_at_both_unless_told_otherwise() -> None:
+    """Level ends are smooth for the elements, whose sides count in slides if the file names them."""
     data = {
         "name": "face",
         "surface": [[0.0, 3.0], [20.0, 3.0], [26.0, 0.0], [40.0, 0.0]],
@@ -150,6 +150,10 @@ def test_points_have_the_sides_of_the_elements_unless_told_otherwise() -> None:
         "strata": [layer("sand", liquefies_in=[1], **SAND)],
         "slide": {"mpm_cells": 200, "cases": [{"residual": 0.1}]},
     }
+    config = Config.parse(data)
+    assert config.fem.sides == "smooth"
+    assert at_rest(config)[0].ground.sides == config.sides_of_slides == "free-field"
+    data["fem"] = {"sides": "smooth"}
     assert at_rest(Config.parse(data))[0].ground.sides == "smooth"
     data["slide"]["mpm_sides"] = "fixed"
     assert at_rest(Config.parse(data))[0].ground.sides == "fixed"

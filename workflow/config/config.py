@@ -11,7 +11,7 @@ from pydantic import PrivateAttr, ValidationError, model_validator
 from dem.case import Case, cases_of_loose_sand
 from dem.disc_count import usual_disc_count
 from dem.settings import AVERAGE, CASES, SlideSettings
-from fem.settings import Sides, usual_point_sides, usual_sides
+from fem.settings import Sides, usual_sides, usual_sides_of_slides
 from meshes.errors import InputError
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -234,7 +234,7 @@ class Config(Tables):
             fem, slide = settings.fem, settings.slide
             if "sides" not in fem.model_fields_set:
                 fem = fem.changed(sides=usual_sides(section))
-                if slide.mpm_sides is None and (sides := usual_point_sides(section)) is not None:
+                if slide.mpm_sides is None and (sides := usual_sides_of_slides(section)) is not None:
                     slide = slide.changed(mpm_sides=sides)
             dem = settings.dem
             if dem.model == "soil" and not dem.model_fields_set & {"elements", "radius"}:

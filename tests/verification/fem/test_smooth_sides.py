@@ -18,7 +18,7 @@ from fem.limit_load.limit_load import critical_limit_load
 from fem.path.gravity import gravity_equilibrium
 from fem.search.critical import critical_coefficient
 from fem.search.strength_reduction import limit_load_safety_factor, safety_factor
-from fem.settings import BoundsSettings, FemSettings, Sides, usual_point_sides, usual_sides
+from fem.settings import BoundsSettings, FemSettings, Sides, usual_sides, usual_sides_of_slides
 from meshes.gmsh_model import generate
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -212,4 +212,6 @@ def test_level_ground_behind_a_bank_is_held_for_material_points(left: float, rig
     surface = [[0.0, left], [40.0, 4.2], [52.0, -1.0], [80.0, -1.0], [90.0, right]]
     for mirrored in (False, True):
         points = [[90.0 - x, z] for x, z in reversed(surface)] if mirrored else surface
-        assert usual_point_sides(section(sand, base={"elevation": -8.0}, surface=points)) == sides
+        assert usual_sides_of_slides(section(sand, base={"elevation": -8.0}, surface=points)) == sides
+        liquefies = section(sand | {"liquefies_in": [1]}, base={"elevation": -8.0}, surface=points)
+        assert usual_sides_of_slides(liquefies) == "free-field"
