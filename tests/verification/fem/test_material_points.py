@@ -285,14 +285,13 @@ def test_apic_alone_loses_the_slide() -> None:
 
 @pytest.mark.slow
 def test_s13_under_the_cycles_of_its_earthquake_keeps_its_energy() -> None:
-    """12 % were lost where every step smoothed what the grid cannot resolve. The slide is 0.84, 0.84, 0.87 and 0.86 m
-    in 1,500, 2,000, 3,000 (the default) and 4,500 cells; it was 1.19 and 0.85 m while thin layers strained over whole
-    cells."""
+    """12 % were lost where every step smoothed what the grid cannot resolve. The slide is 1.88, 1.96, 2.02 and 2.03 m
+    in 1,500, 2,000, 3,000 (the default) and 4,500 cells."""
     config = config_after_triggering(Config.load(SECTIONS / "s13.toml"))
     fine, coarse = (governing_slide_of_points(config.with_settings("slide", mpm_cells=n), 2) for n in (3000, 1500))
     assert abs(fine.energy_lost_share) < ENERGY_TOLERANCE
-    assert 0.8 < fine.slide_max < 0.95
-    assert coarse.slide_max == pytest.approx(fine.slide_max, rel=0.07)
+    assert 1.9 < fine.slide_max < 2.15
+    assert coarse.slide_max == pytest.approx(fine.slide_max, rel=0.08)
 
 
 def test_ground_between_smooth_sides_settles_alike_everywhere() -> None:
