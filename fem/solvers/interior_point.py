@@ -32,13 +32,8 @@ MOST_WARM_ITERATIONS = 15  # from such a starting point
 MOST_ITERATIONS_BELOW_GAP, STALLED_ITERATIONS = 4, 8
 # Largest number of iterative refinements of a direction; the residual of a refined direction over the gap, and its
 # smallest and largest value; the residual of directions that only predict.
-MOST_REFINEMENTS, RESIDUAL_OVER_GAP, SMALLEST_RESIDUAL, LARGEST_RESIDUAL, PREDICTOR_RESIDUAL = (
-    10,
-    1e-5,
-    1e-10,
-    1e-5,
-    1e-3,
-)
+MOST_REFINEMENTS, RESIDUAL_OVER_GAP, PREDICTOR_RESIDUAL = 10, 1e-5, 1e-3
+SMALLEST_RESIDUAL, LARGEST_RESIDUAL = 1e-10, 1e-5
 # The refinement ends if a step leaves a larger share of the residual.
 LARGEST_REDUCTION = 0.8
 # Initial, largest and smallest δ of clay (``corner_stiffness.py``), and the ratio of its changes. If δ is too small,

@@ -116,7 +116,7 @@ def test_a_quay_on_firm_ground_stands_without_shaking_beside_liquefied_sand() ->
     """
     config = read_case(FOLDER / "kobe_lp_tank_w57.toml").config
     assert config is not None
-    config = config.with_settings("slide", mpm_cells=600)
+    config = config.with_settings("slide", mpm_cells=600, mpm_sides="smooth")
     slider, _ = at_rest(config)
     programme = programme_of(config, number_of("median", config.cases))
     slide = slider.run(replace(programme, shaking=np.zeros_like, rest_from=5.2, duration=12.0))
