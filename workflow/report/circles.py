@@ -186,7 +186,7 @@ def of_longer_sections(circles: Sequence[CirclePart]) -> Iterator[str]:
         yield (
             f"the critical slip {which} {ways} {are} cut off by the {side} side of the section; in a section that is "
             f"lengthened beyond its sides the critical Kh is {values}: extend the section by {more:g} m at this side, "
-            f'or set beyond = "{more:g} m"'
+            f"or add {more:g} m to beyond"
         )
 
 

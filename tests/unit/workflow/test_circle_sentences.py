@@ -196,7 +196,7 @@ def test_a_circle_that_a_side_cuts_off_is_told_with_the_length_that_is_missing()
     item = CirclePart.model_construct(towards="left", bishop=0.111, longer=longer)
     (messages,) = of_longer_sections((item,))
     assert "0.098 instead of 0.111" in messages
-    assert 'beyond = "15 m"' in messages
+    assert "add 15 m to beyond" in messages  # a file with beyond = "30 m" was told to set 28 m, which shortened it
     whole = item.model_copy(update={"surface_m": ((0.0, 5.0), (9.0, 0.0)), "spencer": 0.115, "strengthened": False})
     answer = SlicesAnswer.model_construct(
         factors=(), critical=(whole,), reason="", after_shaking=None, endless=False, weak_layers=(), strong_blocks=()
