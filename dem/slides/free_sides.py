@@ -10,7 +10,8 @@ increases by
 
     Δv = `RELIEF` ((N - N_0) / (ρ V_p h) - (v - v_f)),   N_0 = σ'_v h K_0,   K_0 = ν / (1 - ν).
 
-Here h is the height of a strip and V_p the velocity of P-waves. In strata that liquefy K_0 is 1 from the beginning
+Here h is the height of a strip and V_p the velocity of P-waves. The ground beyond bears no pull, and no more than its
+passive pressure: v - v_f counts up to the value at which it would. In strata that liquefy K_0 is 1 from the beginning
 (`before_liquefaction`), and the ground settles by the water that drains. The stress σ'_v is the vertical effective
 stress of the section at the side, times the ratio of the weight of all discs to the weight of the section. Both sides
 of level ground therefore carry the same force. The discs nearest to each side are heavier or lighter by a few per cent;
@@ -55,6 +56,8 @@ class _Strip:
         plane)
     impedance : ρ V_p times height (N s/m per metre out of plane)
     points (n,) : elevations over which quantities of the strip are averaged (m)
+    height : height of the strip (m)
+    passive : largest force that the ground beyond bears (N per metre out of plane)
     """
 
     side: str
@@ -64,6 +67,8 @@ class _Strip:
     liquefied: float
     impedance: float
     points: np.ndarray
+    height: float
+    passive: float = np.inf
 
 
 class FreeSides:
@@ -118,7 +123,9 @@ class FreeSides:
                 soils = np.clip(np.searchsorted(-levels, -middles) - 1, 0, len(section.strata) - 1)
                 impedance = float(np.mean([_p_wave_impedance(section.strata[k]) for k in soils]))
                 at_rest, after = height * self._pressures(outwards, levels, wet, middles, soils).mean(axis=1)
-                strips.append(_Strip(side, outwards, wall, float(at_rest), float(after), height * impedance, middles))
+                strips.append(
+                    _Strip(side, outwards, wall, float(at_rest), float(after), height * impedance, middles, height)
+                )
         return strips
 
     def _pressures(
@@ -178,6 +185,8 @@ class FreeSides:
             starts, stiffness = {k: motion.starts[k] for k in strata}, 1.0 if case is None else case.stiffness
             field = FreeField(section, side == "right", starts, remains, motion.onset, stiffness)
             moves = field.velocities(shaking, motion.end)
+            for strip in strips:
+                strip.passive = strip.height * self.heavier * float(field.passive_pressure(strip.points).mean())
             self.beyond += [(moves.times, strip.outwards * moves.mean(strip.points)) for strip in strips]
 
     def _by_side(self) -> dict[str, list[_Strip]]:
@@ -230,7 +239,8 @@ class FreeSides:
             wanted = strip.at_rest + share * (strip.liquefied - strip.at_rest)
             excess = strip.outwards * float(force_x[strip.wall].sum()) - wanted
             speed = strip.outwards * float(model.vx[strip.wall].mean())
-            speed += RELIEF * (excess / strip.impedance - (speed - free))
+            bears = np.array([-wanted, max(strip.passive - wanted, 0.0)]) / strip.impedance
+            speed += RELIEF * (excess / strip.impedance - float(np.clip(speed - free, *bears)))
             moved = self._moved(model, strip)
             if abs(moved) >= WALL_DISTANCE * self.diameter and speed * moved > 0.0:
                 speed = 0.0

@@ -7,9 +7,9 @@ waves away (Lysmer & Kuhlemeyer 1969, J. Eng. Mech. Div. ASCE 95, 859-877): the 
     F = F_0 - ρ V_p h (v - v_f),
 
 with the force at rest F_0, the height h of the side that belongs to the point, and the velocity V_p of compression
-waves. Ground does not pull. Ground beyond a side at which no stratum liquefies does not move by itself. Where nothing
-liquefies at all, sides keep F_0. The pressure is updated every batch of steps, by `RELIEF` of the difference. Forces
-are positive to the right, in N per metre out of plane.
+waves. The pressure is at most the passive one (Rankine 1857), and ground does not pull. Ground beyond a side at which
+no stratum liquefies does not move by itself. Where nothing liquefies at all, sides keep F_0. The pressure is updated
+every batch of steps, by `RELIEF` of the difference. Forces are positive to the right, in N per metre out of plane.
 """
 
 from collections.abc import Mapping
@@ -52,7 +52,7 @@ class SidePressure:
         points, section = ground.points, ground.section
         self.engine, self.at_rest = engine, engine.original(points.side)
         places, state = engine.original(points.x) + ground.offset, engine.original(points.state)
-        numbers, resistance, speeds = [np.zeros(0, int)], [np.zeros(0)], []
+        numbers, resistance, passive, speeds = [np.zeros(0, int)], [np.zeros(0)], [np.zeros(0)], []
         self.times = np.zeros(1)
         for right in (False, True):
             of_side = np.flatnonzero(self.at_rest < 0.0 if right else self.at_rest > 0.0)
@@ -64,12 +64,16 @@ class SidePressure:
             numbers.append(of_side)
             resistance.append(density * waves * height)
             if lowest_liquefied(section, right, starts) is None:
+                passive.append(np.full(len(of_side), np.inf))
                 speeds += [np.zeros(1)] * len(of_side)
                 continue
-            field = FreeField(section, right, starts, remains, onset, by_stiffness=True).velocities(shaking, end)
-            self.times = field.times
-            speeds += [field.mean(places[number, 1:]) for number in of_side]
+            field = FreeField(section, right, starts, remains, onset, by_stiffness=True)
+            motion = field.velocities(shaking, end)
+            self.times = motion.times
+            passive.append(field.passive_pressure(places[of_side, 1]) * height)
+            speeds += [motion.mean(places[number, 1:]) for number in of_side]
         self.numbers, self.resistance = np.concatenate(numbers), np.concatenate(resistance)
+        self.passive = np.concatenate(passive)
         self.speeds = [np.broadcast_to(series, len(self.times)) for series in speeds]
 
     def change(self, where: np.ndarray, at_rest: np.ndarray) -> None:
@@ -94,7 +98,8 @@ class SidePressure:
         at_rest, side = self.at_rest[self.numbers], points.side[where]
         wanted = at_rest - self.resistance * (points.v[where, 0] - base - beyond)
         inwards = np.sign(at_rest)
-        wanted = inwards * np.maximum(inwards * wanted, SMALLEST_FORCE)
+        most = np.maximum(self.passive, np.abs(at_rest))
+        wanted = inwards * np.clip(inwards * wanted, SMALLEST_FORCE, most)
         points.side[where] = np.where(side != 0.0, side + RELIEF * (wanted - side), 0.0)
 
 

@@ -116,6 +116,39 @@ class FreeField:
         times = RECORD_INTERVAL * np.arange(len(speeds))
         return FreeFieldMotion(levels, times, np.column_stack([np.zeros(len(speeds)), speeds]))
 
+    def passive_pressure(self, z: np.ndarray) -> np.ndarray:
+        """Return the effective passive pressure of the ground beyond the side after liquefaction.
+
+        Parameters
+        ----------
+        z (n,) : elevations above the base of the column (m)
+
+        Returns
+        -------
+        Pressure (n,) in Pa: (σ'_v (1 + sin φ) + 2 c cos φ) / (1 - sin φ) (Rankine 1857), and σ'_v + 2 s_r of liquefied
+        ground with the residual strength s_r.
+        """
+        levels, strata = self.levels
+        numbers = strata[np.clip(np.searchsorted(levels, z) - 1, 0, len(strata) - 1)]
+        points = self._points(np.clip(z, levels[0], levels[-1]))
+        load = self.section.surface_loads.pressure(points[:, 0], points[:, 0])
+        stress = self.section.water_pressure.vertical_effective(points, points, numbers, load=load)
+        soils = self.section.cohesion_field.means()
+        sine = np.array([np.sin(soils[k].friction_angle) for k in numbers])
+        cohesion = np.array([soils[k].cohesion for k in numbers]) * np.sqrt(1.0 - sine**2)
+        for k in self.remains:
+            inside = numbers == k
+            sine[inside], cohesion[inside] = 0.0, self._residual_strength(k, stress[inside], soils[k].cohesion)
+        return np.asarray((stress * (1.0 + sine) + 2.0 * cohesion) / (1.0 - sine))
+
+    def _residual_strength(self, stratum: int, stress: np.ndarray, cohesion: float) -> np.ndarray:
+        """Return the strength (n,) of a liquefied stratum in Pa; stress (n,): vertical effective stress (Pa); cohesion:
+        that before liquefaction (Pa)."""
+        remains, soil = self.remains[stratum], self.section.strata[stratum]
+        by_stress = remains.residual + remains.friction * np.tan(soil.friction_angle)
+        strength = by_stress * stress + remains.strength + remains.cohesion * cohesion
+        return np.maximum(strength, LEAST_STRENGTH)
+
     def _points(self, z: np.ndarray) -> np.ndarray:
         left, right = self.section.extent
         tiny = 1e-9 * (right - left)
@@ -166,10 +199,8 @@ class FreeField:
         modulus: np.ndarray,
     ) -> None:
         """Set the laws (n, 6) of the layers ``inside`` a stratum to those after liquefaction."""
-        remains, soil = self.remains[stratum], self.section.strata[stratum]
-        by_stress = remains.residual + remains.friction * np.tan(soil.friction_angle)
-        strength = by_stress * stress[inside] + remains.strength + remains.cohesion * cohesion
-        strength = np.maximum(strength, LEAST_STRENGTH)
+        remains = self.remains[stratum]
+        strength = self._residual_strength(stratum, stress[inside], cohesion)
         elastic = np.minimum(strength / (modulus[inside] * self.stiffness), LARGEST_ELASTIC_STRAIN)
         laws[inside, column.STRENGTH], laws[inside, column.REGAINING] = strength, elastic
         laws[inside, column.VISCOSITY] *= self.stiffness

@@ -100,6 +100,15 @@ def test_a_side_does_not_pull() -> None:
     for _ in range(10):
         pressure.follow()
     assert (points.side[left] >= 0.0).all()
+    points.v[left, 0] = -50.0
+    for _ in range(20):
+        pressure.follow()
+    passive = dict(zip(pressure.numbers, pressure.passive, strict=True))
+    most = np.array([passive[number] for number in slider.engine.order[left]])
+    assert points.side[left] == pytest.approx(most, rel=1e-3)  # ground beyond yields
+    points.v[left, 0] = 5.0
+    for _ in range(20):
+        pressure.follow()
     points.v[left, 0] = -0.1
     at_rest = points.side[left].sum()
     for _ in range(10):

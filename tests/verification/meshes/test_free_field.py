@@ -104,3 +104,11 @@ def test_a_side_where_nothing_liquefies_has_no_free_field() -> None:
     section = field(0.035, Case(residual_strength=6e3)).section
     with pytest.raises(ValueError, match="no stratum liquefies"):
         _ = FreeField(section, True, {}, {}, ONSET).foot
+
+
+def test_passive_pressure_is_that_of_rankine_and_of_liquefied_ground() -> None:
+    """σ'_v (1 + sin φ) / (1 - sin φ) + 2 c cos φ / (1 - sin φ) in the crust, σ'_v + 2 s_r in the liquefied layer."""
+    of = field(0.0, Case(residual_strength=6e3))
+    sine, weight = np.sin(np.radians(33.0)), DENSITY * GRAVITY
+    crust = (weight * 1.5 * (1.0 + sine) + 2.0 * 5e3 * np.cos(np.radians(33.0))) / (1.0 - sine)
+    assert of.passive_pressure(np.array([-1.5, -4.0])) == pytest.approx([crust, weight * 4.0 + 2.0 * 6e3], rel=1e-3)
