@@ -12,6 +12,8 @@ from workflow.config import Config
 from workflow.stages.mpm import PointRun, at_rest, slide_of_points
 
 LARGEST_DIFFERENCE = 1e-4  # m; rounding errors grow to some 1e-6 m
+# Of the slide: in a mirrored section sums are rounded in another order, which over a slide of 18 m becomes 0.2 mm.
+DIFFERENCE_SHARE = 2e-5
 SHIFTS = ((1.0, 0.0, 0.4517), (1.0, -1003.3721, 312.7119), (-1.0, 17.03, -2.37))  # sense of x, and shifts (m)
 
 
@@ -65,13 +67,14 @@ def _slid(config: Config, case: int) -> PointSlide:
 def _same(slide: PointSlide, other: PointSlide, sense: float, dx: float, dz: float) -> None:
     """Check that a slide is that of the section before it was mirrored and shifted."""
     way = int(sense)
+    largest = max(LARGEST_DIFFERENCE, DIFFERENCE_SHARE * other.slide_max)
     assert slide.times == other.times
     assert other.slide_max > 0.3
-    assert slide.slide[-1] == pytest.approx(other.slide[-1][::way], abs=LARGEST_DIFFERENCE)
-    assert slide.settlement[-1] == pytest.approx(other.settlement[-1][::way], abs=LARGEST_DIFFERENCE)
+    assert slide.slide[-1] == pytest.approx(other.slide[-1][::way], abs=largest)
+    assert slide.settlement[-1] == pytest.approx(other.settlement[-1][::way], abs=largest)
     moved = np.array([sense, 1.0]) * other.surface_after[::way] + np.array([dx, dz])
     order, expected = slide.surface_after[:, 0].argsort(), moved[moved[:, 0].argsort()]
-    assert slide.surface_after[order] == pytest.approx(expected, abs=LARGEST_DIFFERENCE)
+    assert slide.surface_after[order] == pytest.approx(expected, abs=largest)
 
 
 @pytest.mark.parametrize("sides", ["fixed", "free-field"])
