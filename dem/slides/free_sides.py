@@ -37,6 +37,7 @@ from dem.slides.until_rest import come_to_rest
 from dem.springs import wave_speeds
 from meshes.section.free_field import FreeField
 from meshes.section.section import Section, Stratum
+from meshes.section.sides import interfaces_at
 
 RELIEF = 0.5
 STRIP_WIDTH, WALL_DISTANCE = 2.0, 9.0  # mean diameters
@@ -87,31 +88,28 @@ class FreeSides:
         self.ground, self.places = ground, start.x.copy()
         self.diameter = 2.0 * ground.radius
         self.strips: list[_Strip] = []
-        self.feet: dict[str, float] = {}  # elevation of the lowest bottom of a stratum that liquefies, by side
         self.began = start.time
         self.beyond: list[tuple[np.ndarray, np.ndarray]] = []  # time and outward velocity of the ground beyond strips
         section = ground.section
         if section is None or start.period is not None or ground.tilt != 0.0:
             return
         self.heavier = _weight_ratio(start, ground, section)
-        for side, outwards, levels in (
-            ("left", -1, section.layering.left[0]),
-            ("right", 1, section.layering.right[-1]),
-        ):
+        for side, outwards in (("left", -1), ("right", 1)):
+            levels = interfaces_at(section, outwards > 0)
             wet = [k for k in strata if levels[k] - levels[k + 1] > section.layering.tolerance]
             if wet:
-                self.feet[side] = min(levels[k + 1] for k in wet)
                 self.strips += self._strips(start, side, outwards, levels, wet)
+        self.beyond = [(np.zeros(1), np.zeros(1))] * len(self.strips)
 
     def _strips(
         self, start: DiscModel, side: str, outwards: int, levels: np.ndarray, wet: Sequence[int]
     ) -> list[_Strip]:
         """Return the strips of a side; levels: elevations of the interfaces at the side (m); wet: strata at the side
         that liquefy."""
-        section, diameter, foot = self.ground.section, self.diameter, self.feet[side]
+        section, diameter = self.ground.section, self.diameter
         assert section is not None
-        x, z = self.ground.to_local(start.x, start.z)
-        beyond = outwards * (x - section.extent[1 if outwards > 0 else 0])
+        z, beyond = self.ground.to_local(start.x, start.z)[1], self._beyond(start, outwards)
+        foot = min(levels[k + 1] for k in wet)
         count = max(1, round((levels[0] - foot) / (STRIP_WIDTH * diameter)))
         height, strips = (levels[0] - foot) / count, []
         for number in range(count):
@@ -152,16 +150,14 @@ class FreeSides:
     def with_thick_walls(self, start: DiscModel) -> DiscModel:
         """Return the discs of the start with thicker walls, which belong to the strips of these walls. Discs that have
         thick walls are returned unchanged."""
-        section, radius = self.ground.section, self.ground.radius
-        x = self.ground.to_local(start.x, start.z)[0]
+        width = RIM * self.ground.radius
         for strips in self._by_side().values():
-            assert section is not None
             outwards = strips[0].outwards
-            beyond = outwards * (x - section.extent[1 if outwards > 0 else 0])
-            walls, count = np.flatnonzero(start.fixed[: len(x)] & (beyond > 0.0)), len(start)
-            if beyond[walls].max() > 2.0 * RIM * radius:
+            beyond, count = self._beyond(start, outwards), len(start)
+            walls = np.flatnonzero(start.fixed & (beyond > 0.0))
+            if beyond[walls].max() > 2.0 * width:
                 continue
-            start, source = with_copies(start, walls, outwards * RIM * radius, COPIES)
+            start, source = with_copies(start, walls, outwards * width, COPIES)
             for strip in strips:
                 strip.wall = np.concatenate([strip.wall, count + np.flatnonzero(np.isin(source, strip.wall))])
         self.places = start.x.copy()
@@ -190,7 +186,16 @@ class FreeSides:
             self.beyond += [(moves.times, strip.outwards * moves.mean(strip.points)) for strip in strips]
 
     def _by_side(self) -> dict[str, list[_Strip]]:
-        return {side: [strip for strip in self.strips if strip.side == side] for side in self.feet}
+        sides = dict.fromkeys(strip.side for strip in self.strips)
+        return {side: [strip for strip in self.strips if strip.side == side] for side in sides}
+
+    def _beyond(self, model: DiscModel, outwards: int) -> np.ndarray:
+        """Return the distance (n,) of the discs beyond a side (m), negative inside the section; outwards: -1 for the
+        left side, 1 for the right one."""
+        section = self.ground.section
+        assert section is not None
+        x = self.ground.to_local(model.x, model.z)[0]
+        return outwards * (x - section.extent[1 if outwards > 0 else 0])
 
     def before_shaking(self, start: DiscModel, strata: Sequence[int], case: Case | None) -> DiscModel:
         """Return the discs at rest before the shaking.
@@ -232,10 +237,8 @@ class FreeSides:
         contacts, rigid lines and liquefied ground (N per metre).
         """
         vx = model.vx.copy()
-        beyond = [float(np.interp(model.time - self.began, *series)) for series in self.beyond] or [0.0] * len(
-            self.strips
-        )
-        for strip, free in zip(self.strips, beyond, strict=True):
+        for strip, series in zip(self.strips, self.beyond, strict=True):
+            free = float(np.interp(model.time - self.began, *series))
             wanted = strip.at_rest + share * (strip.liquefied - strip.at_rest)
             excess = strip.outwards * float(force_x[strip.wall].sum()) - wanted
             speed = strip.outwards * float(model.vx[strip.wall].mean())
@@ -273,8 +276,7 @@ def _vertical_stress(section: Section, x: np.ndarray, z: np.ndarray, strata: np.
     left, right = section.extent
     tiny = 1e-9 * (right - left)
     points = np.column_stack([np.clip(x, left + tiny, right - tiny), z])
-    load = section.surface_loads.pressure(points[:, 0], points[:, 0])
-    return section.water_pressure.vertical_effective(points, points, strata, load=load)
+    return section.surface_loads.vertical_effective(points, strata)
 
 
 def _weight_ratio(start: DiscModel, ground: Ground, section: Section) -> float:

@@ -12,8 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from meshes.section.earth_pressure import active_pressure, passive_pressure
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
+from meshes.section.sides import interfaces_at
 
 UPWARDS = np.array([[0.0, 1.0]])
 
@@ -63,8 +65,7 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
     -------
     The horizontal effective stress of the strata that reach this side, tension positive.
     """
-    layers = section.layering
-    elevation = layers.left[0] if side == "left" else layers.right[-1]
+    elevation = interfaces_at(section, side == "right")
     effective = _vertical_stress(section, side, elevation)
     places, interior_points = _stratum_ends(section, side, elevation)
     present_strata = np.flatnonzero(elevation[:-1] > elevation[1:])
@@ -78,8 +79,8 @@ def k0_stress(section: Section, side: str, resultants: Sequence[float] | np.ndar
         factor = -resultants[k] / force if force > 0.0 else 1.0
         sin, cos = np.sin(soil.friction_angle), np.cos(soil.friction_angle)
         cohesion = section.cohesion_field.at(places[k], interior_points[k], np.array([k, k]))
-        active = np.maximum(((1.0 - sin) * vertical - 2.0 * cohesion * cos) / (1.0 + sin), 0.0)
-        passive = ((1.0 + sin) * vertical + 2.0 * cohesion * cos) / (1.0 - sin)
+        active = np.maximum(active_pressure(vertical, sin, cohesion * cos), 0.0)
+        passive = passive_pressure(vertical, sin, cohesion * cos)
         # Half-way to either limit at most: loose ground at the limit at its surface would not stand any push.
         lowest, highest = (0.5 * (np.clip(plain, active, passive) + limit) for limit in (active, passive))
         sides.append(-np.clip(factor * plain, lowest, highest))

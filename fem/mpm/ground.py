@@ -25,6 +25,7 @@ from fem.mpm.points import MaterialPoints, PointSoil
 from fem.mpm.pore_water import ROUNDING, between_sides, uplift
 from fem.settings import Sides
 from meshes.section.alike_sides import has_alike_sides
+from meshes.section.earth_pressure import active_pressure
 from meshes.section.layering import middles
 from meshes.section.quantity import GRAVITY
 from meshes.section.section import Section
@@ -188,14 +189,12 @@ def with_free_sides(ground: PointGround, order: np.ndarray) -> PointGround:
 def _side_pressure(points: MaterialPoints, at_side: np.ndarray, effective: np.ndarray) -> np.ndarray:
     """Return the effective horizontal pressure (k,) in Pa of the ground beyond a side on the points ``at_side``.
 
-    It is K0 σ_v, with K0 = ν / (1 - ν), and at least the active pressure (Rankine 1857), σ_h = (σ_v (1 - sin φ) - 2 c
-    cos φ) / (1 + sin φ), without which cohesionless ground would flow out. The stress of the ground between rigid sides
-    is no such pressure: a slope leans on its lower side, which would support it for ever. ``effective`` (k,): vertical
-    effective stress σ_v of the points (Pa).
+    It is K0 σ_v, with K0 = ν / (1 - ν), and at least the active pressure, without which cohesionless ground would flow
+    out. The stress of the ground between rigid sides is no such pressure: a slope leans on its lower side, which would
+    support it for ever. ``effective`` (k,): vertical effective stress σ_v of the points (Pa).
     """
     bulk, shear, sine, strength = points.properties[at_side][:, [law.BULK, law.SHEAR, law.SIN_PHI, law.STRENGTH]].T
-    active = (effective * (1.0 - sine) - 2.0 * strength) / (1.0 + sine)
-    return np.maximum((bulk - shear) / (bulk + shear) * effective, active)
+    return np.maximum((bulk - shear) / (bulk + shear) * effective, active_pressure(effective, sine, strength))
 
 
 def _row_of_nodes(section: Section, slope: float, cell: float) -> float:
@@ -308,10 +307,8 @@ def _effective(section: Section, places: np.ndarray, owners: np.ndarray) -> tupl
     """
     points_inside = between_sides(section, places)
     points_inside[:, 1] = np.maximum(points_inside[:, 1], section.layering.interface(-1, points_inside[:, 0]))
-    water, stratum = section.water_pressure, np.maximum(owners, 0)
-    stratum = np.where(owners < 0, section.layering.strata - 1, stratum)
-    load = section.surface_loads.pressure(points_inside[:, 0], points_inside[:, 0])
-    effective_stress = water.vertical_effective(points_inside, points_inside, stratum, load=load)
+    stratum = np.where(owners < 0, section.layering.strata - 1, owners)
+    effective_stress = section.surface_loads.vertical_effective(points_inside, stratum)
     return effective_stress, section.cohesion_field.effective_stress(points_inside, points_inside, stratum)
 
 

@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from meshes.section import shear_column as column
+from meshes.section.earth_pressure import passive_pressure
 from meshes.section.liquefies import RemainingStrength
 from meshes.section.section import Section
 from meshes.section.sides import interfaces_at, lowest_liquefied
@@ -125,21 +126,19 @@ class FreeField:
 
         Returns
         -------
-        Pressure (n,) in Pa: (σ'_v (1 + sin φ) + 2 c cos φ) / (1 - sin φ) (Rankine 1857), and σ'_v + 2 s_r of liquefied
-        ground with the residual strength s_r.
+        Pressure (n,) in Pa; of liquefied ground σ'_v + 2 s_r, with its residual strength s_r.
         """
         levels, strata = self.levels
         numbers = strata[np.clip(np.searchsorted(levels, z) - 1, 0, len(strata) - 1)]
         points = self._points(np.clip(z, levels[0], levels[-1]))
-        load = self.section.surface_loads.pressure(points[:, 0], points[:, 0])
-        stress = self.section.water_pressure.vertical_effective(points, points, numbers, load=load)
+        stress = self.section.surface_loads.vertical_effective(points, numbers)
         soils = self.section.cohesion_field.means()
         sine = np.array([np.sin(soils[k].friction_angle) for k in numbers])
         cohesion = np.array([soils[k].cohesion for k in numbers]) * np.sqrt(1.0 - sine**2)
         for k in self.remains:
             inside = numbers == k
             sine[inside], cohesion[inside] = 0.0, self._residual_strength(k, stress[inside], soils[k].cohesion)
-        return np.asarray((stress * (1.0 + sine) + 2.0 * cohesion) / (1.0 - sine))
+        return passive_pressure(stress, sine, cohesion)
 
     def _residual_strength(self, stratum: int, stress: np.ndarray, cohesion: float) -> np.ndarray:
         """Return the strength (n,) of a liquefied stratum in Pa; stress (n,): vertical effective stress (Pa); cohesion:
@@ -168,9 +167,7 @@ class FreeField:
         """Return the laws of shear (2, n, 6) of the layers before and after liquefaction."""
         levels, numbers = self.levels
         section = self.section
-        middle = self._points(0.5 * (levels[1:] + levels[:-1]))
-        load = section.surface_loads.pressure(middle[:, 0], middle[:, 0])
-        stress = section.water_pressure.vertical_effective(middle, middle, numbers, load=load)
+        stress = section.surface_loads.vertical_effective(self._points(0.5 * (levels[1:] + levels[:-1])), numbers)
         soils = section.cohesion_field.means()
         tangent, cohesion, modulus = np.array([
             (np.tan(soil.friction_angle), soil.cohesion, soil.youngs_modulus / (2.0 * (1.0 + soil.poissons_ratio)))

@@ -117,6 +117,12 @@ class SurfaceLoads:
         (n,)."""
         return sum((s.at(x, near) for s in self.surcharges), np.zeros(len(x)))
 
+    def vertical_effective(self, points: np.ndarray, stratum: np.ndarray) -> np.ndarray:
+        """Return the vertical effective stress (n,) in Pa under all surcharges, at points (n, 2) in m inside the
+        ground; ``stratum`` (n,): their strata."""
+        load = self.pressure(points[:, 0], points[:, 0])
+        return self.water.vertical_effective(points, points, stratum, load=load)
+
     def consolidated(self, x: np.ndarray, near: np.ndarray) -> np.ndarray:
         """Return the shares (n,) of the surcharges, in Pa, under which the ground has consolidated before shaking."""
         return sum((s.consolidated * s.at(x, near) for s in self.surcharges), np.zeros(len(x)))
